@@ -7,8 +7,8 @@ from typing import Any
 
 from mpmfw.campaigns.grid import RunGrid
 from mpmfw.campaigns.judging import Judge
-from mpmfw.studies.grid import make_grid
 from mpmfw.studies.loading import load_study
+from mpmfw.studies.study import make_grid
 from scenes_for_tests import SOFT
 
 #: A block of 6 × 4 points on a plane, not settled: a run of milliseconds. Surfaces lie off the grid lines.

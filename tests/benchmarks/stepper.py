@@ -25,7 +25,7 @@ from rich.console import Console
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from mpmfw.benchmark import table
-from mpmfw.campaigns.machine import Load, processor
+from mpmfw.campaigns.work import Load, processor
 from yardstick.kernels import SHAPES, measure_kernels, measure_rings
 from yardstick.plain import compiler_version, compilers
 

@@ -15,7 +15,7 @@ import mpmfw
 from mpmfw.cli import app
 from mpmfw.errors import SceneError
 from mpmfw.scene.toml_text import toml_text
-from mpmfw.studies.advice import advice, method_rows
+from mpmfw.studies.conclusion import advice, method_rows
 from studies_for_tests import SLIDING
 
 pytestmark = pytest.mark.filterwarnings("default::mpmfw.errors.ResultsWarning")

@@ -18,8 +18,8 @@ from mpmfw.results.domains import triangles_of
 from mpmfw.results.references import RollingReference, reference_of
 from mpmfw.scene import load_scene, shipped_scenes
 from mpmfw.scene.toml_text import toml_text
-from mpmfw.studies.grid import make_grid
 from mpmfw.studies.loading import load_study
+from mpmfw.studies.study import make_grid
 from scenes_for_tests import two_blocks
 
 #: Keys of a scene that name plug-ins.

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from mpmfw.campaigns.costs import costs_of, least, over_repeats
-from mpmfw.campaigns.outcome import COSTS, Cost
+from mpmfw.campaigns.grid_runs import costs_of, least, over_repeats
+from mpmfw.campaigns.store import COSTS, Cost
 from mpmfw.state.clock import STEP_STAGES
 
 

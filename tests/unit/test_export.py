@@ -15,7 +15,7 @@ import mpmfw
 from drop_for_tests import drop, drop_scene
 from mpmfw.cli import app
 from mpmfw.geometry.facets import neighbours_of, stars_of
-from mpmfw.geometry.triangles import sphere_surface
+from mpmfw.geometry.solids import sphere_surface
 from mpmfw.kernels import Facets, minimum_gap
 from mpmfw.paraview.distances import distances_in_space
 from scenes_for_tests import ball_on_a_box, with_changes

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import mpmfw
-from mpmfw.geometry.triangles import sphere_surface
+from mpmfw.geometry.solids import sphere_surface
 from mpmfw.plots import plane_cut, rendered
 from mpmfw.plots.plane_cut import cut_lines
 from scenes_for_tests import ball_on_a_box

@@ -41,6 +41,11 @@ TWO = study(
     plain=[(0.02, 1.0), (0.009, 3.0)],
     plain_best=[(0.5, 1.0), (0.2, 2.0)],
 )
+ALONG_X = ONE.assign_attrs(quantity="impulse", about='{"axis": "x"}')
+
+
+def test_a_ranking_says_what_errors_are_of() -> None:
+    assert rank([ALONG_X, ALONG_X], about={"axis": "x"}).attrs["errors"] == "impulse along x"
 
 
 def test_a_method_counts_at_the_cheapest_of_its_settings() -> None:
@@ -95,6 +100,8 @@ def test_a_problem_that_a_method_did_not_run_does_not_count_against_it() -> None
         ([ONE.assign_attrs(kind="run")], {}, "dataset: expected the results of a study"),
         ([ONE], {"by": "shape"}, "does not vary 'shape'; it varies contact, cell_size"),
         ([], {}, "nothing to rank: no run has an error and a cost"),
+        ([ALONG_X], {"about": {"axis": "y"}}, "axis y: dataset has the error of impulse along x"),
+        ([ONE], {"about": {"body": "disc"}}, "body disc: dataset has the error of"),
     ],
 )
 def test_what_cannot_be_ranked_is_refused(

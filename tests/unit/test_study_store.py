@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from mpmfw.campaigns.outcome import Cost, Outcome
-from mpmfw.campaigns.store import Store
+from mpmfw.campaigns.store import Cost, Outcome, Store
 from mpmfw.errors import SceneError
 
 COST = Cost("exclusive", {"cpu_time": 1.5}, {"shape": 0.5}, {"shape": 0.1})

@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 
 from mpmfw.geometry.cut_cells import cut_cells
-from mpmfw.geometry.extrusion import Cylinder, Extrusion
+from mpmfw.geometry.disc import Ring
+from mpmfw.geometry.extrusion import Cylinder, Extrusion, Revolution, Torus
 from mpmfw.geometry.facets import neighbours_of, tributaries_of
 from mpmfw.geometry.layout import layout_of_boxes
 from mpmfw.geometry.polygon import Polygon
-from mpmfw.geometry.revolution import Revolution, Torus
-from mpmfw.geometry.ring import Ring
 from mpmfw.geometry.solid import joined, turning
 from mpmfw.geometry.solids import Ball, Box
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mpmfw.geometry.facets import tributaries_of
-from mpmfw.geometry.triangles import box_surface
+from mpmfw.geometry.solids import box_surface
 
 
 def weights(edge):

@@ -11,8 +11,8 @@ import numpy as np
 import shapely
 import xarray as xr
 
+from mpmfw.geometry.disc import Ring
 from mpmfw.geometry.layout import parallelogram_corners
-from mpmfw.geometry.ring import Ring
 from mpmfw.state.fields import FloatArray
 
 TIMES = (0.0, 0.4e-3, 1.6e-3, 3.2e-3)  #: of [H17] figure 3 [s]

@@ -9,13 +9,12 @@ from typing import Any, Unpack
 
 import xarray as xr
 
-from mpmfw.campaigns.costs import costs_of, least, over_repeats
 from mpmfw.campaigns.execution import Execution, Running
 from mpmfw.campaigns.grid import RunGrid, make_grid
-from mpmfw.campaigns.grid_runs import GridRuns
+from mpmfw.campaigns.grid_runs import GridRuns, costs_of, least, over_repeats
 from mpmfw.campaigns.judging import judge_all
-from mpmfw.campaigns.outcome import COSTS
 from mpmfw.campaigns.running import Event
+from mpmfw.campaigns.store import COSTS
 from mpmfw.errors import ResultsWarning, SceneError, status_code
 from mpmfw.results.concatenation import concatenate_runs
 
@@ -80,18 +79,7 @@ def run_grid(
 ) -> xr.Dataset:
     """Run all points of a grid, and join what came of them, as :func:`campaign` returns it.
 
-    Parameters
-    ----------
-    grid, execution
-        What runs, and how.
-    measures, reference
-        As :func:`campaign` takes them.
-    threads
-        Of each run that takes place in this process, instead of the scene's; processes beside each other have
-        one each.
-    grown
-        Called with the dataset so far after each run.
-    """
+    ``threads`` is that of each run in this process; ``grown`` gets the dataset so far after each run."""
     if all(one.scene is None for one in grid.combinations.values()):
         raise SceneError(problems=next(iter(grid.combinations.values())).problems)
     judges = judge_all(grid, measures, reference)
@@ -123,9 +111,7 @@ def run_grid(
 
 
 def dataset_of(runs: GridRuns, *, fields: bool = True) -> xr.Dataset:
-    """Join what is known of a grid: series, status, costs and the conditions that they were measured
-    under.
-    """
+    """Join series, status, costs and the conditions of their measurement."""
     grid, costs = runs.grid, runs.costs()
     results = {index: runs.results(index) for index, _, _ in runs.known()}
     trees = {index: tree for index, tree in results.items() if tree is not None}

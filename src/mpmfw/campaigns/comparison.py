@@ -45,24 +45,20 @@ def compare(
     scene
         A file, the name of a shipped scene, or a mapping.
     contact, shape
-        Methods: names of plug-ins, names with options such as ``"penalty(kappa=2)"``, ``"module:Class"``,
-        strategy objects or their classes, each once. Options beside a name are set over those of the scene's
-        own table of the method; an object has its own alone. An object is labelled by its ``label``, else its
-        ``name``; a label that occurs again gets ``#2``, ``#3`` …
+        Methods, each once: names of plug-ins, names with options such as ``"penalty(kappa=2)"``,
+        ``"module:Class"``, strategy objects or their classes. Options beside a name are set over those of the
+        scene's table; an object has its own alone. Equal labels of objects get ``#2``, ``#3`` …
     vary
         Scene keys and their values, such as ``{"grid.cell_size": [0.4, 0.2]}``; the key's last part names the
-        dimension. Values that are not all numbers or all texts, such as vectors, are labelled by their text.
+        dimension.
     output
         NetCDF file to write, brought up to date after every run; it replaces nothing but another comparison.
-        Finished runs are kept in the folder ``<output>.runs`` beside it: one that was broken off, or is
-        changed, takes what still applies.
+        Finished runs are kept in the folder ``<output>.runs``, from which another start takes what applies.
     set
-        Scene keys that all runs share. A comparison keeps the series and the first and last outlines. It
-        keeps the fields of material points if ``output.particles`` is set here or in the scene and all runs
-        have the same points.
+        Scene keys that all runs share. Fields of material points are kept if ``output.particles`` is set here
+        or in the scene and all runs have the same points.
     measures
-        As :func:`mpmfw.campaign` takes them; left out, those of which the scene has a closed form or a
-        reference.
+        As :func:`mpmfw.campaign` takes them; left out, those of which the scene has an exact value.
     **running
         As :class:`mpmfw.campaigns.execution.Execution` takes them.
 
@@ -76,9 +72,7 @@ def compare(
     Raises
     ------
     SceneError
-        The request as a whole is wrong: a misspelt plug-in, a method or value given twice, a key that chooses
-        a method, is both set and varied or belongs to a method that does not run, a scene that no combination
-        can run; or the output is a file of another kind.
+        The request as a whole is wrong, no combination can run, or the output is a file of another kind.
     MpmfwError
         The output cannot be written.
     Interrupted
@@ -86,7 +80,10 @@ def compare(
     """
     methods = {"contact": _methods("contact", contact), "shape": _methods("shape", shape)}
     varied = dict(vary or {})
-    _check(scene, methods, set or {}, varied)
+    check_requested(set or {}, varied)
+    check_compared(scene, methods, set or {}, varied)
+    for key, values in varied.items():
+        _check_values(key, values)
     if output is not None:
         check_replaceable(output, "compare", "comparison")
     path = None if output is None else os.path.abspath(output)
@@ -112,9 +109,7 @@ def compare(
 
 
 def _first(scene: Any, methods: Mapping[str, Sequence[Any]], shared: Mapping[str, Any]) -> Scene | None:
-    """The scene with the first methods; None where it is refused, which the campaign says, if no combination
-    can run.
-    """
+    """Return the scene with the first methods; None where it is refused."""
     named = {f"{kind}.method": chosen[0] for kind, chosen in methods.items() if isinstance(chosen[0], str)}
     try:
         return load_scene(scene, set={**shared, **named})
@@ -123,9 +118,7 @@ def _first(scene: Any, methods: Mapping[str, Sequence[Any]], shared: Mapping[str
 
 
 def _applicable_measures(scene: Scene | None) -> list[str]:
-    """Return the measures that the scene can be judged by, but for those that a report reads off the series
-    itself.
-    """
+    """Return the measures that the scene can be judged by; a report reads others off the series."""
     if scene is None:
         return []
     try:
@@ -153,9 +146,7 @@ def _write(dataset: xr.Dataset, path: str) -> None:
 
 
 def _methods(kind: Kind, chosen: Sequence[Any]) -> list[Any]:
-    """Methods, names in the one way of writing that labels have; a name that is not installed is an error at
-    once.
-    """
+    """Return the methods, names as labels write them; one that is not installed is an error."""
     if isinstance(chosen, str) or len(chosen) == 0:
         raise SceneError(f"{kind}: expected a list of at least one method, got {chosen!r}")
     methods = [written(kind, one, kind) if isinstance(one, str) else object_of(one) for one in chosen]
@@ -165,24 +156,8 @@ def _methods(kind: Kind, chosen: Sequence[Any]) -> list[Any]:
     return methods
 
 
-def _check(
-    scene: Any, methods: Mapping[str, Sequence[Any]], shared: Mapping[str, Any], varied: Mapping[str, Any]
-) -> None:
-    """Refuse keys that choose methods, have no effect on those that run, or take each other's place."""
-    check_requested(shared, varied)
-    check_compared(scene, methods, shared, varied)
-    for key, values in varied.items():
-        _check_values(key, values)
-
-
 def _check_values(key: str, values: Sequence[Any]) -> None:
-    """Ask for a list of values, each once.
-
-    Raises
-    ------
-    SceneError
-        There is no value, or one is given twice.
-    """
+    """Refuse anything but a list of different values."""
     if isinstance(values, str) or not hasattr(values, "__len__"):
         raise SceneError(f"vary {key}: expected a list of values, got {values!r}")
     if len(values) == 0:

@@ -13,9 +13,7 @@ from mpmfw.campaigns.store import Store, store_of
 
 
 class Running(TypedDict, total=False):
-    """Keywords of :func:`mpmfw.campaign`, :func:`mpmfw.compare` and the like, as :class:`Execution` takes
-    them.
-    """
+    """Keywords of :func:`mpmfw.campaign` and the like, as :class:`Execution` takes them."""
 
     executor: Any
     jobs: int | None
@@ -57,27 +55,13 @@ class Execution:
 
     @classmethod
     def of(cls, running: Mapping[str, Any], **others: Any) -> Execution:
-        """Return what keywords ask for; ``others`` take their place.
-
-        Raises
-        ------
-        TypeError
-            A keyword is none of these.
-        """
+        """Return what keywords ask for; ``others`` take their place. A TypeError names an unknown one."""
         return cls(**{**running, **others})
 
     def runner(self) -> Executor:
-        """Return what runs tasks.
-
-        Raises
-        ------
-        SceneError
-            The executor is none, or processes are asked for beside one.
-        """
+        """Return what runs tasks, as :func:`executor_of` does."""
         return executor_of(self.executor, self.jobs)
 
     def kept(self, output: str | os.PathLike[str] | None = None) -> Store:
-        """Return where finished runs are kept: in the store, else in ``<output>.runs``; without both
-        nowhere.
-        """
+        """Return the store of finished runs: as named, else ``<output>.runs``, else a temporary one."""
         return Store(self.store if self.store is not None else store_of(output))

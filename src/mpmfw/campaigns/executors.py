@@ -1,6 +1,4 @@
-"""Where runs take place: here, in a pool of processes, in anybody's ``concurrent.futures.Executor``, or on a
-Dask cluster.
-"""
+"""Executors: this process, a pool, any ``concurrent.futures.Executor``, or a Dask cluster."""
 
 from __future__ import annotations
 
@@ -48,18 +46,10 @@ PATIENCE = 10.0
 
 
 class Executor(Protocol):
-    """Runs tasks in any order.
+    """Runs tasks in any order."""
 
-    Attributes
-    ----------
-    timing
-        How costs that it measures are marked: ``exclusive`` if it runs one task at a time.
-    cores
-        Tasks at a time, in words.
-    """
-
-    timing: str
-    cores: str
+    timing: str  #: how costs that it measures are marked: ``exclusive`` if it runs one task at a time
+    cores: str  #: tasks at a time, in words
 
     def outcomes(self, work: Callable[[T], R], tasks: Sequence[T]) -> Iterator[tuple[T, R | None]]:
         """Do all tasks and yield each as it is done, with None where the process that did it died."""
@@ -162,13 +152,7 @@ def _leaves(task: Any) -> bool:
 class Futures:
     """Another executor, such as a pool of MPI processes, or the one of a Dask client.
 
-    Parameters
-    ----------
-    opened
-        Context of the executor, in which it is used.
-    cores
-        Its workers, in words.
-    """
+    ``opened`` is the context of the executor; ``cores`` are its workers, in words."""
 
     timing = "shared cores"
 
@@ -176,9 +160,7 @@ class Futures:
         self.opened, self.cores = opened, cores
 
     def outcomes(self, work: Callable[[T], R], tasks: Sequence[T]) -> Iterator[tuple[T, R | None]]:
-        """Do all tasks; those that are left when the executor breaks are done in new processes, each
-        alone.
-        """
+        """Do all tasks; if the executor breaks, do the rest in new processes, each alone."""
         waiting = deque(tasks)
         under_way: dict[Future[R], T] = {}
         with self.opened() as executor:
@@ -210,15 +192,10 @@ class Futures:
 
 
 def dask_cluster(place: Any) -> Futures:
-    """Return the workers of a Dask cluster, which share no files with this process; needs the extra
-    ``mpmfw[dask]``.
+    """Return the workers of a Dask cluster, which share no files with this process.
 
-    Parameters
-    ----------
-    place
-        A ``distributed.Client``, which is left open; a cluster's object such as a ``LocalCluster``; or the
-        scheduler's address, such as ``tcp://127.0.0.1:8786``. For ``tls://`` Dask's own configuration names
-        the certificates.
+    ``place`` is a ``distributed.Client``, which is left open, a cluster's object, or the scheduler's address.
+    It needs the extra ``mpmfw[dask]``.
 
     Raises
     ------
@@ -241,16 +218,16 @@ def dask_cluster(place: Any) -> Futures:
                 _knock(distributed.comm, place)  # a client that cannot connect complains when it is collected
             dask: Any = distributed
             made = dask.Client(place, timeout=PATIENCE, set_as_default=False)
-        except ValueError as error:
-            example = "expected an address such as tcp://127.0.0.1:8786"
-            raise SceneError(f"{said}: {error}; {example}") from error
-        except OSError as error:
-            raise SceneError(f"{said}: no scheduler answers there ({error})") from error
-        except TypeError as error:  # a tls:// address without certificates
-            hint = (
-                "expected its certificates in Dask's own configuration, or a Client or cluster that has them"
-            )
-            raise SceneError(f"{said}: {error}; {hint}") from error
+        except (
+            ValueError,
+            OSError,
+            TypeError,
+        ) as error:  # TypeError: tls:// without certificates
+            raise SceneError(
+                f"{said}: no scheduler answers there ({error}); expected an address such as "
+                "tcp://127.0.0.1:8786, or a Client or cluster, and for tls:// the certificates in Dask's own "
+                "configuration"
+            ) from error
         with made:
             yield made
 
@@ -274,9 +251,7 @@ def _knock(comm: Any, address: str) -> None:
 
 
 def _begin_worker() -> None:
-    """Leave Ctrl-C to the parent, and end this worker when its parent dies: nobody would take what it is
-    doing.
-    """
+    """Leave Ctrl-C to the parent, and end this worker when its parent dies."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
 
@@ -304,21 +279,12 @@ def _one_thread() -> Iterator[None]:
 
 
 def executor_of(executor: Any = None, jobs: int | None = None) -> Executor:
-    """Return what runs tasks, for what a request names.
-
-    Parameters
-    ----------
-    executor
-        An :class:`Executor`, a ``concurrent.futures.Executor``, a ``Client`` or cluster of
-        ``dask.distributed``, or the address of its scheduler, such as ``tcp://127.0.0.1:8786``.
-    jobs
-        Processes at a time without an executor: 1 is this process itself, None one for each core.
+    """Return what runs tasks: an ``executor`` as ``Execution`` names it, or so many processes.
 
     Raises
     ------
     SceneError
-        It is none of these, or both are given; 1 is the default of most requests, and says nothing beside an
-        executor.
+        It is none of these, or both are given; one job is the default and says nothing beside an executor.
     """
     if executor is not None and jobs not in (None, 1):
         raise SceneError("jobs: has no effect with an executor, whose workers are as many as they are")
@@ -334,6 +300,5 @@ def executor_of(executor: Any = None, jobs: int | None = None) -> Executor:
         return executor  # type: ignore[no-any-return]
     raise SceneError(
         f"executor: {executor!r} is none; expected a concurrent.futures.Executor, a Client or cluster of "
-        "dask.distributed, "
-        "or the address of its scheduler"
+        "dask.distributed, or the address of its scheduler"
     )

@@ -33,28 +33,14 @@ Index = tuple[int, ...]
 
 @dataclass(frozen=True)
 class Combination:
-    """One cell of the grid.
+    """One cell of the grid."""
 
-    Attributes
-    ----------
-    labels
-        Its place in words, by dimension.
-    scene
-        What runs; None if the scene refuses the combination.
-    problems
-        Why it is refused, as the scene says it.
-    contact, shape
-        Strategy objects in place of the scene's methods.
-    what
-        What is done with the scene, where it is not simply run.
-    """
-
-    labels: Mapping[str, Any]
-    scene: Scene | None
-    problems: tuple[SceneProblem, ...] = ()
-    contact: Any = None
-    shape: Any = None
-    what: str = ""
+    labels: Mapping[str, Any]  #: its place in words, by dimension
+    scene: Scene | None  #: what runs; None if the scene refuses the combination
+    problems: tuple[SceneProblem, ...] = ()  #: why it is refused
+    contact: Any = None  #: a strategy object instead of the scene's method
+    shape: Any = None  #: as ``contact``
+    what: str = ""  #: what is done with the scene, where it is not simply run
 
     @property
     def name(self) -> str:
@@ -78,33 +64,19 @@ class Combination:
 
     @property
     def why(self) -> str:
-        """Why it is refused, without the option that a study does not have; of an option's problems the
-        first.
-        """
+        """Why it is refused; of an option's problems the first, without the option."""
         first, *others = self.problems
         return "\n".join([first.plain] if first.override else [str(one) for one in (first, *others)])
 
 
 @dataclass(frozen=True)
 class RunGrid:
-    """All combinations.
+    """All combinations."""
 
-    Attributes
-    ----------
-    scenes
-        What they are of, by label, as it was given.
-    coords
-        Labels of each dimension, in order.
-    keys
-        Keys that vary, by dimension.
-    combinations
-        By index into the coordinates.
-    """
-
-    scenes: Mapping[str, Any]
-    coords: Mapping[str, list[Any]]
-    keys: Mapping[str, str]
-    combinations: Mapping[Index, Combination]
+    scenes: Mapping[str, Any]  #: what they are of, by label, as it was given
+    coords: Mapping[str, list[Any]]  #: labels of each dimension, in order
+    keys: Mapping[str, str]  #: keys that vary, by dimension
+    combinations: Mapping[Index, Combination]  #: by index into the coordinates
 
     @property
     def problem_dims(self) -> list[str]:
@@ -114,9 +86,7 @@ class RunGrid:
     def array(
         self, values: Mapping[Index, Any], meaning: str, unit: str | None = None, **attributes: str
     ) -> xr.DataArray:
-        """A variable over all combinations: numbers with a unit, NaN where there is none, or words without
-        one.
-        """
+        """Return a variable over all combinations: numbers with a unit, or words without one."""
         kind, empty = (object, "") if unit is None else (float, np.nan)
         filled = np.full([len(labels) for labels in self.coords.values()], empty, dtype=kind)
         for index, value in values.items():
@@ -127,15 +97,7 @@ class RunGrid:
         )
 
     def tasks(self, force: bool = False, threads: int = 1) -> dict[str, Task]:
-        """The different runs by key.
-
-        Parameters
-        ----------
-        force
-            Whether they may be past the limits of steps and frames.
-        threads
-            Of each run.
-        """
+        """Return the different runs by key; forced ones may be past the limits of steps and frames."""
         found = {}
         for one in self.combinations.values():
             if one.scene is not None:
@@ -189,7 +151,10 @@ def _combination(
             if full == OWN_OPTION:
                 overrides |= _of_contact(scene, objects, methods, value)
             elif full.removesuffix(".method") not in objects:
-                overrides |= {full: value} if "*" not in full else _of_bodies(scene, shared, key, value)
+                loaded = load_scene(scene, set=shared) if "*" in full else None
+                overrides |= (
+                    {full: value} if loaded is None else overrides_of(loaded.bodies, loaded.dim, key, value)
+                )
         said = {key: f"--vary {short}" for short in values for key in (full_key(short),)}
         said |= {
             f"{kind}.method": f"{kind} {labels[kind]}" for kind in ("contact", "shape") if kind in values
@@ -199,21 +164,15 @@ def _combination(
         return Combination(labels, None, error.problems)
 
 
-def _of_bodies(scene: Any, shared: Mapping[str, Any], key: str, value: Any) -> dict[str, Any]:
-    loaded = load_scene(scene, set=shared)
-    return overrides_of(loaded.bodies, loaded.dim, key, value)
-
-
 def _of_contact(
     scene: Any, objects: dict[str, Any], methods: Mapping[str, Any], value: Any
 ) -> dict[str, Any]:
-    """The stiffness factor κ of whatever contact runs, a subclass of penalty's as well; of one that has none,
-    nothing.
-    """
+    """Return the override of κ for the contact that runs; none for a contact without κ."""
     own = objects.get("contact")
     if own is not None:
         if has_option("contact", own, "kappa"):
-            objects["contact"] = with_option(own, "kappa", value)
+            given = {key: getattr(own.options, key) for key in own.options.model_fields_set}
+            objects["contact"] = type(own)(**{**given, "kappa": value})
         return {}
     named = methods.get("contact.method")
     if named is None:
@@ -223,12 +182,6 @@ def _of_contact(
     return {f"contact.{name}.kappa": value} if has_option("contact", name, "kappa") else {}
 
 
-def with_option(plugin: Any, name: str, value: Any) -> Any:
-    """A strategy object like another one, with another value of an option."""
-    given = {key: getattr(plugin.options, key) for key in plugin.options.model_fields_set}
-    return type(plugin)(**{**given, name: value})
-
-
 def has_option(kind: Any, method: Any, name: str) -> bool:
     """Whether a plug-in, by name or as a strategy object, has an option of this name."""
     plugin = load(kind, method) if isinstance(method, str) else type(method)
@@ -236,9 +189,7 @@ def has_option(kind: Any, method: Any, name: str) -> bool:
 
 
 def _without_twins(combinations: Mapping[Index, Combination]) -> dict[Index, Combination]:
-    """Of settings that make one and the same run of a method the first: one that changes nothing would label
-    it twice.
-    """
+    """Refuse settings that repeat an earlier run of the same method."""
     first: dict[tuple[str, ...], Combination] = {}
     kept = {}
     for index, one in combinations.items():

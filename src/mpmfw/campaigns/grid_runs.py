@@ -4,22 +4,78 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
+import numpy as np
 import xarray as xr
 
-from mpmfw.campaigns.costs import timing_of
 from mpmfw.campaigns.execution import Execution
 from mpmfw.campaigns.executors import InProcess
 from mpmfw.campaigns.grid import Combination, Index, RunGrid
 from mpmfw.campaigns.judging import measured
 from mpmfw.campaigns.measures import inferred
-from mpmfw.campaigns.outcome import Cost, Finished, Outcome
 from mpmfw.campaigns.running import Progress, complete, counted, do, resumable
-from mpmfw.campaigns.work import Task
+from mpmfw.campaigns.store import COSTS, Cost, Finished, Outcome
+from mpmfw.campaigns.work import LOADED, Task
 from mpmfw.errors import ResultsWarning, is_complete
 from mpmfw.plugin.measure import About, Measure
+from mpmfw.state.clock import STEP_STAGES
+
+_SPREAD = {"units": "s", "long_name": "half the range of the repeats; NaN of a single one"}
+_REPEATS = {"units": "1", "long_name": "runs of the cost"}
+_LOAD = {"units": "1", "long_name": "cores that other processes kept busy meanwhile"}
+
+
+def costs_of(coords: Mapping[str, Sequence[Any]], costs: Mapping[Index, Sequence[Cost]]) -> xr.Dataset:
+    """Return :data:`COSTS` and ``load`` (…, repeat), ``stages`` and ``settling`` (…, repeat, stage) [s]."""
+    shape = tuple(len(labels) for labels in coords.values())
+    most = max((1, *(len(many) for many in costs.values())))
+    names = [name for name, _, _ in COSTS]
+    values = np.full((*shape, most, len(names) + 1), np.nan)
+    stages, settling = (np.full((*shape, most, len(STEP_STAGES)), np.nan) for _ in range(2))
+    for index, many in costs.items():
+        for k, cost in enumerate(many):
+            values[index][k] = [*(cost.values.get(name, np.nan) for name in names), cost.others]
+            stages[index][k] = [cost.stages.get(stage, np.nan) for stage in STEP_STAGES]
+            settling[index][k] = [cost.settling.get(stage, np.nan) for stage in STEP_STAGES]
+    lead = (*coords, "repeat")
+    found = {name: (lead, values[..., k]) for k, name in enumerate((*names, "load"))}
+    by_stage = {"stages": ((*lead, "stage"), stages), "settling": ((*lead, "stage"), settling)}
+    named = {dim: list(labels) for dim, labels in coords.items()}
+    return xr.Dataset({**found, **by_stage}, {**named, "stage": list(STEP_STAGES)})
+
+
+def least(each: xr.Dataset) -> xr.Dataset:
+    """Of every run the repeat of the least CPU time: what else the machine does only adds to it.
+
+    Peak memory is the largest, since it is known of the first run of a process alone.
+    """
+    one = each.isel(repeat=each["cpu_time"].fillna(np.inf).argmin("repeat"))
+    return one.assign(peak_memory=each["peak_memory"].max("repeat"))
+
+
+def over_repeats(each: xr.Dataset) -> dict[str, xr.DataArray]:
+    """Return half the range of the CPU time (NaN of one), the number of repeats and the mean load."""
+    times = each["cpu_time"]
+    count = times.count("repeat")
+    spread = 0.5 * (times.max("repeat") - times.min("repeat"))
+    return {
+        "cpu_time_spread": spread.where(count > 1).assign_attrs(_SPREAD),
+        "repeats": count.astype(float).assign_attrs(_REPEATS),
+        "load": each["load"].mean("repeat").assign_attrs(_LOAD),
+    }
+
+
+def timing_of(costs: Sequence[Cost]) -> str:
+    """Return ``exclusive`` if nothing ran beside them, with the number of runs on a loaded machine."""
+    if not costs:
+        return ""
+    if any(cost.timing != "exclusive" for cost in costs):
+        return "shared cores"
+    loaded = sum(cost.others > LOADED for cost in costs)
+    return f"exclusive, {loaded} of {len(costs)} on a loaded machine" if loaded else "exclusive"
 
 
 class GridRuns:
@@ -27,18 +83,16 @@ class GridRuns:
 
     Parameters
     ----------
-    grid
-        The points.
+    grid, execution
+        The points, and how they run.
     what
-        What the whole is called where an interruption says how to go on.
-    execution
-        Where and how they take place.
+        Name of the whole in the text of an interruption.
     output
         File beside whose name finished runs are kept, where the execution has no store.
     exclusive
         Whether those costs alone count that were measured one run at a time.
     threads
-        Of each run, if runs take place in this process.
+        Of each run in this process.
     """
 
     def __init__(
@@ -61,21 +115,7 @@ class GridRuns:
         return isinstance(self.executor, InProcess)
 
     def complete(self, only: Collection[Index] | None = None, progress: Progress | None = None) -> None:
-        """Run what is missing, repeats for the cost included, as :func:`mpmfw.campaigns.running.complete`
-        does.
-
-        Parameters
-        ----------
-        only
-            Points to run; None is all.
-        progress
-            Called after every run instead of what the execution names.
-
-        Raises
-        ------
-        Interrupted
-            Ctrl-C or SIGTERM.
-        """
+        """Run the missing points, all or ``only`` some, as :func:`mpmfw.campaigns.running.complete` does."""
         points, how = self.grid.combinations, self.execution
         grid = self.grid if only is None else replace(self.grid, combinations={i: points[i] for i in only})
         tasks = grid.tasks(how.force, self.threads)
@@ -84,13 +124,7 @@ class GridRuns:
             complete(tasks, self.store, self.executor, how.repeats, self.exclusive, tell, how.run_progress)
 
     def do(self, work: Callable[[Task], Finished]) -> None:
-        """Do other work with the points that are missing.
-
-        Raises
-        ------
-        Interrupted
-            Ctrl-C or SIGTERM.
-        """
+        """Do other work with the points that are missing."""
         with resumable(self.store, self.what):
             do(work, self.grid.tasks().values(), self.store, self.executor, self.execution.progress)
 

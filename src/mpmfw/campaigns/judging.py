@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -73,32 +73,17 @@ class ErrorTable(Table):
 
 @dataclass(frozen=True)
 class Judgement:
-    """What came of judging one run.
+    """What came of judging one run."""
 
-    Attributes
-    ----------
-    error
-        Relative, not negative; NaN where it is not known.
-    value, expected
-        Of a number, in its unit; NaN for curves and fields.
-    """
-
-    error: float = np.nan
-    value: float = np.nan
-    expected: float = np.nan
+    error: float = np.nan  #: relative, not negative; NaN where it is not known
+    value: float = np.nan  #: of a number, in its unit; NaN for curves and fields
+    expected: float = np.nan  #: as ``value``
 
 
 class Judge:
     """Judges the runs of a campaign.
 
-    Parameters
-    ----------
-    error, grid
-        What was asked for.
-    at
-        Makes an error about a key of the table.
-    beside
-        The path of a file that the table names.
+    ``at`` makes an error about a key of the table, ``beside`` the path of a file that the table names.
 
     Raises
     ------
@@ -113,7 +98,7 @@ class Judge:
         at: At | None = None,
         beside: Callable[[Any], Any] = lambda file: file,
     ) -> None:
-        self.at = at or error_at
+        self.at = at or (lambda path, message: SceneError(f"{'.'.join(path)}: {message}"))
         self.beside, self.grid, self.table = beside, grid, error
         self.measure: Measure = measure_of(error.quantity)
         self.about = About(error.body, error.pair, error.axis)
@@ -153,36 +138,26 @@ class Judge:
         known = exact_of(self.measure, scene, self.about)
         if known is not None and known.kind == error.kind:
             return known
-        if known is None:
-            self._check_about(scene)
+        what = "closed form" if error.kind == "closed-form" else "reference"
+        given = [key for key in self.measure.keys if getattr(error, key) is not None]
+        plain = exact_of(self.measure, scene, About())
+        if known is None and given and plain is not None and plain.kind == error.kind:
+            alone = {key: replace(About(), **{key: getattr(error, key)}) for key in given}
+            guilty = [key for key in given if exact_of(self.measure, scene, alone[key]) is None] or given
+            text = " and ".join(f"{key} = '{getattr(error, key)}'" for key in guilty)
+            raise self.at(
+                ("error", guilty[0]),
+                f"the scene '{scene.name}' has a {what} of {error.quantity}, but none for {text}; leave "
+                f"{' and '.join(guilty)} out, or take kind = 'finest'",
+            )
         others = [f"kind = '{known.kind}'"] if known is not None else []
         others += ["kind = 'finest'"] if self.measure.kind != "field" else []
-        given = {"curve": ["a file with kind = 'reference'"], "number": ["a value with kind = 'reference'"]}
-        others += given.get(self.measure.kind, [])
-        what = "closed form" if error.kind == "closed-form" else "reference of its own"
+        own = {"curve": ["a file with kind = 'reference'"], "number": ["a value with kind = 'reference'"]}
+        others += own.get(self.measure.kind, [])
         raise self.at(
             ("error", "kind"),
             f"the scene '{scene.name}' has no {what} for {error.quantity}; expected "
             f"{' or '.join(others) or 'another quantity'}",
-        )
-
-    def _check_about(self, scene: Scene) -> None:
-        """Name the keys that the scene has no closed form or reference for, where it has one without them."""
-        error, plain = self.table, About()
-        without = exact_of(self.measure, scene, plain)
-        if without is None or without.kind != error.kind:
-            return
-        given = [key for key in self.measure.keys if getattr(self.about, key) != getattr(plain, key)]
-        alone = {key: replace(self.about, **{key: getattr(plain, key)}) for key in given}
-        guilty = [
-            key for key, about in alone.items() if exact_of(self.measure, scene, about) is not None
-        ] or given
-        text = " and ".join(f"{key} = '{getattr(self.about, key)}'" for key in guilty)
-        what = "closed form" if error.kind == "closed-form" else "reference"
-        raise self.at(
-            ("error", guilty[0]),
-            f"the scene '{scene.name}' has a {what} of {error.quantity}, but none for {text}; leave "
-            f"{' and '.join(guilty)} out, or take kind = 'finest'",
         )
 
     def describe(self) -> str:
@@ -193,16 +168,10 @@ class Judge:
 
     def says(self) -> str:
         """Return the quantity in words: ``end-displacement of block along x``."""
-        return said(self.measure, self.about)
+        return said(self.measure.name, self.about)
 
     def measured(self, results: Results, succeeded: Mapping[Index, bool]) -> dict[Index, Measured]:
-        """Read the measure off all runs that went through; the first one decides what nobody named.
-
-        Raises
-        ------
-        SceneError
-            The quantity is next to nothing.
-        """
+        """Read the measure off all complete runs; a SceneError where it is next to nothing."""
         for index, one in self.grid.combinations.items():
             tree = results(index) if succeeded.get(index) else None
             if tree is not None and one.scene is not None:
@@ -225,8 +194,7 @@ class Judge:
             raise self.at(
                 ("error", "axis"),
                 f"{self.says()} is nothing beside that along {largest}, and a relative error of it says "
-                "nothing; "
-                f"expected '{largest}'",
+                f"nothing; expected '{largest}'",
             )
 
     def judge(self, results: Results, succeeded: Mapping[Index, bool]) -> dict[Index, Judgement]:
@@ -251,22 +219,17 @@ class Judge:
             if dim in self.grid.problem_dims:
                 continue
             if key in self.table.finest:
-                chosen[k] = self._label_index(key, labels)
+                target = self.table.finest[key]
+                if target not in labels:
+                    message = f"{target!r} is not varied; expected one of {', '.join(map(str, labels))}"
+                    raise self.at(("error", "finest", key), message)
+                chosen[k] = labels.index(target)
             elif finer(key) and all(number is not None for number in numbers):
                 chosen[k] = int(np.argmax(finer(key) * np.array(numbers, dtype=float)))
         return tuple(chosen)
 
-    def _label_index(self, key: str, labels: list[Any]) -> int:
-        target = self.table.finest[key]
-        if target not in labels:
-            message = f"{target!r} is not varied; expected one of {', '.join(map(str, labels))}"
-            raise self.at(("error", "finest", key), message)
-        return labels.index(target)
-
     def compare(self, measured: Measured, expected: FloatArray) -> Judgement:
-        """Return the error of one run against what is expected at its times; NaN where either is not
-        known.
-        """
+        """Return the error of one run at its times; NaN where either side is not known."""
         values = measured.values
         if not np.isfinite(values).all() or not np.isfinite(expected).all() or not values.size:
             return Judgement()
@@ -309,11 +272,11 @@ def check_names(about: About, scene: Scene, at: At) -> None:
             raise at(("error", key), f"'{given}' is no {key} of the scene; {expected}")
 
 
-def said(measure: Measure, about: About) -> str:
-    """Return a measure with what it is of: ``end-displacement of block along x``."""
+def said(measure: str, about: About) -> str:
+    """Return a measure's name with what it is of: ``end-displacement of block along x``."""
     of = {"body": " of ", "pair": " of ", "axis": " along "}
     parts = (f"{of[key]}{getattr(about, key)}" for key in of if getattr(about, key) is not None)
-    return measure.name + "".join(parts)
+    return measure + "".join(parts)
 
 
 def interpolated(reference: Measured, at: Measured) -> FloatArray:
@@ -323,51 +286,29 @@ def interpolated(reference: Measured, at: Measured) -> FloatArray:
     return _within(at.time, reference.time, reference.values)
 
 
-def error_at(path: tuple[str, ...], message: str) -> SceneError:
-    return SceneError(f"{'.'.join(path)}: {message}")
-
-
-def _known_of_all(measure: Measure, scenes: Sequence[Scene]) -> Exact | None:
-    """Return what is known of the first scene; None unless it is known of all, with a warning if the
-    reference of one does not apply.
-    """
-    try:
-        known = [exact_of(measure, scene, About()) for scene in scenes]
-    except SceneError as error:
-        warnings.warn(f"no error of {measure.name} is measured: {error}", ResultsWarning, stacklevel=4)
-        return None
-    return known[0] if known and None not in known else None
-
-
 def judge_all(
     grid: RunGrid, measures: tuple[str, ...], reference: Mapping[str, Any] | None
 ) -> list[tuple[Measure, Judge | None]]:
-    """The measures, each with what judges it, where something is known to judge it by.
-
-    Raises
-    ------
-    SceneError
-        There is no such measure, or what is given as the reference is none of it.
-    """
+    """Return the measures, each with what judges it, where something is known to judge it by."""
     scenes = [one.scene for one in grid.combinations.values() if one.scene is not None]
     judges: list[tuple[Measure, Judge | None]] = []
     for name in measures:
         given, measure = reference, measure_of(name)
-        if given is None and (known := _known_of_all(measure, scenes)) is not None:
-            given = {"kind": known.kind}
+        if given is None:
+            try:
+                known = [exact_of(measure, scene, About()) for scene in scenes]
+            except SceneError as error:
+                warnings.warn(f"no error of {name} is measured: {error}", ResultsWarning, stacklevel=4)
+                known = [None]
+            first = known[0] if known and None not in known else None
+            given = None if first is None else {"kind": first.kind}
         table = None if given is None else ErrorTable.model_validate({"quantity": name, **given})
         judges.append((measure, None if table is None else Judge(table, grid)))
     return judges
 
 
 def _read_reference(error: ErrorTable, at: At, beside: Callable[[Any], Any]) -> Exact:
-    """A CSV file as what a curve must be.
-
-    Raises
-    ------
-    SceneError
-        The file is not there or has not the columns.
-    """
+    """Read a CSV file as what a curve must be; a SceneError without the file or its columns."""
     path = Path(beside(error.file))
     try:
         # NumPy takes the columns' names from the first line even if that is a comment

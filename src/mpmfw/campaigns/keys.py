@@ -1,6 +1,4 @@
-"""Keys of a campaign: short names, the keys of the scene that they stand for, and what each of them
-changes.
-"""
+"""Short names of a campaign's keys, the scene's keys that they stand for, and their effect."""
 
 from __future__ import annotations
 
@@ -64,14 +62,8 @@ def _written(text: str) -> str:
 def is_numerical(key: str) -> bool:
     """Whether the key changes the method alone, so that errors and costs under its values may be compared."""
     full = full_key(key)
-    return _NUMERICAL.match(full) is not None and not _of_friction_law(full)
-
-
-def _of_friction_law(key: str) -> bool:
-    """Whether it is an option of a friction law, which stands in a table of ``[contact]`` like those of
-    methods.
-    """
-    return key.startswith("contact.") and key.split(".")[1] in available("friction")
+    of_friction_law = full.startswith("contact.") and full.split(".")[1] in available("friction")
+    return _NUMERICAL.match(full) is not None and not of_friction_law
 
 
 def finer(key: str) -> int:
@@ -97,13 +89,7 @@ def as_number(value: Any) -> float | None:
 
 
 def overrides_of(bodies: Iterable[str], dim: int, key: str, value: Any) -> dict[str, Any]:
-    """The keys of a scene with these bodies that a campaign's key sets, and their values.
-
-    Raises
-    ------
-    SceneError
-        ``particles_per_cell`` is not a positive number.
-    """
+    """Return the keys of a scene with these bodies that a campaign's key sets, and their values."""
     if key == "particles_per_cell":
         if isinstance(value, bool) or not isinstance(value, int | float) or value <= 0:
             raise SceneError(f"{value!r} is no number of particles; expected a positive number, such as 4")

@@ -66,8 +66,7 @@ def measure(
 
 
 def measure_of(name: str) -> Measure:
-    """The measure of a name: registered here, announced by an installed plug-in under ``mpmfw.measure``, or
-    ``module:Class``.
+    """Return the measure of a name: registered here, announced, or ``module:Class``.
 
     Raises
     ------
@@ -82,13 +81,7 @@ def measure_of(name: str) -> Measure:
 
 
 def _made(kind: Literal["measure", "reference"], name: str, base: type[Any]) -> Any:
-    """An object of what a distribution announces.
-
-    Raises
-    ------
-    SceneError
-        It cannot be imported, or is of another kind.
-    """
+    """Return an object of what a distribution announces; a SceneError if it is of another kind."""
     plugin = load(kind, name)
     if not issubclass(plugin, base):
         raise SceneError(
@@ -119,9 +112,7 @@ def exact_of(measure: Measure, scene: Scene, about: About) -> Exact | None:
 
 
 def known_axis(measure: Measure, scene: Scene, about: About) -> About:
-    """Return what a measure is of, with the first axis along which its exact value is known, where nobody
-    names one.
-    """
+    """Return ``about`` with the first axis along which an exact value is known, if none is named."""
     if "axis" not in measure.keys or about.axis is not None:
         return about
     every = (replace(about, axis=axis) for axis in "xyz"[: scene.dim])
@@ -136,9 +127,7 @@ def _exact_along(measure: Measure, scene: Scene, about: About) -> Exact | None:
 
 
 def _incline(scene: Scene) -> Incline | None:
-    """Return the motion down a plane that a scene declares; None of another scene, or where it does not
-    apply.
-    """
+    """Return the motion down a plane that a scene declares and meets; else None."""
     try:
         known = declared(scene)
     except SceneError:
@@ -238,9 +227,7 @@ def _until(scene: Scene) -> float:
     _down_the_plane(lambda one: 0.5 * one.solution.acceleration * one.until * one.until),
 )
 def end_displacement(run: xr.DataTree, scene: Scene, about: About) -> Measured:
-    """Displacement of a body's centre at the end, or when the closed form of a rolling one has moved by 10
-    m.
-    """
+    """Displacement of a body's centre at the end, or when a rolling one's closed form has moved 10 m."""
     moved = _displacement(run, about)
     return _number(value_at(moved.time, moved.values, _until(scene)))
 
@@ -253,9 +240,7 @@ def end_displacement(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     _down_the_plane(lambda one: one.solution.acceleration),
 )
 def acceleration(run: xr.DataTree, scene: Scene, about: About) -> Measured:
-    """Acceleration of a body's centre, least-squares fit of d0 + v0 t + a t²/2 over the last 80 % of the
-    time.
-    """
+    """Acceleration of a body's centre, from a least-squares parabola over the last 80 % of the time."""
     moved, end = _displacement(run, about), _until(scene)
     return _number(fitted_acceleration(moved.time, moved.values, 0.2 * end, end))
 
@@ -276,9 +261,7 @@ def spin(run: xr.DataTree, scene: Scene, about: About) -> Measured:
 
 @measure("force-noise", "1", "number", ("pair",))
 def noise_of_force(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # noqa: ARG001
-    """Noise of the contact force of a pair: what its mean over 20 output intervals leaves out, of that mean,
-    by rms.
-    """
+    """Rms noise of a pair's contact force about its mean over 20 outputs, over that mean."""
     force = _of_pair("contact_force", run, about)
     if force is None:
         return _number(np.nan)
@@ -296,9 +279,7 @@ def deepest_penetration(run: xr.DataTree, scene: Scene, about: About) -> Measure
 
 @measure("energy-error", "1", "number")
 def error_of_energy(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # noqa: ARG001
-    """Largest error in time of the energies of strain and contact, over the energy put in
-    (``output.ledger``).
-    """
+    """Largest error of strain and contact energy over the energy put in (``output.ledger``)."""
     return _number(energy_error(run, scene))
 
 
@@ -310,9 +291,7 @@ def dissipated_energy(run: xr.DataTree, scene: Scene, about: About) -> Measured:
 
 @measure("momentum-change", "1", "number")
 def change_of_momentum(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # noqa: ARG001
-    """Largest change of the whole linear momentum, over what the bodies bring; of scenes on which nothing
-    acts.
-    """
+    """Largest change of the total linear momentum over the bodies' own; of scenes without loads."""
     return _number(momentum_change(run, scene))
 
 
@@ -393,9 +372,7 @@ def _uniform(scene: Scene, about: About) -> Exact | None:  # noqa: ARG001
 
 @measure("interface-stress", "Pa", "field", (), _uniform, norm="l2", particles=True)
 def interface_stress(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # noqa: ARG001
-    """Vertical stress, at rest after settling, of the material points within a cell of two blocks'
-    interface.
-    """
+    """Vertical stress after settling of the material points within a cell of two blocks' interface."""
     known = declared(scene)
     names = (known.lower, known.upper) if isinstance(known, PressedBlocks) else tuple(scene.bodies)[:2]
     found = [run[f"particles/{name}"].to_dataset().isel(time=0) for name in names]

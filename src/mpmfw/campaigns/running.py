@@ -9,8 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from mpmfw.campaigns.executors import Executor, InProcess
-from mpmfw.campaigns.outcome import Cost, Finished, Outcome
-from mpmfw.campaigns.store import Store
+from mpmfw.campaigns.store import Cost, Finished, Outcome, Store
 from mpmfw.campaigns.work import Task, run_once, time_once
 from mpmfw.errors import Interrupted, is_complete, status_code
 from mpmfw.runs.interruption import interruptible
@@ -26,23 +25,13 @@ Repeats = int | Literal["auto"]
 
 @dataclass(frozen=True)
 class Event:
-    """How far a campaign is.
+    """How far a campaign is."""
 
-    Attributes
-    ----------
-    done, total
-        Runs of this start, repeats included; what was finished before is not counted.
-    name, status
-        Of the run that has just ended; empty at the start, and where repeats begin.
-    next
-        Name of the run that begins now, if runs follow each other in this process.
-    """
-
-    done: int
-    total: int
-    name: str = ""
-    status: str = ""
-    next: str = ""
+    done: int  #: runs that ended since this start, repeats included
+    total: int  #: runs of this start
+    name: str = ""  #: of the run that has just ended; empty at the start, and where repeats begin
+    status: str = ""  #: of that run
+    next: str = ""  #: the run that begins now, if runs follow each other in this process
 
 
 Progress = Callable[[Event], None]
@@ -57,15 +46,7 @@ def do(
 ) -> None:
     """Do the tasks that the store has no outcome of, and keep each as it ends.
 
-    Parameters
-    ----------
-    work
-        Takes a task, which has a ``key`` and a ``name``.
-    tasks
-        All of the campaign.
-    store, executor, progress
-        Where outcomes are, what does the rest, and who is told after each.
-    """
+    ``work`` takes a task, which has a ``key`` and a ``name``."""
     missing = [task for task in tasks if store.outcome(task.key) is None]
     _do(work, missing, store, executor, _Counter(progress, len(missing)))
 
@@ -85,19 +66,15 @@ def complete(
     ----------
     tasks
         Different runs by key.
-    store
-        Where finished runs are.
-    executor
-        Where results are made, and costs if they need not be exclusive.
+    store, executor
+        Where finished runs are, and where others run.
     repeats
         Costs that each run is to have; ``auto`` is :data:`REPEATS` of a run shorter than :data:`SHORT`, else
         1.
     exclusive
-        Whether costs have to be measured one at a time, in this process, after all results are there.
-    progress
-        Called at the start, where repeats begin, and after every run.
-    run_progress
-        Called within every run that takes place in this process, as ``mpmfw.run`` calls its ``progress``.
+        Whether costs are measured one at a time, in this process, after all results are there.
+    progress, run_progress
+        Called after every run, and within every run in this process.
     """
 
     def lacking(key: str) -> int:
@@ -132,9 +109,7 @@ def complete(
 
 
 def _rounds(times: Mapping[str, tuple[Task, int]]) -> list[Task]:
-    """Tasks as often as each is named, in rounds of all, so that an hour in which the machine is slow is
-    shared by all.
-    """
+    """Return each task as often as named, in rounds, so that all share an hour of a slow machine."""
     last = max((n for _, n in times.values()), default=0)
     return [task for k in range(last) for task, n in times.values() if n > k]
 
@@ -156,10 +131,12 @@ def _do(
     count.coming = _names(tasks, executor)
     count.tell()
     for task, finished in executor.outcomes(work, tasks):
-        ended = finished if finished is not None else Finished(_dead(task))
-        store.put(ended.outcome, ended.results)
-        count.total -= 0 if is_complete(ended.outcome.status) else repeats_left
-        count(task.name, ended.outcome.status)
+        if finished is None:
+            text = "failed: its process ended abruptly, perhaps for want of memory"
+            finished = Finished(Outcome(task.key, text, task.name, lasting=False))
+        store.put(finished.outcome, finished.results)
+        count.total -= 0 if is_complete(finished.outcome.status) else repeats_left
+        count(task.name, finished.outcome.status)
 
 
 def _names(tasks: Iterable[Any], executor: Executor) -> Iterator[str]:
@@ -178,11 +155,6 @@ def counted(outcome: Outcome | None, exclusive: bool) -> list[Cost]:
     """The costs of a run that count: the exclusive ones where asked for, else all."""
     costs = [] if outcome is None else list(outcome.costs)
     return [cost for cost in costs if cost.timing == "exclusive"] if exclusive else costs
-
-
-def _dead(task: Any) -> Outcome:
-    text = "failed: its process ended abruptly, perhaps for want of memory"
-    return Outcome(task.key, text, task.name, lasting=False)
 
 
 def _with_repeat(known: Outcome, finished: Finished | None) -> Outcome:
@@ -204,13 +176,7 @@ def _noted(outcome: Outcome, note: str) -> Outcome:
 
 @contextmanager
 def resumable(store: Store, what: str) -> Iterator[None]:
-    """Context in which Ctrl-C and SIGTERM end a campaign with what is kept of it and how to go on.
-
-    Raises
-    ------
-    Interrupted
-        One of them came.
-    """
+    """Context in which Ctrl-C and SIGTERM raise an Interrupted that says how to go on."""
     with interruptible():
         try:
             yield

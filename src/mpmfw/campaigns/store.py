@@ -11,16 +11,59 @@ import tempfile
 import time
 import weakref
 from collections.abc import Callable, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from typing import Any
 
 import xarray as xr
 from pydantic import TypeAdapter
 
-from mpmfw.campaigns.outcome import Outcome
 from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.results.reading import read_run
 from mpmfw.results.replacing import kind_of_file, replace_bytes
+from mpmfw.state.clock import COSTS as RUN_COSTS
+
+#: Root attributes of a run that are its costs: name, unit, meaning.
+COSTS: tuple[tuple[str, str, str], ...] = (*RUN_COSTS, ("settle_steps", "1", "time steps of settling"))
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What one repeat of a run took."""
+
+    timing: str  #: ``exclusive`` if nothing else of the campaign ran meanwhile, else ``shared cores``
+    values: dict[str, float]  #: root attributes of the run, by the names of :data:`COSTS`
+    stages: dict[str, float]  #: CPU time of the steps by stage [s]
+    settling: dict[str, float]  #: CPU time of settling by stage [s]; 0 where the scene does not settle
+    #: mean number of cores that other processes kept busy; NaN where it is not known
+    others: float = field(default=float("nan"), compare=False)
+    machine: str = ""  #: model of the processor
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a run went."""
+
+    key: str  #: of :func:`mpmfw.runs.identity.key_of`
+    status: str  #: ``ok``, ``suspect: …``, or why there is no complete result
+    name: str = ""  #: what ran, in words
+    scene: str = ""  #: the scene's text, for a reader of the store
+    digest: str = ""  #: of the series, which every repeat must give again; empty without results
+    notes: tuple[str, ...] = ()  #: what the run's reader must know
+    costs: tuple[Cost, ...] = ()  #: one for each repeat
+    values: Mapping[str, Any] = field(default_factory=dict)  #: read off the run, where it has no results
+    code: Mapping[str, str] = field(default_factory=dict)  #: hashes of packages, versions of libraries
+    #: whether running it again would end in the same way
+    lasting: bool = field(default=True, compare=False)
+
+
+@dataclass(frozen=True)
+class Finished:
+    """What came of a task: its outcome, and the file that it wrote, if any."""
+
+    outcome: Outcome
+    results: bytes | None = None
+
 
 _OUTCOME = TypeAdapter(Outcome)
 
@@ -66,9 +109,7 @@ class Store:
         return read_run(path) if path.is_file() else None
 
     def put(self, outcome: Outcome, results: bytes | None = None) -> None:
-        """Keep an outcome, and the file that the run wrote if it is new; what would not last is kept in
-        memory.
-        """
+        """Store an outcome and its file; an outcome that would not last stays in memory."""
         self._known[outcome.key] = outcome
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
@@ -90,21 +131,10 @@ class Store:
     def prune(
         self, takes: Callable[[Mapping[str, str]], bool], days: float | None = None
     ) -> tuple[int, int, int]:
-        """Forget outcomes that no run of today would take; files that no store wrote stay, whatever they are
-        called.
+        """Forget outcomes whose code ``takes`` refuses or that are older than ``days``; keep other files.
 
-        Parameters
-        ----------
-        takes
-            Says of the code of an outcome whether it is what runs today.
-        days
-            Forget those as well that were written longer ago.
-
-        Returns
-        -------
-        tuple of int
-            Runs that were forgotten, those that are kept, and bytes that became free; files that a killed
-            process left are among these.
+        Returns the numbers of runs that were forgotten and are kept, and the bytes that became free, with
+        files that a killed process left.
 
         Raises
         ------
@@ -189,13 +219,7 @@ def key_in(path: Path, ending: str) -> str:
 
 
 def own_files(folder: Path) -> list[Path]:
-    """The files of a folder that a store wrote, whole or by half; no link is one, and none is followed.
-
-    Raises
-    ------
-    OSError
-        The folder cannot be read.
-    """
+    """Return the files of a folder that a store wrote, whole or by half; links are not followed."""
     return [path for path in sorted(folder.iterdir()) if _is_own(path)]
 
 

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import copy
+import functools
 import hashlib
 import logging
 import math
+import os
+import platform
 import tempfile
 import threading
+import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -17,14 +21,57 @@ from typing import Any
 
 import xarray as xr
 
-from mpmfw.campaigns.machine import Load, processor
-from mpmfw.campaigns.outcome import COSTS, Cost, Finished, Outcome
+from mpmfw.campaigns.store import COSTS, Cost, Finished, Outcome
 from mpmfw.errors import MpmfwError, ResultsWarning, SceneError, SimulationError
 from mpmfw.plugin.checks import cause
 from mpmfw.runs.identity import code_of
 from mpmfw.runs.run import run
 from mpmfw.scene import Scene
 from mpmfw.state.clock import STEP_STAGES
+
+#: Cores that others may keep busy before a machine counts as loaded: daemons take a few hundredths of one.
+LOADED = 0.2
+
+
+@functools.cache
+def processor() -> str:
+    """Model of the processor."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        lines = []
+    named = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    return next(named, platform.processor() or platform.machine())
+
+
+class Load:
+    """Measures, from when it is made, how many cores other processes keep busy."""
+
+    def __init__(self) -> None:
+        self._busy, self._own, self._wall = _busy(), _own(), time.perf_counter()
+
+    def others(self) -> float:
+        """Return the mean number of cores that other processes kept busy; NaN where unknown."""
+        wall = time.perf_counter() - self._wall
+        busy = _busy() - self._busy - (_own() - self._own)
+        # The system counts in hundredths of a second: of shorter spans it says nothing
+        return max(0.0, busy / wall) if wall > 0.1 else float("nan")
+
+
+def _own() -> float:
+    times = os.times()
+    return times.user + times.system + times.children_user + times.children_system
+
+
+def _busy() -> float:
+    """CPU seconds that all processes of the machine have taken since it was started."""
+    try:
+        first = Path("/proc/stat").read_text(encoding="utf-8").splitlines()[0].split()
+    except (OSError, IndexError):
+        return float("nan")
+    user, nice, system, _, _, irq, softirq = (float(part) for part in first[1:8])
+    return (user + nice + system + irq + softirq) / os.sysconf("SC_CLK_TCK")
+
 
 _log = logging.getLogger("mpmfw")
 
@@ -37,35 +84,17 @@ _begun = 0
 
 @dataclass(frozen=True)
 class Task:
-    """One run to do.
+    """One run to do."""
 
-    Attributes
-    ----------
-    key, name
-        Of the run, as in its outcome.
-    scene
-        What to run.
-    contact, shape
-        Strategy objects in place of the scene's methods; each run gets a copy.
-    code
-        What is meant to run it, by name; empty is not asked.
-    timing
-        How its cost will be marked.
-    force
-        Whether it may be past the limits of steps and frames.
-    threads
-        That share its work, whatever the scene says.
-    """
-
-    key: str
-    name: str
+    key: str  #: of the run, as in its outcome
+    name: str  #: in words
     scene: Scene
-    contact: Any = None
-    shape: Any = None
-    code: Mapping[str, str] = field(default_factory=dict)
-    timing: str = ""
-    force: bool = False
-    threads: int = 1
+    contact: Any = None  #: a strategy object instead of the scene's method; each run gets a copy
+    shape: Any = None  #: as ``contact``
+    code: Mapping[str, str] = field(default_factory=dict)  #: what must run it, by name; empty is not asked
+    timing: str = ""  #: how its cost will be marked
+    force: bool = False  #: whether it may be past the limits of steps and frames
+    threads: int = 1  #: that share its work, whatever the scene says
 
 
 def run_once(task: Task, progress: Callable[[float, int], None] | None = None) -> Finished:

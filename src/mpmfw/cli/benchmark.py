@@ -35,7 +35,7 @@ def benchmark(
     from rich.console import Console
 
     from mpmfw.benchmark import measure_scene, measure_threads, table
-    from mpmfw.campaigns.machine import Load, processor
+    from mpmfw.campaigns.work import Load, processor
     from mpmfw.scene import load_scene
 
     names = [name for name in scenes.split(",") if name]

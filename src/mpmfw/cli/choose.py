@@ -123,7 +123,7 @@ def choose(
 
 def _print(dataset: xr.Dataset, form: Format) -> None:
     """Print a row for each method, and in a table the answer below."""
-    from mpmfw.studies.advice import advice, method_rows
+    from mpmfw.studies.conclusion import advice, method_rows
 
     rows = method_rows(dataset)
     if form is not Format.table:

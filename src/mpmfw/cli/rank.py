@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from mpmfw.cli.arguments import OutputOption, ReplaceOption
+from mpmfw.cli.arguments import AxisOption, BodyOption, OutputOption, PairOption, ReplaceOption
 from mpmfw.cli.errors import figure_path, new_path
 from mpmfw.cli.tables import Format, FormatOption, print_table, write_rows
 
@@ -30,6 +30,9 @@ def rank(
     levels: Annotated[
         str, typer.Option(metavar="ERRORS", help="Relative errors to be reached, falling.")
     ] = "10%,5%,2%,1%,0.5%",
+    body: BodyOption = None,
+    pair: PairOption = None,
+    axis: AxisOption = None,
     output: OutputOption = None,
     form: FormatOption = Format.table,
     force: ReplaceOption = False,
@@ -44,15 +47,19 @@ def rank(
 
     output = None if output is None else new_path(figure_path(output), force)
 
-    found = ranking.rank(results, by, _levels(levels))
+    named = {"body": body, "pair": pair, "axis": axis}
+    about = {key: name for key, name in named.items() if name is not None}
+    found = ranking.rank(results, by, _levels(levels), about)
     known = [name for name in ranking.QUANTITIES if found["over_best"].sel(quantity=name).notnull().any()]
     if form is not Format.table:
         write_rows([{"quantity": name} | row for name in known for row in ranking.summary(found, name)], form)
     else:
         for quantity in known:
+            meaning = ranking.QUANTITIES[quantity]
+            if quantity == "error" and found.attrs["errors"]:
+                meaning = f"error of {found.attrs['errors']}"
             title = (
-                f"Problems, of {found.sizes['problem']} at most, whose {quantity} "
-                f"({ranking.QUANTITIES[quantity]}) falls "
+                f"Problems, of {found.sizes['problem']} at most, whose {quantity} ({meaning}) falls "
                 "to each level; median cost over the cheapest method's"
             )
             print_table(ranking.summary(found, quantity), labels=("method",), title=title)

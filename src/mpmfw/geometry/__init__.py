@@ -1,16 +1,13 @@
 """Body outlines and particle layouts."""
 
 from mpmfw.geometry.base import BodyGeometry
-from mpmfw.geometry.disc import Disc
+from mpmfw.geometry.disc import Disc, Ring
 from mpmfw.geometry.discretise import Geometry, Particles, discretise
-from mpmfw.geometry.extrusion import Cylinder, Extrusion
+from mpmfw.geometry.extrusion import Cylinder, Extrusion, Revolution, Torus
 from mpmfw.geometry.layout import FloatArray, Layout
 from mpmfw.geometry.mesh_file import MeshFile
 from mpmfw.geometry.plane import PlaneGeometry
-from mpmfw.geometry.polygon import Polygon
-from mpmfw.geometry.rectangle import Rectangle
-from mpmfw.geometry.revolution import Revolution, Torus
-from mpmfw.geometry.ring import Ring
+from mpmfw.geometry.polygon import Polygon, Rectangle
 from mpmfw.geometry.solid import SolidGeometry
 from mpmfw.geometry.solids import Ball, Box
 from mpmfw.geometry.surface_mesh import SurfaceMesh

@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
+import re
 from abc import abstractmethod
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    TypeAdapter,
+    ValidationError,
+    ValidationInfo,
+    model_validator,
+)
 
 from mpmfw.geometry.layout import FloatArray, IntArray, Layout
 from mpmfw.units import Length
@@ -14,6 +25,31 @@ from mpmfw.units import Length
 PositiveLength = Annotated[Length, Field(gt=0)]
 Point2D = tuple[Length, Length]
 Point3D = tuple[Length, Length, Length]
+
+
+_CELLS = re.compile(r"\s*([0-9]*\.?[0-9]+(?:[eE][+-]?[0-9]+)?)\s*cells?\s*")
+
+
+def context_of_cells(tables: Mapping[str, Any]) -> dict[str, float]:
+    """Return the validation context of a scene in which lengths may be given in cells.
+
+    Where the cell size itself is wrong, a cell counts as 1 m, so that the cell size alone is reported."""
+    try:
+        return {"cell_size": TypeAdapter(PositiveLength).validate_python(tables["grid"]["cell_size"])}
+    except (TypeError, LookupError, ValidationError):
+        return {"cell_size": 1.0}
+
+
+def _from_cells(value: Any, info: ValidationInfo) -> Any:
+    """Convert a text such as ``0.5 cells`` to metres; other values pass through."""
+    context, cells = info.context, _CELLS.fullmatch(value) if isinstance(value, str) else None
+    return value if context is None or cells is None else float(cells[1]) * context["cell_size"]
+
+
+#: A positive length that may follow the cell size: ``"0.5 cells"``.
+LengthInCells = Annotated[
+    PositiveLength, BeforeValidator(_from_cells), Field(json_schema_extra={"unit": "m", "cells": True})
+]
 
 
 class BodyGeometry(BaseModel):
@@ -76,9 +112,7 @@ class BodyGeometry(BaseModel):
         """Cells of edge ``size`` [m], shifted by ``offset`` (fractions), cut by the surface."""
 
     def fitted(self, size: float) -> Layout:
-        """Domains of edges up to ``size`` [m] that follow the surface; a ValueError where there are none,
-        as here.
-        """
+        """Domains of edges up to ``size`` [m] that follow the surface; a ValueError where there are none."""
         raise ValueError(f"a {self.type} has no fitted layout (size {size} m): choose layout = 'lattice'")
 
 

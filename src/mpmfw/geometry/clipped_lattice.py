@@ -1,6 +1,4 @@
-"""Lattice layouts: square cells clipped by an outline, and the tiling of a rectangle or box by equal
-cells.
-"""
+"""Lattice layouts: square cells clipped by an outline, and tilings of rectangles and boxes."""
 
 from __future__ import annotations
 
@@ -13,7 +11,6 @@ import numpy.typing as npt
 import shapely
 
 from mpmfw.geometry.layout import FloatArray, Layout, layout_of_boxes
-from mpmfw.geometry.merging import merge_small_pieces
 
 # Pieces below this fraction of a cell would make light particles, with large accelerations
 SMALLEST_PIECE = 0.25
@@ -21,21 +18,11 @@ SMALLEST_PIECE = 0.25
 
 @dataclass(frozen=True)
 class Cells:
-    """Square lattice cells: cell (i, j) has its lower left corner at origin + edge (i, j).
+    """Square lattice cells: cell (i, j) has its lower left corner at origin + edge (i, j)."""
 
-    Attributes
-    ----------
-    origin : (2,)
-        Lower left corner of the lattice [m].
-    edge
-        Edge of a cell [m].
-    counts : (2,)
-        Number of cells along each axis.
-    """
-
-    origin: FloatArray
-    edge: float
-    counts: tuple[int, int]
+    origin: FloatArray  #: (2,) lower left corner of the lattice [m]
+    edge: float  #: of a cell [m]
+    counts: tuple[int, int]  #: cells along each axis
 
     def corner(self, index: npt.NDArray[np.intp]) -> FloatArray:
         """Lattice nodes (..., 2) [m]; one formula for all, so that neighbours share them exactly."""
@@ -125,3 +112,75 @@ def _faces(lower: float, upper: float, size: float, offset: float, dim: int) -> 
     least = SMALLEST_PIECE ** (1 / dim) * edge
     inner = inner[(inner - lower >= least) & (upper - inner >= least)]
     return np.concatenate([[lower], inner, [upper]])
+
+
+#: Of equal faces that across x wins, then y, on every side alike: round-off cannot break a mirror symmetry
+TIE_BREAK = 1e-9
+
+
+def merge_small_pieces(
+    index: npt.NDArray[np.intp],
+    volume: FloatArray,
+    centroid: FloatArray,
+    small: npt.NDArray[np.intp],
+    shared: FloatArray,
+    least_volume: float,
+) -> tuple[FloatArray, FloatArray]:
+    """Join each small piece to the neighbour with which it shares the longest edge, or the largest face.
+
+    The pieces lie at lattice ``index`` (n, dim), with ``volume`` (n,) and ``centroid`` (n, dim); those
+    numbered ``small`` (k,) are below ``least_volume``. ``shared`` (k, 2 dim) are the lengths or areas that
+    these share with the neighbours below and above along x, then y, then z. Returns volumes and centroids of
+    the joint pieces; a small piece without a neighbour stays as it is."""
+    dim = index.shape[1]
+    preferred = shared * (1.0 - TIE_BREAK * np.repeat(np.arange(dim), 2))
+    order = np.argsort(-preferred, axis=1, kind="stable")
+    beside = np.where(shared > 0.0, _neighbours(index, small), -1)[
+        np.arange(len(small))[:, np.newaxis], order
+    ]
+    owner = np.arange(len(volume))
+    joint = volume.copy()
+    for k in np.argsort(volume[small], kind="stable"):
+        piece = int(small[k])
+        # Pieces that joined this one may have made it large enough
+        if joint[piece] < least_volume:
+            owner[piece] = _most_shared(piece, beside[k], owner)
+            joint[owner[piece]] += joint[piece]
+    roots = owner.copy()
+    for piece in small.tolist():
+        roots[piece] = _root(owner, piece)
+    total = np.bincount(roots, weights=volume, minlength=len(volume)).astype(np.float64)
+    moment = np.column_stack(
+        [np.bincount(roots, weights=volume * x, minlength=len(volume)) for x in centroid.T]
+    )
+    kept = np.flatnonzero(owner == np.arange(len(volume)))
+    return total[kept], moment[kept] / total[kept, np.newaxis]
+
+
+def _neighbours(index: npt.NDArray[np.intp], small: npt.NDArray[np.intp]) -> npt.NDArray[np.intp]:
+    """Pieces (k, 2 dim) below and above the small ones along every axis; −1 where there is none."""
+    dim = index.shape[1]
+    lower = index.min(axis=0) - 1
+    counts = tuple(index.max(axis=0) - lower + 2)
+    number = np.full(counts, -1)
+    number[tuple((index - lower).T)] = np.arange(len(index))
+    steps = [side * (np.arange(dim) == axis) for axis in range(dim) for side in (-1, 1)]
+    return np.stack([number[tuple((index[small] - lower + step).T)] for step in steps], axis=1)
+
+
+def _most_shared(piece: int, beside: npt.NDArray[np.intp], owner: npt.NDArray[np.intp]) -> int:
+    """The (joint) piece that shares most with ``piece``; ``piece`` itself where there is none.
+
+    ``beside`` has its neighbours, those with the largest face first, −1 where there is none.
+    """
+    for other in beside.tolist():
+        if other >= 0 and (root := _root(owner, other)) != piece:
+            return root
+    return piece
+
+
+def _root(owner: npt.NDArray[np.intp], piece: int) -> int:
+    """The piece that ``piece`` belongs to after all joins so far."""
+    while owner[piece] != piece:
+        piece = int(owner[piece])
+    return piece

@@ -26,21 +26,11 @@ NEAR = 1e-9
 
 @dataclass(frozen=True)
 class Cuts:
-    """Parts of the cells of a lattice inside a surface; lengths in edges of a cell.
+    """Parts of the cells of a lattice inside a surface; lengths in edges of a cell."""
 
-    Attributes
-    ----------
-    volume : (n_x, n_y, n_z)
-        Of the parts, 0 … 1.
-    moment : (n_x, n_y, n_z, 3)
-        ∫ x dV of each, from the lattice's origin.
-    faces : three of (n_x, n_y, n_z)
-        Area of each cell's lower face across x, y and z inside the body.
-    """
-
-    volume: FloatArray
-    moment: FloatArray
-    faces: tuple[FloatArray, FloatArray, FloatArray]
+    volume: FloatArray  #: (n_x, n_y, n_z) of the parts, 0 … 1
+    moment: FloatArray  #: (n_x, n_y, n_z, 3) ∫ x dV of each, from the lattice's origin
+    faces: tuple[FloatArray, FloatArray, FloatArray]  #: of each cell's lower faces the area in the body
 
 
 def cut_cells(corners: FloatArray, counts: tuple[int, int, int]) -> Cuts:
@@ -81,14 +71,9 @@ def cut_cells(corners: FloatArray, counts: tuple[int, int, int]) -> Cuts:
         moment[..., axis] = summed(up * _mean_product(pieces[:, axis], high)) + below(up * centre[axis])
     layer = np.arange(counts[2])
     moment[..., 2] = summed(0.5 * up * _mean_product(high, high)) + 0.5 * above + layer * volume
-    faces = (_lower_faces(summed(area[axis]), axis) for axis in range(3))
+    through = (summed(area[axis]) for axis in range(3))
+    faces = (one - np.cumsum(one, axis=axis) for axis, one in enumerate(through))
     return Cuts(volume, moment, tuple(faces))  # type: ignore[arg-type]
-
-
-def _lower_faces(through: FloatArray, axis: int) -> FloatArray:
-    """Areas of the cells' lower faces from the sums ∫ n dA of the pieces in every cell."""
-    faces: FloatArray = through - np.cumsum(through, axis=axis)
-    return faces
 
 
 def _sum(corners: FloatArray) -> FloatArray:
@@ -110,9 +95,7 @@ def _normals(pieces: FloatArray) -> FloatArray:
 
 
 def _cut_at_planes(pieces: FloatArray, axis: int) -> FloatArray:
-    """The triangles cut at all planes of the lattice across an axis, each at the middle one of its planes
-    first.
-    """
+    """Cut the triangles at all planes of the lattice across an axis, the middle plane of each first."""
     done: list[FloatArray] = []
     while pieces.shape[2]:
         a, b, c = pieces[:, axis]

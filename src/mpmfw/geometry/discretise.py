@@ -19,15 +19,12 @@ from pydantic import (
 )
 
 from mpmfw.errors import SceneError
-from mpmfw.geometry.base import BodyGeometry, PositiveLength
-from mpmfw.geometry.disc import Disc
-from mpmfw.geometry.extrusion import Cylinder, Extrusion
+from mpmfw.geometry.base import BodyGeometry, LengthInCells
+from mpmfw.geometry.disc import Disc, Ring
+from mpmfw.geometry.extrusion import Cylinder, Extrusion, Revolution, Torus
 from mpmfw.geometry.layout import Layout
 from mpmfw.geometry.mesh_file import MeshFile
-from mpmfw.geometry.polygon import Polygon
-from mpmfw.geometry.rectangle import Rectangle
-from mpmfw.geometry.revolution import Revolution, Torus
-from mpmfw.geometry.ring import Ring
+from mpmfw.geometry.polygon import Polygon, Rectangle
 from mpmfw.geometry.solids import Ball, Box
 from mpmfw.geometry.surface_mesh import SurfaceMesh
 from mpmfw.plugin.discovery import available, load, only_bundled
@@ -52,7 +49,7 @@ class Particles(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     layout: Literal["lattice", "fitted"] = "lattice"
-    size: PositiveLength
+    size: LengthInCells
     offset: tuple[Fraction, ...] = Field(default=(), max_length=3)
 
     @model_validator(mode="after")
@@ -64,39 +61,21 @@ class Particles(BaseModel):
         return self
 
     def offset_in(self, dim: int) -> tuple[float, ...]:
-        """The offset as ``dim`` fractions.
-
-        Raises
-        ------
-        ValueError
-            More fractions are given than the body has dimensions.
-        """
+        """Return the offset as ``dim`` fractions; a ValueError if more are given."""
         if len(self.offset) > dim:
             raise ValueError(f"offset has {len(self.offset)} entries for a body in {dim}D")
         return self.offset + (0.0,) * (dim - len(self.offset))
 
 
 def geometry_class(name: str) -> type[BodyGeometry]:
-    """The geometry that an installed distribution announces by this name, or at ``module:Class``.
-
-    Raises
-    ------
-    SceneError
-        It cannot be imported, is no geometry, or leaves out what every geometry must answer.
-    """
+    """Return the announced geometry of this name, or ``module:Class``; a SceneError if it is none."""
     plugin = load("geometry", name)
     refuse_incomplete(plugin)
     return plugin
 
 
 def refuse_incomplete(plugin: type[Any]) -> None:
-    """Refuse a class that is no geometry, or does not say what a geometry must.
-
-    Raises
-    ------
-    SceneError
-        Which base class is expected, or what is missing.
-    """
+    """Refuse a class that is no geometry, or lacks something that every geometry has."""
     named = f"geometry {plugin.__module__}.{plugin.__qualname__}"
     if not issubclass(plugin, BodyGeometry):
         raise SceneError(
@@ -154,15 +133,7 @@ Geometry = Annotated[
 def discretise(geometry: Geometry, particles: Particles, segment: float | None) -> Layout:
     """Divide a body into material points, and its surface into facets.
 
-    Parameters
-    ----------
-    geometry
-        The true shape.
-    particles
-        Kind and size of the layout.
-    segment
-        Largest length of a surface segment [m], in 3D of the sides of its triangles; None where no surface is
-        wanted.
+    Sides of facets are at most ``segment`` [m] long; without it there are none.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Extrusion of a plane outline, and the cylinder."""
+"""Extrusions and revolutions of a plane outline, the cylinder and the torus among them."""
 
 from __future__ import annotations
 
@@ -8,22 +8,18 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from mpmfw.geometry.base import Point3D, PositiveLength
-from mpmfw.geometry.disc import Disc
+from mpmfw.geometry.disc import Disc, Ring
 from mpmfw.geometry.layout import FloatArray
-from mpmfw.geometry.polygon import Polygon
-from mpmfw.geometry.rectangle import Rectangle
-from mpmfw.geometry.ring import Ring
+from mpmfw.geometry.polygon import Polygon, Rectangle
 from mpmfw.geometry.solid import AxialSolid, Surfaces, TurnedSolid
-from mpmfw.geometry.swept import extruded_surface
+from mpmfw.geometry.swept import extruded_surface, revolved_surface
 from mpmfw.units import Length
 
 PlaneOutline = Annotated[Disc | Ring | Rectangle | Polygon, Field(discriminator="type")]
 
 
 class Extrusion(TurnedSolid):
-    """A plane shape moved along z from ``low`` to ``high`` [m], turned about its centroid by ``angles``
-    [rad] about x, y, z.
-    """
+    """A plane shape from z = ``low`` to ``high`` [m], turned about its centroid by ``angles`` [rad]."""
 
     type: Literal["extrusion"] = "extrusion"
     outline: PlaneOutline
@@ -66,17 +62,13 @@ class Extrusion(TurnedSolid):
         return self.turned(np.concatenate(ends))
 
     def surfaces(self, edge: float) -> Surfaces:
-        """Nodes (n, 3) [m] and triangles (k, 3) of sides up to ``edge`` [m], across the sides up to 1.4 of
-        it.
-        """
+        """Nodes (n, 3) [m] and triangles (k, 3) with sides up to ``edge`` [m], 1.4 of it across."""
         nodes, facets = extruded_surface(self.outline.outlines(edge), self.low, self.high, edge)
         return ((self.turned(nodes), facets),)
 
 
 class Cylinder(AxialSolid):
-    """A full cylinder [m], its ``length`` along ``axis``, turned about its centre by ``angles`` [rad]
-    about x, then y, then z.
-    """
+    """A full cylinder [m] along ``axis``, turned about its centre by ``angles`` [rad]."""
 
     type: Literal["cylinder"] = "cylinder"
     centre: Point3D
@@ -106,9 +98,113 @@ class Cylinder(AxialSolid):
         return np.array([self.centroid - half, self.centroid + half])
 
     def surfaces(self, edge: float) -> Surfaces:
-        """Nodes (n, 3) [m] and triangles (k, 3) of sides up to ``edge`` [m], across the sides up to 1.4 of
-        it.
-        """
+        """Nodes (n, 3) [m] and triangles (k, 3) with sides up to ``edge`` [m], 1.4 of it across."""
         disc = Disc(centre=(0.0, 0.0), radius=self.radius)
         nodes, facets = extruded_surface(disc.outlines(edge), -0.5 * self.length, 0.5 * self.length, edge)
         return ((self.centroid + nodes @ self.turn.T, facets),)
+
+
+#: Nodes so near to the axis lie on it, over the outline's extent.
+ON_AXIS = 1e-9
+
+
+class Revolution(AxialSolid):
+    """A plane shape that goes round ``axis``: distance from it and height above ``origin`` [m].
+
+    The body is turned about the origin by ``angles`` [rad] about x, then y, then z.
+    """
+
+    type: Literal["revolution"] = "revolution"
+    outline: PlaneOutline
+    origin: Point3D = (0.0, 0.0, 0.0)
+
+    @model_validator(mode="after")
+    def _beside_the_axis(self) -> Self:
+        lowest, extent = self.outline.bounds[0, 0], float(np.ptp(self.outline.bounds))
+        if lowest < -ON_AXIS * extent:
+            raise ValueError(
+                f"the outline reaches {-lowest:.4g} m beyond the axis; expected a first coordinate, the "
+                "distance from the axis, of 0 or more"
+            )
+        return self
+
+    @property
+    def exact_volume(self) -> float:
+        """2 π r A of the outline's area A and its centroid's distance r (Pappus) [m^3]."""
+        return float(2.0 * np.pi * self.outline.centroid[0] * self.outline.exact_volume)
+
+    @property
+    def bounds(self) -> FloatArray:
+        """Lower and upper corner of the bounding box (2, 3) [m]."""
+        nodes = np.concatenate(self.outline.outlines(self.outline.outline_length / 400.0))
+        radius, height = nodes[:, :1], nodes[:, 1:]
+        along = self.turn[:, 2]
+        across = np.sqrt(np.maximum(1.0 - along**2, 0.0))
+        origin = np.array(self.origin)
+        return np.array(
+            [
+                (origin + height * along - radius * across).min(axis=0),
+                (origin + height * along + radius * across).max(axis=0),
+            ]
+        )
+
+    def surfaces(self, edge: float) -> Surfaces:
+        """Nodes (n, 3) [m] and triangles (k, 3) with sides up to ``edge`` [m], 1.4 of it across."""
+        found = []
+        for loop in self.outline.outlines(edge):
+            near = np.abs(loop[:, :1]) < ON_AXIS * np.ptp(loop)
+            nodes, facets = revolved_surface(np.where(near & (np.arange(2) == 0), 0.0, loop), edge)
+            found.append((np.array(self.origin) + nodes @ self.turn.T, facets))
+        return tuple(found)
+
+
+class Torus(AxialSolid):
+    """A torus [m]: a disc of ``tube_radius`` whose centre runs round ``axis`` on a circle of ``radius``.
+
+    The body is turned about its centre by ``angles`` [rad] about x, then y, then z.
+    """
+
+    type: Literal["torus"] = "torus"
+    centre: Point3D
+    radius: PositiveLength
+    tube_radius: PositiveLength
+
+    @model_validator(mode="after")
+    def _has_a_hole(self) -> Self:
+        if self.tube_radius >= self.radius:
+            raise ValueError(f"tube_radius {self.tube_radius} m must be smaller than radius {self.radius} m")
+        return self
+
+    @property
+    def exact_volume(self) -> float:
+        """2 π² R r² [m^3]."""
+        return float(2.0 * np.pi**2 * self.radius * self.tube_radius**2)
+
+    @property
+    def width(self) -> float:
+        """2 r, of the tube [m]."""
+        return float(2.0 * self.tube_radius)
+
+    @property
+    def centroid(self) -> FloatArray:
+        """The centre (3,) [m]."""
+        return np.array(self.centre)
+
+    @property
+    def area(self) -> float:
+        """4 π² R r [m^2]."""
+        return float(4.0 * np.pi**2 * self.radius * self.tube_radius)
+
+    @property
+    def bounds(self) -> FloatArray:
+        """Lower and upper corner of the bounding box (2, 3) [m]."""
+        return self._revolution.bounds
+
+    def surfaces(self, edge: float) -> Surfaces:
+        """Nodes (n, 3) [m] and triangles (k, 3) of sides up to ``edge`` [m], across rings up to 1.4 of it."""
+        return self._revolution.surfaces(edge)
+
+    @property
+    def _revolution(self) -> Revolution:
+        tube = Disc(centre=(self.radius, 0.0), radius=self.tube_radius)
+        return Revolution(outline=tube, origin=self.centre, axis=self.axis, angles=self.angles)

@@ -14,14 +14,7 @@ def closed_loop(n: int) -> IntArray:
 
 
 def neighbours_of(facets: IntArray) -> IntArray:
-    """Facet across the side that is opposite each corner, (n_f, dim), of facets (n_f, dim) given by their
-    nodes.
-
-    Raises
-    ------
-    ValueError
-        The surface is not closed, or a side has more than two facets.
-    """
+    """Facet across the side opposite each corner (n_f, dim); a ValueError if the surface is not closed."""
     n, dim = facets.shape
     corners = [[b for b in range(dim) if b != a] for a in range(dim)]
     sides = np.sort(np.concatenate([facets[:, rest] for rest in corners]), axis=1)
@@ -39,8 +32,7 @@ def neighbours_of(facets: IntArray) -> IntArray:
 
 
 def stars_of(facets: IntArray, n_nodes: int) -> tuple[IntArray, IntArray]:
-    """Facets round every node: those of node s are ``star[first[s]:first[s + 1]]``; returns ``first`` and
-    ``star``.
+    """Facets round every node: ``star[first[s]:first[s + 1]]``; returns ``first`` and ``star``.
 
     In the plane the segment that ends at the node comes before the one that starts there.
     """

@@ -21,13 +21,7 @@ BESIDE_THE_POINT = frozenset({15, 1, 8})
 
 @contextmanager
 def started_gmsh(needed_for: str) -> Iterator[Any]:
-    """gmsh, started silently; left running where somebody else had started it.
-
-    Raises
-    ------
-    ValueError
-        It is not installed: ``needed_for`` says for what it should be.
-    """
+    """Start gmsh silently, unless it runs; a ValueError says what needs it where it is missing."""
     try:
         import gmsh  # type: ignore[import-untyped, import-not-found, unused-ignore]
     except (ImportError, OSError) as error:  # OSError: a system library of gmsh is missing
@@ -56,12 +50,9 @@ def _keep_python_s_answer_to_broken_pipes() -> None:
 
 
 def read_blocks(path: Path, kinds: Mapping[int, int]) -> tuple[FloatArray, dict[int, IntArray]]:
-    """Nodes (n, 3) of a gmsh file, and the nodes (k, m) of its elements by gmsh's number of their kind.
+    """Read the nodes (n, 3) of a gmsh file and the nodes (k, m) of its elements of each kind.
 
-    Parameters
-    ----------
-    kinds
-        Nodes an element of each kind that is read.
+    ``kinds`` are gmsh's numbers of the kinds that are read, with their nodes.
 
     Raises
     ------

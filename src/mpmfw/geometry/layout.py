@@ -42,15 +42,7 @@ class Layout:
 
 
 def layout_of_boxes(position: FloatArray, edges: FloatArray) -> Layout:
-    """Rectangular or cuboid domains, edges along the axes.
-
-    Parameters
-    ----------
-    position : (n, dim)
-        Centres [m].
-    edges : (n, dim)
-        Edge lengths [m].
-    """
+    """Return rectangular or cuboid domains: centres and edge lengths (n, dim) [m]."""
     dim = position.shape[1]
     half_edges = np.eye(dim) * (0.5 * edges)[:, np.newaxis, :]
     corners = parallelogram_corners(position, half_edges) if dim == 2 else None

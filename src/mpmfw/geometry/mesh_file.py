@@ -1,8 +1,8 @@
-"""Body given by a finite element mesh."""
+"""Body given by a finite element mesh: plane triangles and quadrilaterals of a gmsh file."""
 
 from __future__ import annotations
 
-from collections import defaultdict
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal, Self
@@ -11,16 +11,25 @@ import numpy as np
 import shapely
 from pydantic import model_validator
 
-from mpmfw.geometry.elements import Elements, IntArray, read_elements
-from mpmfw.geometry.layout import FloatArray, Layout, layout_of_quadrilaterals
-from mpmfw.geometry.plane import PlaneGeometry
-from mpmfw.geometry.polylines import subdivided
+from mpmfw.geometry.gmsh_file import read_blocks
+from mpmfw.geometry.layout import (
+    FloatArray,
+    IntArray,
+    Layout,
+    layout_of_quadrilaterals,
+)
+from mpmfw.geometry.plane import PlaneGeometry, loops_of, subdivided
+
+# gmsh's numbers of first-order triangles and quadrangles, and their nodes
+KINDS = {2: 3, 3: 4}
+#: Of the parallelogram of a corner over the square of the longest side: an element with less has no area.
+FLAT = 1e-10
 
 
 class MeshFile(PlaneGeometry):
     """A gmsh file (.msh) of first-order triangles and quads in the x-y plane, coordinates in [m].
 
-    The elements themselves are the shape: their boundary edges make the outlines.
+    The elements themselves are the shape: the boundary of their union makes the outlines.
     """
 
     type: Literal["mesh"] = "mesh"
@@ -29,15 +38,15 @@ class MeshFile(PlaneGeometry):
     @model_validator(mode="after")
     def _makes_one_region(self) -> Self:
         try:
-            area = float(self.region.area)
-            if not self.loops or abs(area - self.exact_volume) > 1e-6 * self.exact_volume:
+            covered, area = float(self.region.area), self.exact_volume
+            if abs(covered - area) > 1e-6 * area:
+                x, y = self._overlap()
                 raise ValueError(
-                    f"elements overlap: they cover {area} m^2 and have {self.exact_volume} m^2 in all"
+                    f"elements overlap, at ({x:.4g}, {y:.4g}) m: they cover {covered:g} of their {area:g} m^2"
                 )
         except ValueError as error:
-            raise ValueError(
-                str(error) if str(self.path) in str(error) else f"{self.path}: {error}"
-            ) from error
+            message = str(error)
+            raise ValueError(message if str(self.path) in message else f"{self.path}: {message}") from error
         return self
 
     @cached_property
@@ -46,119 +55,101 @@ class MeshFile(PlaneGeometry):
         return read_elements(self.path)
 
     @cached_property
-    def loops(self) -> tuple[FloatArray, ...]:
-        """The boundary edges chained into closed loops (m, 2) [m], the material on their left."""
-        return boundary_loops(self.elements)
+    def polygons(self) -> Any:
+        """The elements as shapely polygons (n,)."""
+        blocks = (self.elements.triangles, self.elements.quadrilaterals)
+        return np.concatenate([shapely.polygons(self.elements.nodes[block]) for block in blocks])
 
     @cached_property
     def region(self) -> Any:
-        """The union of the elements."""
-        nodes = self.elements.nodes
-        blocks = (self.elements.triangles, self.elements.quadrilaterals)
-        return shapely.union_all(
-            [p for block in blocks if len(block) for p in shapely.polygons(nodes[block])]
-        )
+        """The union of the elements, a polygon for each connected part."""
+        return shapely.union_all(self.polygons)
+
+    def _overlap(self) -> FloatArray:
+        """A place (2,) [m] that two elements cover."""
+        one, other = shapely.STRtree(self.polygons).query(self.polygons, predicate="intersects")
+        different = one != other
+        shared = shapely.intersection(self.polygons[one[different]], self.polygons[other[different]])
+        largest = shapely.centroid(shared[np.argmax(shapely.area(shared))])
+        return np.asarray(shapely.get_coordinates(largest)[0])
 
     @property
     def exact_volume(self) -> float:
         """Area of the elements [m^2]."""
-        return self.elements.area
+        return float(shapely.area(self.polygons).sum())
 
     @property
     def centroid(self) -> FloatArray:
         """Centroid (2,) [m] of the elements."""
-        return self.elements.centroid
+        area, centre = shapely.area(self.polygons), shapely.centroid(self.polygons)
+        centroid: FloatArray = area @ shapely.get_coordinates(centre) / area.sum()
+        return centroid
 
     @property
     def is_connected(self) -> bool:
         """Whether all elements hang together by edges."""
-        return is_connected(self.elements)
+        return isinstance(self.region, shapely.Polygon)
 
     def outlines(self, segment: float) -> tuple[FloatArray, ...]:
-        """The boundary loops, with the mesh's nodes among theirs."""
-        return tuple(subdivided(loop, segment) for loop in self.loops)
+        """The boundary of every part, with the mesh's nodes among its nodes."""
+        parts = shapely.get_parts(self.region)
+        return tuple(subdivided(loop, segment) for part in parts for loop in loops_of(part))
 
     def fitted(self, size: float) -> Layout:  # noqa: ARG002
         """The elements as they are, whatever ``size``: quads, and three quadrilaterals a triangle."""
         return layout_of_quadrilaterals(self.elements.pieces)
 
 
-def boundary_loops(elements: Elements) -> tuple[FloatArray, ...]:
-    """Boundary edges chained into closed loops (m, 2) [m], the material on their left.
+@dataclass(frozen=True)
+class Elements:
+    """Counter-clockwise elements of a plane mesh."""
 
-    Raises
-    ------
-    ValueError
-        Elements overlap: two of them run along one edge in the same direction.
-    """
-    edges, _ = _directed_edges(elements)
-    n = len(elements.nodes)
-    key, reverse = edges @ [n, 1], edges @ [1, n]
-    _, first, count = np.unique(key, return_index=True, return_counts=True)
-    if (count > 1).any():
-        x, y = elements.nodes[edges[first[count > 1][0]]].mean(axis=0)
-        raise ValueError(f"elements overlap: an edge has two elements on one side, at ({x:.4g}, {y:.4g}) m")
-    onward: dict[int, list[int]] = defaultdict(list)
-    for start, end in edges[~np.isin(key, reverse)]:
-        onward[int(start)].append(int(end))
-    loops = []
-    while onward:
-        loops.append(elements.nodes[_take_loop(onward, elements.nodes)])
-    return tuple(loops)
+    nodes: FloatArray  #: (n, 2) coordinates [m]
+    triangles: IntArray  #: (k, 3) node numbers
+    quadrilaterals: IntArray  #: (m, 4)
+
+    @property
+    def pieces(self) -> FloatArray:
+        """Quadrilaterals (3 k + m, 4, 2) [m]; a triangle gives three, which meet at its centroid."""
+        corner = self.nodes[self.triangles]
+        after = 0.5 * (corner + np.roll(corner, -1, axis=1))
+        centroid = np.broadcast_to(corner.mean(axis=1, keepdims=True), corner.shape)
+        thirds = np.stack([corner, after, centroid, np.roll(after, 1, axis=1)], axis=2).reshape(-1, 4, 2)
+        return np.concatenate([thirds, self.nodes[self.quadrilaterals]])
 
 
-def is_connected(elements: Elements) -> bool:
-    """Whether all elements hang together by edges."""
-    from scipy.sparse import coo_array  # half a second, which only meshes need
-    from scipy.sparse.csgraph import connected_components
-
-    edges, owner = _directed_edges(elements)
-    n = len(elements.nodes)
-    undirected = np.sort(edges, axis=1) @ [n, 1]
-    order = np.argsort(undirected, kind="stable")
-    same = np.flatnonzero(np.diff(undirected[order]) == 0)
-    count = int(owner[-1]) + 1
-    pairs = (owner[order[same]], owner[order[same + 1]])
-    parts, _ = connected_components(
-        coo_array((np.ones(len(same)), pairs), shape=(count, count)), directed=False
+def read_elements(path: Path) -> Elements:
+    """Read the triangles and quadrilaterals of a gmsh file; a ValueError says what is wrong with it."""
+    if not path.is_file():
+        raise ValueError(f"mesh file not found: {path}")
+    points, blocks = read_blocks(path, KINDS)
+    wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    if len(wrong):
+        raise ValueError(
+            f"{path} has coordinates that are no finite numbers: {len(wrong)} nodes, the first number "
+            f"{wrong[0]}, counted from 0"
+        )
+    if len(points) and np.ptp(points[:, 2:]) > 1e-9 * np.ptp(points):
+        raise ValueError(f"{path} is not in a plane z = constant")
+    if not any(map(len, blocks.values())):
+        raise ValueError(f"{path} has no triangles or quads")
+    triangles, quadrilaterals = (
+        _counter_clockwise(points[:, :2], blocks[kind].astype(np.int64), path) for kind in KINDS
     )
-    return int(parts) == 1
+    return Elements(points[:, :2], triangles, quadrilaterals)
 
 
-def _directed_edges(elements: Elements) -> tuple[IntArray, IntArray]:
-    """Edges (k, 2) as (start, end), counter-clockwise around each element, and the element (k,) of each."""
-    blocks = [b for b in (elements.triangles, elements.quadrilaterals) if len(b)]
-    edges = [np.stack([b, np.roll(b, -1, axis=1)], axis=2).reshape(-1, 2) for b in blocks]
-    sides = np.concatenate([np.full(len(b), b.shape[1]) for b in blocks])
-    return np.concatenate(edges), np.repeat(np.arange(len(sides)), sides)
-
-
-def _take_loop(onward: dict[int, list[int]], nodes: FloatArray) -> list[int]:
-    """Take one closed loop of node numbers out of ``onward`` (start of a boundary edge: its ends)."""
-    first = next(iter(onward))
-    loop = [first, _take_edge(onward, first, onward[first][0])]
-    start = loop[1]
-    while True:
-        # Where parts touch at a node, the loop goes on around the same material: along the first edge met
-        # when turning clockwise from the way back
-        here = loop[-1]
-        back = nodes[loop[-2]] - nodes[here]
-        ends = onward.get(here, [])
-        if here == first and (not ends or _next_end(nodes, here, back, [*ends, start]) == start):
-            return loop[:-1]
-        loop.append(_take_edge(onward, here, _next_end(nodes, here, back, ends)))
-
-
-def _next_end(nodes: FloatArray, here: int, back: FloatArray, ends: list[int]) -> int:
-    """The end whose edge from ``here`` is met first when turning clockwise from the direction ``back``."""
-    away = nodes[ends] - nodes[here]
-    turn = np.arctan2(back[1], back[0]) - np.arctan2(away[:, 1], away[:, 0])
-    return ends[int(np.argmin(np.mod(turn, 2 * np.pi)))]
-
-
-def _take_edge(onward: dict[int, list[int]], start: int, end: int) -> int:
-    """Remove the edge from ``start`` to ``end``, and return ``end``."""
-    onward[start].remove(end)
-    if not onward[start]:
-        del onward[start]
-    return end
+def _counter_clockwise(nodes: FloatArray, elements: IntArray, path: Path) -> IntArray:
+    """Elements (n, k) turned counter-clockwise; refused where a corner is flat or reentrant."""
+    corner = nodes[elements]
+    ahead, behind = np.roll(corner, -1, axis=1) - corner, corner - np.roll(corner, 1, axis=1)
+    turn = behind[..., 0] * ahead[..., 1] - behind[..., 1] * ahead[..., 0]
+    least = FLAT * (ahead**2).sum(axis=2).max(axis=1, keepdims=True)
+    convex = (turn > least).all(axis=1) | (turn < -least).all(axis=1)
+    if not convex.all():
+        first = corner[~convex][0].mean(axis=0)
+        raise ValueError(
+            f"{path} has {np.count_nonzero(~convex)} degenerate or non-convex elements, the first at "
+            f"({first[0]:.4g}, {first[1]:.4g}) m"
+        )
+    return np.where(turn[:, :1] > 0, elements, elements[:, ::-1])

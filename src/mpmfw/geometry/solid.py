@@ -10,11 +10,10 @@ import numpy as np
 from pydantic import Field
 
 from mpmfw.geometry.base import BodyGeometry
-from mpmfw.geometry.clipped_lattice import SMALLEST_PIECE
+from mpmfw.geometry.clipped_lattice import SMALLEST_PIECE, merge_small_pieces
 from mpmfw.geometry.cut_cells import centroid_of, cut_cells, volume_of
 from mpmfw.geometry.facets import measures_of
 from mpmfw.geometry.layout import FloatArray, IntArray, Layout, layout_of_boxes
-from mpmfw.geometry.merging import merge_small_pieces
 from mpmfw.units import Angle
 
 #: Edge of the triangles by which the cells are cut, over that of a cell, where the body's faces are curved.
@@ -26,8 +25,7 @@ Surfaces = tuple[tuple[FloatArray, IntArray], ...]
 
 
 class SolidGeometry(BodyGeometry):
-    """Base of bodies in space: subclasses say their :meth:`surfaces` and :attr:`bounds`; the rest follows
-    from triangles.
+    """Base of bodies in space: subclasses say their :meth:`surfaces` and :attr:`bounds`.
 
     Where volume and centroid of the true shape have a formula they say :attr:`exact_volume` and
     :attr:`centroid` as well.
@@ -155,8 +153,7 @@ def upright(axis: Axis) -> FloatArray:
 
 
 def solid_lattice(nodes: FloatArray, facets: IntArray, size: float, offset: tuple[float, ...]) -> Layout:
-    """Cubic cells of edge ``size`` [m], shifted by ``offset`` (fractions), cut by a closed surface; see
-    :meth:`SolidGeometry.lattice`."""
+    """Cut cubic cells by a closed surface; see :meth:`SolidGeometry.lattice`."""
     lower, upper = nodes.min(axis=0), nodes.max(axis=0)
     shifted = np.array(offset) > 0
     counts = np.ceil((upper - lower) / size - 1e-9).astype(int)

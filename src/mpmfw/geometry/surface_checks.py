@@ -6,6 +6,7 @@ import numpy as np
 import shapely
 
 from mpmfw.geometry.cut_cells import volume_of
+from mpmfw.geometry.facets import measures_of
 from mpmfw.geometry.layout import FloatArray, IntArray
 
 #: Height of a triangle over its longest side below which it has no area.
@@ -22,20 +23,10 @@ INSIDE = 1e-7
 
 
 def check_surface(nodes: FloatArray, facets: IntArray, merging: str = "") -> None:
-    """Refuse what is no closed, outward surface without crossings.
+    """Refuse what is no closed, outward surface without crossings, and say what is wrong and where.
 
-    Parameters
-    ----------
-    nodes, facets : (n, 3), (k, 3)
-        Positions [m], and the nodes of the triangles.
-    merging
-        Which nodes were taken as one, for the message about a hole.
-
-    Raises
-    ------
-    ValueError
-        Says what is wrong, how often, and where.
-    """
+    ``nodes`` (n, 3) [m], ``facets`` (k, 3); ``merging`` says in the message about a hole which nodes were
+    taken as one."""
     _check_areas(nodes, facets)
     _check_copies(nodes, facets)
     _check_sides(nodes, facets, merging)
@@ -46,9 +37,8 @@ def check_surface(nodes: FloatArray, facets: IntArray, merging: str = "") -> Non
     if len(within):
         raise ValueError(
             "parts of the surface overlap: triangles lie within another part, or bound no body (facets "
-            f"{_listed(within)}), the "
-            f"first at {_at(nodes[facets[within[0]]].mean(axis=0))}; expected parts that are apart, or "
-            "joined to one surface"
+            f"{_listed(within)}), the first at {_at(nodes[facets[within[0]]].mean(axis=0))}; expected parts "
+            "that are apart, or joined to one surface"
         )
 
 
@@ -75,28 +65,25 @@ def _listed(numbers: IntArray) -> str:
     return f"{shown}, …" if len(numbers) > 5 else shown
 
 
+def _refuse(facets: IntArray, what: str, corners: FloatArray) -> None:
+    """Refuse a surface with wrong facets, if there are any; ``corners`` are those of all."""
+    if len(facets):
+        place = _at(corners[facets[0]].mean(axis=0))
+        raise ValueError(f"{what} (facets {_listed(facets)}), the first at {place}")
+
+
 def _check_areas(nodes: FloatArray, facets: IntArray) -> None:
     corners = nodes[facets]
     sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
-    twice = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    flat = np.flatnonzero(twice <= FLAT * sides**2)
-    if len(flat):
-        raise ValueError(
-            f"{len(flat)} triangles have no area (facets {_listed(flat)}), the first at "
-            f"{_at(corners[flat[0]].mean(axis=0))}"
-        )
+    flat = np.flatnonzero(2.0 * measures_of(nodes, facets) <= FLAT * sides**2)
+    _refuse(flat, f"{len(flat)} triangles have no area", corners)
 
 
 def _check_copies(nodes: FloatArray, facets: IntArray) -> None:
     """No triangle is there twice, whichever way its corners run."""
     _, which, count = np.unique(np.sort(facets, axis=1), axis=0, return_inverse=True, return_counts=True)
-    more = np.flatnonzero(count[which.ravel()] > 1)
-    if len(more):
-        raise ValueError(
-            f"{np.count_nonzero(count > 1)} triangles are there more than once (facets {_listed(more)}), the "
-            "first at "
-            f"{_at(nodes[facets[more[0]]].mean(axis=0))}"
-        )
+    copies = np.flatnonzero(count[which.ravel()] > 1)
+    _refuse(copies, f"{np.count_nonzero(count > 1)} triangles are there more than once", nodes[facets])
 
 
 def _check_sides(nodes: FloatArray, facets: IntArray, merging: str) -> None:
@@ -122,9 +109,8 @@ def _check_sides(nodes: FloatArray, facets: IntArray, merging: str) -> None:
         own = np.unique(facet[alike[which]])
         raise ValueError(
             f"flipped triangles: both neighbours run {np.count_nonzero(alike)} sides in the same direction, "
-            "the first at "
-            f"{_at(middle[alike][0])} (facets {_listed(own)}); expected all counter-clockwise as seen from "
-            "outside"
+            f"the first at {_at(middle[alike][0])} (facets {_listed(own)}); expected all counter-clockwise "
+            "as seen from outside"
         )
 
 
@@ -139,8 +125,7 @@ def _check_outward(nodes: FloatArray, facets: IntArray, shell: IntArray) -> None
         expected = "inwards, being a cavity" if inside else "outwards"
         raise ValueError(
             f"the {len(own)} triangles of the part at {_at(nodes[own].mean(axis=(0, 1)))} are turned inside "
-            "out; "
-            f"expected their normals to point {expected}"
+            f"out; expected their normals to point {expected}"
         )
 
 
@@ -194,8 +179,7 @@ def places_below(nodes: FloatArray, facets: IntArray) -> FloatArray:
 
 
 def windings(places: FloatArray, corners: FloatArray) -> IntArray:
-    """How often closed surfaces of triangles (n, 3, 3) wind round places (k, 3): by rays along z, which
-    count what they leave less what they enter."""
+    """Return how often surfaces (n, 3, 3) wind round places (k, 3), by rays along z."""
     xy = corners[:, :, :2]
     lower, upper = xy.min(axis=1), xy.max(axis=1)
     tree = shapely.STRtree(shapely.box(lower[:, 0], lower[:, 1], upper[:, 0], upper[:, 1]))
@@ -215,9 +199,7 @@ def windings(places: FloatArray, corners: FloatArray) -> IntArray:
 
 
 def solid_angle_winding(point: FloatArray, corners: FloatArray) -> float:
-    """How often closed surfaces wind round a point: the sum of the solid angles of their triangles (n, 3,
-    3), over 4 π.
-    """
+    """Return how often surfaces (n, 3, 3) wind round a point: their solid angle over 4 π."""
     a, b, c = (corners[:, k] - point for k in range(3))
     la, lb, lc = (np.linalg.norm(x, axis=1) for x in (a, b, c))
     sixfold = (a * np.cross(b, c)).sum(axis=1)
@@ -226,14 +208,10 @@ def solid_angle_winding(point: FloatArray, corners: FloatArray) -> float:
 
 
 def overlapping(nodes: FloatArray, facets: IntArray) -> IntArray:
-    """Numbers of triangles that have the body below them not once: within another part, or of a cavity that
-    reaches out of the body; up to :data:`ASKED` of them.
+    """Return up to :data:`ASKED` triangles that do not have the body below them once.
 
-    Parameters
-    ----------
-    nodes, facets : (n, 3), (k, 3)
-        A closed surface whose parts are turned outwards, and those of cavities inwards.
-    """
+    They lie within another part, or belong to a cavity that reaches out of the body. Parts must be turned
+    outwards, and cavities inwards."""
     corners = nodes[facets]
     places = places_below(nodes, facets)
     odd = np.flatnonzero(windings(places, corners) != 1)[:ASKED]

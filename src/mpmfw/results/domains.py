@@ -10,10 +10,10 @@ from pydantic import ValidationError
 
 from mpmfw.errors import MpmfwError
 from mpmfw.geometry import discretise
+from mpmfw.geometry.base import context_of_cells
 from mpmfw.geometry.layout import parallelogram_corners
 from mpmfw.geometry.solid import joined
 from mpmfw.results.references import cell_size_of, scene_of
-from mpmfw.scene.cells import with_lengths
 from mpmfw.scene.content import code_in
 from mpmfw.scene.tables import Body
 from mpmfw.state.fields import FloatArray, IntArray
@@ -114,10 +114,10 @@ def loops(following: IntArray) -> list[IntArray]:
 
 def _table(scene: dict[str, Any], body: str) -> Body:
     """A body of the scene that results carry; code that they name is not imported."""
-    table = with_lengths(scene)["bodies"][body]
+    table = scene["bodies"][body]
     if problem := next(code_in(table), None):
         raise ValueError(problem.message)
-    return Body.model_validate(table)
+    return Body.model_validate(table, context=context_of_cells(scene))
 
 
 def _initial(scene: dict[str, Any], body: str) -> tuple[FloatArray | None, FloatArray]:

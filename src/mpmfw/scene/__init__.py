@@ -1,8 +1,7 @@
 """Scenes: what to simulate, from a TOML file or a mapping."""
 
 from mpmfw.scene.gravity import ConstantGravity, Gravity
-from mpmfw.scene.loading import load_scene, shipped_scenes
-from mpmfw.scene.location import located
+from mpmfw.scene.loading import load_scene, located, shipped_scenes
 from mpmfw.scene.scene import Scene
 from mpmfw.scene.schema import json_schema
 from mpmfw.scene.sources import Source

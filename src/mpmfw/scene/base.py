@@ -7,7 +7,16 @@ from typing import Annotated, Any, Literal, TypeAlias
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
 
 from mpmfw.state.time_table import array_or_single, number_in_time, row_in_time, vector_in_time
-from mpmfw.units import Acceleration, AngularVelocity, Force, Length, Number, Pressure, Time, Velocity
+from mpmfw.units import (
+    Acceleration,
+    AngularVelocity,
+    Force,
+    Length,
+    Number,
+    Pressure,
+    Time,
+    Velocity,
+)
 
 
 class Table(BaseModel):
@@ -23,7 +32,6 @@ def _free_or_value(value: Any) -> str:
     return "free" if value == "free" else "value"
 
 
-PositiveLength = Annotated[Length, Field(gt=0)]
 PositiveTime = Annotated[Time, Field(gt=0)]
 PositiveNumber = Annotated[Number, Field(gt=0)]
 Friction = Annotated[Number, Field(ge=0)]

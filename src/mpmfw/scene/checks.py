@@ -39,9 +39,7 @@ _DIMENSIONS = frozenset({"time", "body", "pair", "axis", "axis2", "rotation"})
 
 
 def check(scene: Tables, plugins: Mapping[Path, type[Any]], options: Mapping[Path, Any]) -> Iterator[Problem]:
-    """All problems between keys that are valid by themselves; ``plugins`` and their ``options`` are by
-    path.
-    """
+    """Yield the problems between valid keys; ``plugins`` and their ``options`` are by path."""
     yield from _grid(scene)
     yield from _time(scene)
     yield from _stepping(scene, plugins)
@@ -57,9 +55,7 @@ def check(scene: Tables, plugins: Mapping[Path, type[Any]], options: Mapping[Pat
 
 
 def _reference(scene: Tables) -> Iterator[Problem]:
-    """A kind that is neither bundled nor announced; whether the scene is one of it is asked where it is
-    judged.
-    """
+    """Refuse an unknown kind of reference; its scene is checked where it is judged."""
     if scene.reference is not None:
         installed = available("reference")
         if scene.reference.kind not in REFERENCES and scene.reference.kind not in installed:
@@ -85,8 +81,7 @@ def _grid(scene: Tables) -> Iterator[Problem]:
     if grid.cell_size < SMALLEST_CELL * farthest:
         message = (
             f"{grid.cell_size:g} m is less than {SMALLEST_CELL:g} of the grid's largest coordinate, "
-            f"{farthest:g} m: "
-            "positions would be rounded to a visible part of a cell"
+            f"{farthest:g} m: positions would be rounded to a visible part of a cell"
         )
         yield Problem(("grid", "cell_size"), message)
 
@@ -169,7 +164,7 @@ def _friction_law(scene: Tables, plugins: Mapping[Path, type[Any]]) -> Iterator[
 def _loads(scene: Tables) -> Iterator[Problem]:
     if scene.gravity is not None:
         yield from _gravity(scene.gravity, ("gravity",), scene.grid.dim)
-        yield from _gravity_table(scene)
+        yield from _in_time(scene.gravity.table, ("gravity", "table"), scene.grid.dim)
     if scene.settle is None:
         return
     if scene.settle.gravity is not None:
@@ -186,9 +181,7 @@ def _loads(scene: Tables) -> Iterator[Problem]:
 def _named(
     scene: Tables, plugins: Mapping[Path, type[Any]], options: Mapping[Path, Any]
 ) -> Iterator[Problem]:
-    """Bodies that are not there or named twice, and what loads and the like themselves find wrong with their
-    options.
-    """
+    """Check the bodies of loads and the like, and ask the plug-ins about their options."""
     tables = [((group, name), table) for group in NAMED for name, table in getattr(scene, group).items()]
     for path, table in tables:
         named = getattr(table, "bodies", None) or ()
@@ -210,18 +203,12 @@ def _gravity(gravity: ConstantGravity, path: Path, dim: int) -> Iterator[Problem
     ]
     if given not in forms:
         allowed = ", or ".join(" and ".join(sorted(form)) for form in forms)
-        yield Problem(
-            path, f"has {' and '.join(sorted(given)) or 'no key'}; expected exactly one of: {allowed}"
-        )
+        message = f"has {' and '.join(sorted(given)) or 'no key'}; expected exactly one of: {allowed}"
+        yield Problem(path, message, keys=tuple(given))
     elif gravity.vector is not None and len(gravity.vector) != dim:
         yield Problem((*path, "vector"), wrong_length(len(gravity.vector), dim))
     elif "tilt" in given and dim == 3:
         yield Problem((*path, "tilt"), "is for two dimensions; give gravity as a vector in 3D")
-
-
-def _gravity_table(scene: Tables) -> Iterator[Problem]:
-    if scene.gravity is not None:
-        yield from _in_time(scene.gravity.table, ("gravity", "table"), scene.grid.dim)
 
 
 def _in_time(given: Any, path: Path, components: int) -> Iterator[Problem]:
@@ -253,9 +240,7 @@ def _body(scene: Tables, path: Path, body: Body) -> Iterator[Problem]:
 
 
 def _surface_mesh(scene: Tables, path: Path, geometry: SurfaceMesh) -> Iterator[Problem]:
-    """Lengths of a file that do not go with the grid: millimetres given as metres or the reverse, triangles
-    far below a cell.
-    """
+    """Check lengths of a surface file against the grid: its unit, and triangles far below a cell."""
     grid = scene.grid
     room, extent = (
         float(np.subtract(grid.upper, grid.lower).max()),
@@ -269,16 +254,14 @@ def _surface_mesh(scene: Tables, path: Path, geometry: SurfaceMesh) -> Iterator[
             )
             message = (
                 f"read in '{geometry.unit}' the body is {extent:.4g} m across, in a grid of {room:.4g} m "
-                "with cells of "
-                f"{grid.cell_size:g} m; it would fit with a thousand times {relation}: {hint}"
+                f"with cells of {grid.cell_size:g} m; it would fit with a thousand times {relation}: {hint}"
             )
             yield Problem((*path, "unit"), message)
             return
     if geometry.mean_edge < FINEST * grid.cell_size:
         message = (
             f"the sides of the triangles are {geometry.mean_edge / grid.cell_size:.2g} cells long on the "
-            "mean; "
-            f"expected {FINEST:g} or more, best a quarter to a half: make the mesh coarser"
+            f"mean; expected {FINEST:g} or more, best a quarter to a half: make the mesh coarser"
         )
         yield Problem((*path, "path"), message)
     elif geometry.edges.min() < SHORTEST * grid.cell_size:
@@ -287,8 +270,7 @@ def _surface_mesh(scene: Tables, path: Path, geometry: SurfaceMesh) -> Iterator[
         place = ", ".join(f"{x:.4g}" for x in nodes[facets[facet]].mean(axis=0))
         message = (
             f"a side of the triangles is {geometry.edges.min() / grid.cell_size:.2g} cells long (facet "
-            f"{facet}, at ({place}) m); "
-            f"expected {SHORTEST:g} or more: join nodes that are at one place"
+            f"{facet}, at ({place}) m); expected {SHORTEST:g} or more: join nodes that are at one place"
         )
         yield Problem((*path, "path"), message)
 
@@ -299,7 +281,7 @@ def _side(body: Body, path: Path, index: int, dim: int) -> Iterator[Problem]:
     given = sorted(side.model_fields_set & set(conditions))
     if len(given) != 1:
         has = " and ".join(given) or "none of them"
-        yield Problem(path, f"has {has}; expected exactly one of: {', '.join(conditions)}")
+        yield Problem(path, f"has {has}; expected exactly one of: {', '.join(conditions)}", keys=(*given,))
     if dim == 2 and side.side in ("back", "front"):
         yield Problem(
             (*path, "side"), f"'{side.side}' is a side in 3D; expected one of left, right, bottom, top"
@@ -324,4 +306,4 @@ def _side(body: Body, path: Path, index: int, dim: int) -> Iterator[Problem]:
         if other.side == side.side and other.model_fields_set & set(given)
     ]
     if same and given != ["fixed"]:
-        yield Problem(path, f"a second {' and '.join(given)} for side '{side.side}'")
+        yield Problem(path, f"a second {' and '.join(given)} for side '{side.side}'", keys=(*given,))

@@ -22,18 +22,10 @@ PARTS: tuple[Literal["detection", "law"], ...] = ("detection", "law")
 
 @dataclass(frozen=True)
 class Parts:
-    """The parts that a table names.
+    """The parts that a table names."""
 
-    Attributes
-    ----------
-    table
-        With the method that they make, and with its options in one table.
-    names
-        Of the tables that the options came from: detection, law.
-    """
-
-    table: dict[str, Any]
-    names: tuple[str, str]
+    table: dict[str, Any]  #: with the method that they make, and with its options in one table
+    names: tuple[str, str]  #: of the tables that the options came from: detection, law
 
     @property
     def method(self) -> str:
@@ -42,15 +34,7 @@ class Parts:
 
 
 def latest_spelling(mapping: dict[str, Any], set_paths: Iterable[Path]) -> None:
-    """Of a method and of parts that a scene and what was set over it name, keep what was set.
-
-    Parameters
-    ----------
-    mapping
-        The scene's tables after everything was set; its table of contact is changed.
-    set_paths
-        What was set.
-    """
+    """Keep of a method and of parts in ``mapping`` those that were set over the scene last."""
     table, paths = mapping.get("contact"), set(set_paths)
     if not isinstance(table, dict):
         return
@@ -131,17 +115,10 @@ def _checked(table: Mapping[str, Any], names: tuple[str, str]) -> tuple[Parts | 
 
 
 def without_effect(overrides: Iterable[tuple[str, Path]], table: Any, tables: Iterable[str]) -> list[Problem]:
-    """Options of a detection or a law that were set where the scene's contact is not written by its parts.
+    """Refuse options of a detection or a law that were set where the contact is not written by its parts.
 
-    Parameters
-    ----------
-    overrides
-        What was set: the key as it was written, and its path.
-    table
-        ``[contact]`` as written, with what was set.
-    tables
-        Of the parts that it names; none where it names a method.
-    """
+    ``overrides`` are what was set, the keys as written and their paths; ``tables`` those of the parts that
+    ``[contact]`` names."""
     if not isinstance(table, Mapping):
         return []
     alone = {name: part for part in PARTS for name in available(part) if name not in available("contact")}

@@ -1,6 +1,4 @@
-"""What no scene may hold, whatever its keys: tables within tables without end, text that no file takes, a
-stranger's code.
-"""
+"""Content that no scene may hold: endless nesting, text that no file takes, a stranger's code."""
 
 from __future__ import annotations
 

@@ -1,16 +1,18 @@
-"""What a key expects, in words, read from the JSON schema that the models themselves give.
-
-Units and choices thus stand in one place, the models' annotations, for the schema and for every message.
-"""
+"""What a key expects, in words: read from the annotations of the models themselves."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any, TypeAlias
+import types
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from mpmfw.errors import SceneError
+from mpmfw.geometry.discretise import geometry_class
 from mpmfw.scene.locator import Path
-
-Schema: TypeAlias = dict[str, Any]
 
 #: What is measured in a unit, and an example of it.
 _QUANTITIES = {
@@ -23,109 +25,87 @@ _QUANTITIES = {
     "Pa": ("a pressure or modulus", "6 MPa"),
     "kg/m^3": ("a density", "1 g/cm^3"),
 }
-
-_TYPES = {
-    "string": "a string",
-    "number": "a number",
-    "integer": "an integer",
-    "boolean": "true or false",
-    "object": "a table",
-    "array": "an array",
-    "null": "",
-}
+_TYPES = {str: "a string", float: "a number", int: "an integer", bool: "true or false"}
 
 
-def subschemas(root: Schema, path: Path, data: Any) -> list[Schema]:
-    """All schemas that may hold at ``path`` of ``data``: several where alternatives stand side by side."""
-    current = list(_alternatives(root, root, data))
+def hints_at(model: type[BaseModel], path: Path, data: Any) -> list[Any]:
+    """Return the annotations that may hold at ``path`` of ``data``, several where there are alternatives."""
+    hints: list[Any] = [model]
     for part in path:
-        data = _entry(data, part)
-        current = [found for schema in current for found in _below(root, schema, part, data)]
-    return current
+        hints = [inner for one in hints for hint in _alternatives(one, data) for inner in _below(hint, part)]
+        try:
+            data = data[part]
+        except (TypeError, LookupError):
+            data = None
+    return [hint for one in hints for hint in _alternatives(one, data)]
 
 
-def keys(schemas: list[Schema]) -> list[str]:
-    """Keys that the tables may have."""
-    return [key for schema in schemas for key in schema.get("properties", {})]
+def models_in(hints: list[Any]) -> list[type[BaseModel]]:
+    """Return the models among annotations."""
+    return [hint for hint in hints if isinstance(hint, type) and issubclass(hint, BaseModel)]
 
 
-def expected(schemas: list[Schema]) -> str:
-    """``a length in m, a number or a string such as '2 mm'``; empty if nothing is known."""
-    phrases = dict.fromkeys(phrase for schema in schemas if (phrase := _phrase(schema)))
-    return ", or ".join(phrases)
+def expected(hints: list[Any]) -> str:
+    """Return ``a length in m, a number or a string such as '2 mm'``; empty if nothing is known."""
+    return ", or ".join(dict.fromkeys(phrase for hint in hints if (phrase := _phrase(hint))))
 
 
-def _alternatives(root: Schema, schema: Schema, data: Any) -> Iterator[Schema]:
-    """The schema with references followed and alternatives spread; a discriminated one follows the data."""
-    if "$ref" in schema:
-        yield from _alternatives(root, root["$defs"][schema["$ref"].rsplit("/", 1)[-1]], data)
-    elif "discriminator" in schema:
-        mapping = schema["discriminator"]["mapping"]
-        tag = _entry(data, schema["discriminator"]["propertyName"])
-        chosen = [{"$ref": mapping[tag]}] if isinstance(tag, str) and tag in mapping else schema["oneOf"]
-        for branch in chosen:
-            yield from _alternatives(root, branch, data)
-    elif "anyOf" in schema or "oneOf" in schema:
-        for branch in schema.get("anyOf") or schema["oneOf"]:
-            yield from _alternatives(root, branch, data)
+def tag_of(model: type[BaseModel]) -> Any:
+    """Return the value of ``type`` that tells a model from its alternatives; None of a single one."""
+    return model.model_fields["type"].default if "type" in model.model_fields else None
+
+
+def _alternatives(hint: Any, data: Any) -> Iterator[Any]:
+    """Yield quantities, models and types in an annotation; of models with tags those that the data choose."""
+    origin, args = get_origin(hint), get_args(hint)
+    tag = data.get("type") if isinstance(data, Mapping) else None
+    if origin is Annotated:
+        quantities = [one for one in args[1:] if _unit(one)]
+        yield from quantities[-1:] or _alternatives(args[0], data)
+    elif isinstance(hint, FieldInfo) and not _unit(hint):
+        yield from _alternatives(hint.annotation, data)
+    elif origin in (Union, types.UnionType):
+        found = [inner for arg in args for inner in _alternatives(arg, data)]
+        if isinstance(tag, str) and any(map(tag_of, models_in(found))):
+            chosen = [one for one in models_in(found) if tag_of(one) == tag]
+            with suppress(SceneError):
+                chosen = chosen or [geometry_class(tag)]
+            found = chosen or found
+        yield from found
     else:
-        yield schema
+        yield hint
 
 
-def _below(root: Schema, schema: Schema, part: str | int, data: Any) -> Iterator[Schema]:
-    if isinstance(part, int):
-        prefix = schema.get("prefixItems", [])
-        inner = prefix[part] if part < len(prefix) else schema.get("items")
-    else:
-        inner = schema.get("properties", {}).get(part, schema.get("additionalProperties"))
-    if isinstance(inner, dict):
-        yield from _alternatives(root, inner, data)
+def _below(hint: Any, part: str | int) -> list[Any]:
+    """Return the annotation of one entry of a table or an array."""
+    if models_in([hint]):
+        return [field] if (field := hint.model_fields.get(part)) else []
+    args = get_args(hint)
+    if get_origin(hint) is Literal or not args:
+        return []
+    return [args[0] if isinstance(part, int) else args[-1]]
 
 
-def _entry(data: Any, part: str | int) -> Any:
-    try:
-        return data[part]
-    except (TypeError, LookupError):
-        return None
+def _unit(hint: Any) -> str:
+    extra = hint.json_schema_extra if isinstance(hint, FieldInfo) else None
+    return str(extra.get("unit", "")) if isinstance(extra, dict) else ""
 
 
-def as_written(schemas: list[Schema]) -> str:
-    """`` such as { size = '2 mm' }`` of a table with so few keys that must be there that each has an example;
-    else empty.
-    """
-    if len(schemas) != 1 or schemas[0].get("type") != "object":
-        return ""
-    required = schemas[0].get("required", [])
-    units = [schemas[0]["properties"][key].get("unit") for key in required]
-    if not units or any(unit not in _QUANTITIES for unit in units):
-        return f" with {' and '.join(required)}" if required else ""
-    keys = ", ".join(f"{key} = '{_QUANTITIES[unit][1]}'" for key, unit in zip(required, units, strict=True))
-    return f" such as {{ {keys} }}"
-
-
-def _phrase(schema: Schema) -> str:
-    choices = schema.get("enum", [schema["const"]] if "const" in schema else [])
-    if choices:
-        texts = ["true" if choice is True else f"'{choice}'" for choice in choices]
-        return texts[0] if len(texts) == 1 else f"one of {', '.join(texts)}"
-    unit = schema.get("unit", "1")
-    if unit in _QUANTITIES:
-        what, example = _QUANTITIES[unit]
-        return f"{what} in {unit}, a number or a string such as '{example}'"
-    if unit != "1":
-        return f"a quantity in {unit}, a number or a string such as '1.5 {unit}'"
-    if schema.get("type") == "array":
-        return _array_phrase(schema)
-    return _TYPES.get(schema.get("type", ""), "")
-
-
-def _array_phrase(schema: Schema) -> str:
-    entries = schema.get("prefixItems") or [schema.get("items") or {}]
-    least, most = schema.get("minItems", 0), schema.get("maxItems")
-    count = f"{least} " if least == most and least else f"{least} to {most} " if least and most else ""
-    units = [entry.get("unit") for entry in entries]
-    if all(unit == units[0] for unit in units) and units[0] not in (None, "1"):
-        _, example = _QUANTITIES.get(units[0], ("", f"1.5 {units[0]}"))
-        return f"an array of {count}values in {units[0]}, each a number or a string such as '{example}'"
-    choices = ", ".join(f"'{choice}'" for choice in entries[0].get("enum", []))
-    return f"an array of {count}" + (f"of {choices}" if choices else "entries")
+def _phrase(hint: Any) -> str:
+    args = get_args(hint)
+    if unit := _unit(hint):
+        what, example = _QUANTITIES.get(unit, ("a quantity", f"1.5 {unit}"))
+        cells = " or '0.5 cells'" if "cells" in hint.json_schema_extra else ""
+        text = f"{what} in {unit}, a number or a string such as '{example}'{cells}"
+        return "a number" if unit == "1" else text
+    if get_origin(hint) is Literal:
+        choices = ["true" if choice is True else f"'{choice}'" for choice in args]
+        return choices[0] if len(choices) == 1 else f"one of {', '.join(choices)}"
+    if get_origin(hint) is tuple:
+        return f"an array, each entry {expected(list(_alternatives(args[0], None)))}"
+    if get_origin(hint) is list:
+        return "an array"
+    if models_in([hint]):
+        required = [key for key, field in hint.model_fields.items() if field.is_required()]
+        return f"a table with {' and '.join(required)}" if required else "a table"
+    return _TYPES.get(hint, "a table" if args else "")

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping
+import re
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from mpmfw.errors import SceneError
-from mpmfw.scene.cells import with_lengths
+from mpmfw.geometry.base import context_of_cells
 from mpmfw.scene.checks import check
 from mpmfw.scene.contact_parts import latest_spelling, without_effect
 from mpmfw.scene.content import check_content, code_in
@@ -67,13 +68,7 @@ def load_scene(
 
 
 def refuse_code(source: Source) -> None:
-    """Refuse a file that names a plug-in as ``module:Class``.
-
-    Raises
-    ------
-    SceneError
-        One line for each such name.
-    """
+    """Refuse a file that names plug-ins as ``module:Class``, a line for each."""
     problems = list(code_in(source.mapping))
     problems += [replace(p, path=(), override=str(p.path[0])) for p in code_in(source.overrides)]
     if problems:
@@ -81,13 +76,7 @@ def refuse_code(source: Source) -> None:
 
 
 def scene_from(source: Source, overrides: Mapping[str, Any]) -> Scene:
-    """Validate a source under its own and further overrides.
-
-    Raises
-    ------
-    SceneError
-        One line for each thing that is wrong.
-    """
+    """Validate a source under its own and further overrides; a SceneError lists all that is wrong."""
     overrides = {**source.overrides, **plain(overrides)}
     unreadable = list(check_content(source.mapping))
     for key, value in overrides.items():
@@ -102,12 +91,11 @@ def scene_from(source: Source, overrides: Mapping[str, Any]) -> Scene:
     chosen = separate_options(mapping)
     problems += chosen.problems + without_effect(paths, mapping.get("contact"), chosen.contact_tables)
     scene: Scene | None = None
-    core = _with_resolved_paths(chosen.core, source.directory)
-    if outside := list(_outside(core, source, overrides)):  # before the models are made, which read the files
+    core, outside = _with_resolved_paths(chosen.core, source.directory, [path for _, path in paths])
+    if outside:  # before the models are made, which read the files
         raise error_of(problems + outside, source, overrides)
     try:
-        core = with_lengths(core)
-        scene = Scene.model_validate(core)
+        scene = Scene.model_validate(core, context=context_of_cells(core))
         problems += check(scene, chosen.plugins, chosen.options)
     except ValidationError as error:
         problems += problems_of(error, Scene, chosen.core)
@@ -140,44 +128,31 @@ def _within(key: str, table: str) -> bool:
     return key == table or key.startswith(f"{table}.")
 
 
-def _with_resolved_paths(core: dict[str, Any], directory: Path | None) -> dict[str, Any]:
-    """The tables with the paths of mesh files taken from the scene file's folder."""
+def _with_resolved_paths(
+    core: dict[str, Any], directory: Path | None, set_paths: list[KeyPath]
+) -> tuple[dict[str, Any], list[Problem]]:
+    """Return the tables with mesh files' paths from the scene's folder, and problems of those elsewhere.
+
+    A scene's file may be a stranger's: it may name files in its own folder and the working folder alone. A
+    program that makes a scene, and an override, may name any file."""
     bodies = core.get("bodies")
     if directory is None or not isinstance(bodies, dict):
-        return core
-    resolved = dict(bodies)
+        return core, []
+    folders, resolved, problems = (directory.resolve(), Path.cwd()), dict(bodies), []
     for name, body in bodies.items():
         geometry = body.get("geometry") if isinstance(body, dict) else None
-        if isinstance(geometry, dict) and isinstance(geometry.get("path"), str):
-            resolved[name] = {**body, "geometry": {**geometry, "path": str(directory / geometry["path"])}}
-    return {**core, "bodies": resolved}
-
-
-def _outside(core: Mapping[str, Any], source: Source, overrides: Mapping[str, Any]) -> Iterator[Problem]:
-    """Mesh files that a scene's file, which may be a stranger's, names outside the folders that were given.
-
-    Those are the folder of the scene and the working folder. A program that makes a scene, and an override,
-    may name any file."""
-    bodies = core.get("bodies")
-    if source.directory is None or not isinstance(bodies, Mapping):
-        return
-    folders = (source.directory.resolve(), Path.cwd())
-    for name, body in bodies.items():
-        geometry = body.get("geometry") if isinstance(body, Mapping) else None
-        path = geometry.get("path") if isinstance(geometry, Mapping) else None
-        at = ("bodies", str(name), "geometry", "path")
-        given = any(at[: len(target)] == target for _, target in origin_of(source, overrides).overrides)
-        if (
-            isinstance(path, str)
-            and not given
-            and not any(Path(path).resolve().is_relative_to(f) for f in folders)
-        ):
+        if not isinstance(geometry, dict) or not isinstance(geometry.get("path"), str):
+            continue
+        path, at = directory / geometry["path"], ("bodies", name, "geometry", "path")
+        resolved[name] = {**body, "geometry": {**geometry, "path": str(path)}}
+        is_set = any(at[: len(target)] == target for target in set_paths)
+        if not is_set and not any(path.resolve().is_relative_to(folder) for folder in folders):
             message = (
                 f"the file is neither in the scene's folder, {folders[0]}, nor in the working folder; "
-                "expected it there, or "
-                f"give it on the command line: --set {dotted(at)}=FILE"
+                f"expected it there, or give it on the command line: --set {dotted(at)}=FILE"
             )
-            yield Problem(at, message)
+            problems.append(Problem(at, message))
+    return {**core, "bodies": resolved}, problems
 
 
 def _with_options(scene: Scene, chosen: Chosen) -> Scene:
@@ -220,3 +195,32 @@ def error_of(problems: Iterable[Problem], source: Source, overrides: Mapping[str
     origin = origin_of(source, overrides)
     ordered = sorted(distinct(problems), key=origin.line_number)
     return SceneError(problems=[origin.located(problem) for problem in ordered])
+
+
+#: A dotted key at the beginning of a message: ``time.step:``, ``bodies.a and bodies.b overlap``.
+_KEY = re.compile(r"[A-Za-z_][\w.\-\[\]]*(?=[:\s])")
+
+
+def located(error: SceneError, scene: Scene) -> SceneError:
+    """Return an error of a simulation's build with the file and line of the key that its message begins with.
+
+    The option that set the key stands instead of the file. A message without a key comes back as it is."""
+    text = str(error)
+    found = _KEY.match(text)
+    if found is None:
+        return error
+    try:
+        path = parse_path(found.group())
+    except ValueError:
+        return error
+    if path[0] not in Scene.model_fields or (scene.source.name and text.startswith(f"{scene.source.name}:")):
+        return error
+    (problem,) = error_of([Problem(path, text)], scene.source, scene.source.overrides).problems
+    key, rest = found.group(), text[found.end() :]
+    if key == problem.override:  # the option says it
+        key, text = "", rest.removeprefix(":").lstrip()
+    elif rest.startswith(":"):
+        text = rest[1:].lstrip()
+    else:
+        key = ""
+    return SceneError(problems=[replace(problem, key=key, message=text)])

@@ -22,13 +22,7 @@ _SCALAR = re.compile(r"[^,\]}\n#]*")
 
 
 class Locator:
-    """Lines of the keys of one TOML document.
-
-    Parameters
-    ----------
-    text
-        A valid TOML document.
-    """
+    """Lines of the keys of one valid TOML document."""
 
     def __init__(self, text: str) -> None:
         self._text = text.replace("\r\n", "\n")
@@ -38,9 +32,7 @@ class Locator:
 
     @functools.cached_property
     def lines(self) -> dict[Path, int]:
-        """Line (from 1) of every key, table header and array element by its path; found when first asked
-        for.
-        """
+        """Line (from 1) of every key, table header and array element by its path."""
         self._document()
         return self._lines
 

@@ -19,13 +19,7 @@ _NAMED_TABLES = ("bodies", "materials", "loads", "boundaries", "outputs")
 
 
 def parse_path(key: str) -> Path:
-    """Path of a dotted key; an index is written ``pairs[0]``, a name with other characters ``"in quotes"``.
-
-    Raises
-    ------
-    ValueError
-        The key is none.
-    """
+    """Return the path of a key such as ``a.pairs[0]."b c"``; a ValueError if it is none."""
     parts: list[str | int] = []
     at = 0
     while at < len(key):
@@ -73,7 +67,9 @@ def _put(table: dict[str, Any], path: Path, value: Any) -> None:
     for depth, part in enumerate(path[:-1]):
         if isinstance(at, dict) and part not in at:
             if depth == 1 and path[0] in _NAMED_TABLES:
-                raise LookupError(_no_such_name(path, at))
+                close = nearest(str(path[1]), at)
+                hint = f"did you mean '{close}'?" if close else f"the scene has {', '.join(at) or 'none'}"
+                raise LookupError(f"{dotted(path[:2])}: no such name; {hint}")
             at[str(part)] = {}
         at = _entry(at, part, path[:depth])
     if isinstance(at, dict) and isinstance(path[-1], str):
@@ -93,9 +89,3 @@ def _entry(at: Any, part: str | int, above: Path) -> Any:
     raise LookupError(
         f"{dotted(above)} is no {'array' if isinstance(part, int) else 'table'}: it has nothing below it"
     )
-
-
-def _no_such_name(path: Path, names: Mapping[str, Any]) -> str:
-    close = nearest(str(path[1]), names)
-    hint = f"did you mean '{close}'?" if close else f"the scene has {', '.join(names) or 'none'}"
-    return f"{dotted(path[:2])}: no such name; {hint}"

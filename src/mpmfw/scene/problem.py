@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
@@ -18,57 +17,30 @@ Lines: TypeAlias = Locator | None
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """One thing that is wrong.
+    """One thing that is wrong."""
 
-    Parameters
-    ----------
-    path
-        Key that it is about; the table's path and the key's name where the key is missing.
-    message
-        What is wrong and what was expected.
-    kind
-        ``unknown`` and ``missing`` keys are recognised, because a misspelt key is both at once.
-    suggestion
-        Valid name that is nearest to an unknown key or name.
-    override
-        Override that could not be set at all.
-    value, expected
-        What was given, and what would have been valid, where it is known.
-    """
-
-    path: Path
-    message: str
-    kind: Literal["unknown", "missing", "value"] = "value"
-    suggestion: str | None = None
-    override: str | None = None
-    value: Any = None
-    expected: str = ""
+    path: Path  #: key that it is about; where it is missing, the table's path and its name
+    message: str  #: what is wrong and what was expected
+    kind: Literal["unknown", "missing", "value"] = "value"  #: a misspelt key is both unknown and missing
+    suggestion: str | None = None  #: valid name that is nearest to an unknown key or name
+    override: str | None = None  #: override that could not be set at all
+    value: Any = None  #: what was given, where it is known
+    expected: str = ""  #: what would have been valid, where it is known
+    keys: tuple[str, ...] = ()  #: of a problem of a table, those of its keys that it is between
 
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """Where a scene came from, to say where a problem is.
+    """Where a scene came from, to say where a problem is."""
 
-    Parameters
-    ----------
-    name
-        File name as the user gave it, or None for a mapping.
-    locator
-        Lines of the file's keys, or None for a mapping.
-    overrides
-        Keys of the overrides with the paths that they set; one that names a method with options sets several.
-    said
-        What the request calls an override, where it is not ``--set KEY``.
-    """
-
-    name: str | None
-    locator: Lines
-    overrides: Sequence[tuple[str, Path]]
-    said: Mapping[str, str] = field(default_factory=dict)
+    name: str | None  #: file name as the user gave it, or None for a mapping
+    locator: Lines  #: lines of the file's keys, or None for a mapping
+    overrides: Sequence[tuple[str, Path]]  #: keys of the overrides, with each path that they set
+    said: Mapping[str, str] = field(default_factory=dict)  #: names of overrides that are not ``--set KEY``
 
     def located(self, problem: Problem) -> SceneProblem:
         """Return the problem with where its key was written: ``file.toml:12``, or the option that set it."""
-        override = problem.override or self._override_of(problem.path, problem.message)
+        override = problem.override or self._override_of(problem)
         key, source = dotted(problem.path), ""
         if override is not None:
             source = self.said.get(override, f"--set {override}")
@@ -87,26 +59,24 @@ class Origin:
 
     def line_number(self, problem: Problem) -> int:
         """Line for sorting; overrides come last."""
-        if problem.override or self._override_of(problem.path, problem.message) is not None:
+        if problem.override or self._override_of(problem) is not None:
             return 1 << 30
         return 0 if self.locator is None else self.locator.line(problem.path)
 
-    def _override_of(self, path: Path, message: str) -> str | None:
-        """The last override that set this key or one around it, or that made the table it is missing from.
+    def _override_of(self, problem: Problem) -> str | None:
+        """Return the last override that set the key, one around it or one that a table's problem is between.
 
-        What is wrong between the keys of a table is reported of the table: an override of one of them that
-        the message names is meant."""
+        Of a table that the file does not have, any override that made it."""
+        path, overrides = problem.path, self.overrides[::-1]
         if not path:
             return None
-        overrides = self.overrides[::-1]
         for key, target in overrides:
             if path[: len(target)] == target:
                 return key
+        between = [(*path, name) for name in problem.keys]
         for key, target in overrides:
-            named = re.search(rf"(?<![\w.]){re.escape(str(target[-1]))}(?!\w)", message)
-            if named and len(target) > len(path) and target[: len(path)] == path:
+            if target in between:
                 return key
-        # The file has no such table: an override made it
         absent = self.locator is not None and len(path) > 1 and path[:-1] not in self.locator.lines
         made = (
             key
@@ -117,9 +87,7 @@ class Origin:
 
 
 def _printable(line: str) -> str:
-    """The line as a terminal may show it: of a scene's own text, no control characters and no endless
-    ones.
-    """
+    """Return a line without control characters, shortened, for a terminal."""
     shown = "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in line)
     return shown if len(shown) <= LONGEST else f"{shown[: LONGEST // 2]} … {shown[-LONGEST // 4 :]}"
 

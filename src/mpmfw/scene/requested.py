@@ -27,20 +27,10 @@ _TABLES: Mapping[Literal["contact", "shape", "friction"], Literal["contact", "sh
 def check_requested(
     shared: Iterable[str], varied: Iterable[str], said: tuple[str, str] = ("set", "vary")
 ) -> None:
-    """Refuse a comparison's keys that choose methods, or of which one takes another's place.
+    """Refuse a comparison's keys that are none, choose methods, or are both set and varied.
 
-    Parameters
-    ----------
-    shared, varied
-        Keys that all runs share, and keys that differ between them.
-    said
-        What the request calls the two.
-
-    Raises
-    ------
-    SceneError
-        A key is none, chooses a method, or is set and varied.
-    """
+    ``shared`` are the keys of all runs, ``varied`` those that differ; ``said`` is what the request calls the
+    two."""
     set_paths = {key: _path(key, said[0]) for key in shared}
     vary_paths = {key: _path(key, said[1]) for key in varied}
     for name, paths in zip(said, (set_paths, vary_paths), strict=True):
@@ -57,22 +47,9 @@ def check_requested(
 
 
 def check_methods_run(keys: Iterable[str], methods: Mapping[str, Sequence[str]], said: str = "set") -> None:
-    """Refuse options of a method that does not run: setting them would have no effect.
+    """Refuse a request's options of an installed method that does not run: they would have no effect.
 
-    Parameters
-    ----------
-    keys
-        Keys of the request; tables of other methods in a scene's file are alternatives, and allowed.
-    methods
-        Names of the plug-ins that run, by kind; ``friction`` absent is not known.
-    said
-        What the request calls the keys.
-
-    Raises
-    ------
-    SceneError
-        A key is an option of an installed method that is not among those that run.
-    """
+    ``methods`` are the names of the plug-ins that run, by kind. Without ``friction`` every law may run."""
     for key in keys:
         path = _path(key, said)
         for kind, table in _TABLES.items():
@@ -93,31 +70,23 @@ def check_compared(
     varied: Mapping[str, Any],
     said: tuple[str, str] = ("set", "vary"),
 ) -> None:
-    """Refuse options of methods that a comparison does not run.
-
-    Parameters
-    ----------
-    scene
-        That is compared, before ``shared`` is set.
-    methods
-        Names with or without options, and strategy objects, by kind.
-    shared, varied, said
-        As :func:`check_requested` takes them, with values.
-    """
-    names = {kind: [_plugin(one) for one in chosen] for kind, chosen in methods.items()}
+    """Refuse options of methods, names or objects, that a comparison of ``scene`` does not run."""
+    names = {
+        kind: [
+            parse_specification(one).name
+            if isinstance(one, str)
+            else str(getattr(one, "name", type(one).__name__))
+            for one in chosen
+        ]
+        for kind, chosen in methods.items()
+    }
     names["friction"] = friction_laws(scene, shared, varied)
     for keys, word in zip((shared, varied), said, strict=True):
         check_methods_run(keys, names, word)
 
 
-def _plugin(method: Any) -> str:
-    if isinstance(method, str):
-        return parse_specification(method).name
-    return str(getattr(method, "name", type(method).__name__))
-
-
 def friction_laws(scene: Any, shared: Mapping[str, Any], varied: Mapping[str, Any]) -> list[str]:
-    """The friction laws that a comparison runs: those that it varies, or its scene's."""
+    """Return the friction laws that a comparison runs: those that it varies, or its scene's."""
     if "contact.friction_law" in varied:
         return list(varied["contact.friction_law"])
     try:

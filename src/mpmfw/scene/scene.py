@@ -51,9 +51,7 @@ class Scene(Tables):
 
     @property
     def has_coulomb_friction(self) -> bool:
-        """Whether friction is Coulomb's with the μ of :attr:`pairs`, and not a law that makes something else
-        of it.
-        """
+        """Whether friction is Coulomb's, with the μ of :attr:`pairs`."""
         if self.contact is None or self.contact.friction_law is None:
             return True
         from mpmfw.plugin.discovery import load
@@ -73,9 +71,7 @@ class Scene(Tables):
         return copy.deepcopy(self._mapping)
 
     def of_bodies(self, names: Collection[str]) -> Scene:
-        """Some of the bodies with what concerns them, in motion from the start, nothing recorded and none
-        asleep.
-        """
+        """Return a scene of some bodies, in motion from the start, without outputs and sleep."""
         contact = self.contact
         if contact is not None:
             pairs = tuple(pair for pair in contact.pairs if set(pair.bodies) <= set(names))
@@ -99,14 +95,9 @@ class Scene(Tables):
         )
 
     def with_overrides(self, overrides: Mapping[str, Any], said: Mapping[str, str] | None = None) -> Scene:
-        """This scene with other values of some keys, validated anew.
+        """Return this scene with other values by dotted key, such as ``{"grid.cell_size": 0.2}``.
 
-        Parameters
-        ----------
-        overrides
-            Values by dotted key: ``{"grid.cell_size": 0.2, "contact.method": "penalty"}``.
-        said
-            What messages call an override, where it is not ``--set KEY``.
+        ``said`` is what messages call an override, where it is not ``--set KEY``.
 
         Raises
         ------

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import copy
+from collections.abc import Iterable
 from typing import Any
 
+from mpmfw.errors import SceneError
+from mpmfw.geometry.discretise import geometry_class
 from mpmfw.plugin.discovery import Kind, available, load, only_bundled
-from mpmfw.scene.geometries import with_geometries
 from mpmfw.scene.tables import Tables
 
 _OPEN = "additionalProperties"
@@ -68,9 +71,7 @@ def _options(schema: dict[str, Any], kind: Kind, name: str) -> dict[str, Any]:
 
 
 def _add_models(schema: dict[str, Any], table: str, kind: Kind) -> None:
-    """A material, or a load, is one of the installed models, each with the core's keys and its own side by
-    side.
-    """
+    """Add the installed models to a table, each with the core's keys and its own."""
     core = schema["$defs"][table]
     alternatives = []
     for name in available(kind):
@@ -81,3 +82,21 @@ def _add_models(schema: dict[str, Any], table: str, kind: Kind) -> None:
         alternatives.append({"$ref": f"#/$defs/{reference}"})
     if alternatives:
         schema["$defs"][table] = {"oneOf": alternatives}
+
+
+def with_geometries(schema: dict[str, Any], names: Iterable[str]) -> dict[str, Any]:
+    """Add geometries to the schema of scenes, but for those that cannot be imported."""
+    found = copy.deepcopy(schema)
+    table = found["$defs"]["Body"]["properties"]["geometry"]
+    for name in names:
+        try:
+            model = geometry_class(name)
+        except SceneError:
+            continue
+        key = f"geometry.{name}"
+        own = model.model_json_schema(ref_template=f"#/$defs/{key}.{{model}}")
+        found["$defs"] |= {f"{key}.{inner}": one for inner, one in own.pop("$defs", {}).items()}
+        found["$defs"][key] = own
+        table["oneOf"].append({"$ref": f"#/$defs/{key}"})
+        table["discriminator"]["mapping"][name] = f"#/$defs/{key}"
+    return found

@@ -15,17 +15,7 @@ UPPER = ("right", "top", "front")
 
 
 def check_sides(body: Body, path: Path, dim: int, end: float) -> Iterator[Problem]:
-    """Contradictions between the prescribed sides of a body.
-
-    Parameters
-    ----------
-    body, path
-        The body, and where it stands in the scene.
-    dim
-        Of the grid.
-    end
-        End of the motion [s].
-    """
+    """Yield contradictions between the prescribed sides of a body at ``path``, until time ``end`` [s]."""
     for (_, first), (index, second) in itertools.combinations(enumerate(body.sides), 2):
         at = (*path, "sides", index)
         if AXIS[first.side] == AXIS[second.side] and first.side != second.side:
@@ -44,8 +34,7 @@ def _contradicting(first: Side, second: Side, at: Path, dim: int) -> Iterator[Pr
             name = "xyz"[axis]
             message = (
                 f"prescribes {other:g} m/s along {name}, but side '{first.side}'{where} prescribes {one:g} "
-                "m/s; "
-                f"expected the same value, or '{name}' free on one of them"
+                f"m/s; expected the same value, or '{name}' free on one of them"
             )
             yield Problem(at, message)
 
@@ -63,8 +52,7 @@ def _meeting(body: Body, first: Side, second: Side, end: float) -> str:
         return ""
     return (
         f"meets side '{first.side}' at {(high - low) / approach:.4g} s, before time.end: the velocities of "
-        "the two press "
-        f"the body to nothing; expected time.end, which is {end:g} s, to be earlier"
+        f"the two press the body to nothing; expected time.end, which is {end:g} s, to be earlier"
     )
 
 

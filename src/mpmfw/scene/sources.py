@@ -18,28 +18,14 @@ from mpmfw.scene.content import TOO_DEEP
 
 @dataclass(frozen=True)
 class Source:
-    """Where a scene came from.
+    """Where a scene came from."""
 
-    Parameters
-    ----------
-    mapping
-        The scene's tables as written, with no override.
-    text, name
-        The TOML text and the name of the file; None for a scene made from a mapping.
-    directory
-        Folder that relative file names in the scene refer to.
-    overrides
-        Keys that were set over the mapping, in order.
-    said
-        What messages call an override, where it is not ``--set KEY``.
-    """
-
-    mapping: Mapping[str, Any]
-    text: str | None = None
-    name: str | None = None
-    directory: Path | None = None
-    overrides: Mapping[str, Any] = field(default_factory=dict)
-    said: Mapping[str, str] = field(default_factory=dict)
+    mapping: Mapping[str, Any]  #: the scene's tables as written, with no override
+    text: str | None = None  #: the TOML text; None for a scene made from a mapping
+    name: str | None = None  #: of the file
+    directory: Path | None = None  #: folder that relative file names in the scene refer to
+    overrides: Mapping[str, Any] = field(default_factory=dict)  #: keys set over the mapping, in order
+    said: Mapping[str, str] = field(default_factory=dict)  #: names of overrides that are not ``--set KEY``
 
 
 def shipped_texts(folder: str) -> dict[str, str]:
@@ -63,21 +49,12 @@ def plain(value: Any) -> Any:
 def read_source(
     given: str | os.PathLike[str] | Mapping[str, Any], kind: str, shipped: Mapping[str, str]
 ) -> Source:
-    """Read a file, or else what ships under that name; nested mappings are taken as they are.
-
-    Parameters
-    ----------
-    given
-        Path of a file, a name, or mappings.
-    kind
-        What it is to be, such as ``scene``.
-    shipped
-        Texts by name.
+    """Read a file, or else the text of that name among ``shipped``; nested mappings are taken as they are.
 
     Raises
     ------
     SceneError
-        It is nothing of this, there is no such file and no such name, or it is not TOML.
+        It is no ``kind`` such as a scene: no such file and no such name, or not TOML.
     """
     if isinstance(given, Mapping):
         try:

@@ -28,18 +28,10 @@ _OPENING, _CLOSING = "([{", ")]}"
 
 @dataclass(frozen=True)
 class Specification:
-    """A method's name and the options that are said beside it.
+    """A method's name and the options beside it."""
 
-    Attributes
-    ----------
-    name
-        Of the plug-in.
-    options
-        Values by name, read as ``--set`` reads them: a TOML value, or else text.
-    """
-
-    name: str
-    options: Mapping[str, Any] = field(default_factory=dict)
+    name: str  #: of the plug-in
+    options: Mapping[str, Any] = field(default_factory=dict)  #: by name, read as ``--set`` reads them
 
     def __str__(self) -> str:
         """The text that is read as this, options in the order of the alphabet."""
@@ -48,13 +40,7 @@ class Specification:
 
 
 def parse_specification(text: str) -> Specification:
-    """Read ``NAME`` or ``NAME(option=value, …)``; whether there is such a method is not asked.
-
-    Raises
-    ------
-    SceneError
-        The text has another form, or says an option twice.
-    """
+    """Read ``NAME`` or ``NAME(option=value, …)``; a SceneError for other forms."""
     form = _FORM.fullmatch(text)
     if form is None:
         raise SceneError(f"{text}: expected NAME or NAME(option=value, …)")
@@ -72,26 +58,17 @@ def parse_specification(text: str) -> Specification:
 
 
 def split_specifications(text: str) -> list[str]:
-    """Specifications between commas; commas within brackets and quotes belong to an option.
-
-    Raises
-    ------
-    SceneError
-        A bracket or a quote is not closed.
-    """
+    """Split specifications at commas, but for those within brackets and quotes, which must be closed."""
     return [part.strip() for part in _parts(text, text)]
 
 
 def checked_specification(kind: Kind, text: str) -> Specification:
-    """Read the specification of an installed plug-in, with options that its model knows and takes one by one.
-
-    What must hold between options, its own and the scene's, is for the scene to say.
+    """Read the specification of an installed plug-in, with options that its model takes one by one.
 
     Raises
     ------
     SceneError
-        As :func:`parse_specification`; no such plug-in is installed, it has no such option, or a value is
-        refused.
+        The form is wrong, no such plug-in is installed, it has no such option, or a value is refused.
     """
     message = parse_specification(text)
     if message.name not in choices(kind):
@@ -106,13 +83,7 @@ def checked_specification(kind: Kind, text: str) -> Specification:
 
 
 def written(kind: Kind, text: str, said: str) -> str:
-    """The specification of an installed plug-in in the one way of writing that labels have.
-
-    Raises
-    ------
-    SceneError
-        As :func:`checked_specification`, behind what the request calls the plug-in.
-    """
+    """Return a specification as labels write it; an error begins with what the request calls the plug-in."""
     try:
         return str(checked_specification(kind, text))
     except SceneError as error:
@@ -125,16 +96,9 @@ def specification_of(name: str, options: Mapping[str, Any]) -> str:
 
 
 def keys_of(key: str, value: Any) -> dict[Path, Any]:
-    """The keys of a scene that ``KIND.method = specification`` sets, and their values; none of other keys and
-    values.
+    """Return the keys and values that ``KIND.method = specification`` sets; none of other keys and values.
 
-    Of a method that is not installed it is the name alone, which is what is wrong then.
-
-    Raises
-    ------
-    SceneError
-        As :func:`parse_specification`.
-    """
+    Of a method that is not installed it is the name alone, which is what is wrong then."""
     try:
         path = parse_path(key)
     except ValueError:

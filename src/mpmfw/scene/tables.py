@@ -9,12 +9,12 @@ from pydantic import BaseModel, Field, Strict
 from pydantic.json_schema import SkipJsonSchema
 
 from mpmfw.geometry import Geometry, Particles
+from mpmfw.geometry.base import LengthInCells, PositiveLength
 from mpmfw.scene.base import (
     FixedComponents,
     Friction,
     MomentPoint,
     Position,
-    PositiveLength,
     PositiveNumber,
     PositiveTime,
     SideForce,
@@ -121,8 +121,7 @@ class Material(Table):
 
 
 class Side(Table):
-    """A condition on one side of a body: fixed components, a velocity [m/s], a pressure or traction [Pa], or
-    a force [N].
+    """A condition on a side: fixed components, a velocity [m/s], a pressure or traction [Pa], a force [N].
 
     The force is that on the whole side of a body of its thickness, spread evenly. A load is constant, or rows
     of a time [s] and its values: linear in between, constant outside."""
@@ -166,7 +165,7 @@ class Body(Table):
     material: str
     geometry: Geometry
     particles: Particles
-    segment: PositiveLength | None = None
+    segment: LengthInCells | None = None
     velocity: VelocityVector | None = None
     angular_velocity: Spin | None = None
     rotation: Literal["spin", "exact", "lumped"] | None = None
@@ -174,17 +173,13 @@ class Body(Table):
     sides: Annotated[tuple[Side, ...], Strict(False)] = ()
 
     def segment_length(self, cell_size: float) -> float:
-        """Length of the surface's segments [m]: as given, or a quarter of a cell; of triangles half of
-        one.
-        """
+        """Length of the surface's segments [m]: as given, or a quarter of a cell, in 3D half of one."""
         share = 0.25 if self.geometry.dim == 2 else 0.5
         return share * cell_size if self.segment is None else float(self.segment)
 
 
 class Named(Table):
-    """A plug-in of the scene's by its model, the bodies that it concerns, all where none is named, and its
-    options.
-    """
+    """A plug-in by its model, the bodies that it concerns (None is all), and its options."""
 
     model: str
     bodies: Annotated[tuple[str, ...], Strict(False), Field(min_length=1)] | None = None
@@ -262,9 +257,7 @@ class Output(Table):
 
 
 class Reference(Table):
-    """What the motion is known to be: a kind of reference, bundled or announced by a plug-in under
-    ``mpmfw.reference``.
-    """
+    """The kind of reference for the motion, bundled or announced under ``mpmfw.reference``."""
 
     kind: str
 

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import functools
-from collections.abc import Iterable, Mapping
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from mpmfw.plugin.checks import distribution_text
 from mpmfw.plugin.discovery import available, nearest, one_of
-from mpmfw.scene.cells import may_be_in_cells
-from mpmfw.scene.expectation import Schema, as_written, expected, keys, subschemas
-from mpmfw.scene.geometries import strangers, with_geometries
+from mpmfw.scene.expectation import expected, hints_at, models_in, tag_of
 from mpmfw.scene.locator import Path
 from mpmfw.scene.problem import Problem
 
@@ -28,27 +25,17 @@ def problems_of(
 
     ``also_valid`` are keys of the same table that another model reads.
     """
-    schema = _schema(model)
-    if others := strangers(schema, data):
-        schema = with_geometries(schema, others)
     found: dict[Path, list[Any]] = {}
     for item in error.errors(include_url=False):
         found.setdefault(_data_path(item["loc"], data, item["type"]), []).append(item)
     # pydantic counts the valid entries of an array alone, and calls one with a wrong entry too short
     found = {
-        p: items for p, items in found.items() if items[0]["type"] != "too_short" or not _has_below(p, found)
+        path: items
+        for path, items in found.items()
+        if items[0]["type"] != "too_short"
+        or all(other[: len(path)] != path for other in found if other != path)
     }
-    return [_problem(items, path, schema, data, prefix, also_valid) for path, items in found.items()]
-
-
-@functools.lru_cache(maxsize=32)
-def _schema(model: type[BaseModel]) -> Schema:
-    """The model's JSON schema, made once: many scenes may be judged after each other."""
-    return model.model_json_schema()
-
-
-def _has_below(path: Path, others: Iterable[Path]) -> bool:
-    return any(len(other) > len(path) and other[: len(path)] == path for other in others)
+    return [_problem(items, path, model, data, prefix, also_valid) for path, items in found.items()]
 
 
 def _data_path(loc: tuple[str | int, ...], data: Any, kind: str) -> Path:
@@ -65,36 +52,37 @@ def _data_path(loc: tuple[str | int, ...], data: Any, kind: str) -> Path:
 
 
 def _problem(
-    items: list[Any], path: Path, schema: Schema, data: Any, prefix: Path, also_valid: tuple[str, ...]
+    items: list[Any],
+    path: Path,
+    model: type[BaseModel],
+    data: Any,
+    prefix: Path,
+    also_valid: tuple[str, ...],
 ) -> Problem:
-    item = items[0]
-    schemas = subschemas(schema, path, data)
-    where = prefix + path
-    expectation = expected(schemas)
-    if may_be_in_cells(where):
-        expectation = expectation.replace("such as '2 mm'", "such as '2 mm' or '0.5 cells'")
+    item, where, hints = items[0], prefix + path, hints_at(model, path, data)
+    expectation = expected(hints)
     match item["type"]:
         case "extra_forbidden":
-            return unknown_key(where, [*keys(subschemas(schema, path[:-1], data)), *also_valid])
+            keys = [key for one in models_in(hints_at(model, path[:-1], data)) for key in one.model_fields]
+            return unknown_key(where, [*keys, *also_valid])
         case "missing":
-            message = _join("missing", expectation + as_written(schemas))
-            return Problem(where, message, "missing", expected=expectation)
-        case "union_tag_not_found":
-            names = item["ctx"].get("discriminator", "'type'").strip("'")
-            return Problem(
-                (*where, names),
-                f"missing; expected one of {', '.join(_types(schema, path, data))}",
-                "missing",
-            )
-        case "union_tag_invalid":
-            tag, tags = item["ctx"]["tag"], _types(schema, path, data)
-            key = item["ctx"]["discriminator"].strip("'")
-            return unknown_name((*where, key), tag, tags)
+            return Problem(where, _join("missing", expectation), "missing", expected=expectation)
+        case "union_tag_not_found" | "union_tag_invalid":
+            names = [str(tag) for one in models_in(hints) if (tag := tag_of(one))]
+            if path[-1:] == ("geometry",):
+                names = list(dict.fromkeys([*names, *available("geometry")]))
+            key = (*where, item["ctx"]["discriminator"].strip("'"))
+            if item["type"] == "union_tag_invalid":
+                return unknown_name(key, item["ctx"]["tag"], names)
+            return Problem(key, f"missing; expected one of {', '.join(names)}", "missing")
         case "literal_error" | "enum" if isinstance(item["input"], str):
-            choices = [c for s in schemas for c in s.get("enum", [s.get("const")]) if isinstance(c, str)]
-            if choices:
+            literals = [get_args(hint) for hint in hints if get_origin(hint) is Literal]
+            if choices := [choice for one in literals for choice in one if isinstance(choice, str)]:
                 return unknown_name(where, item["input"], choices)
-    return Problem(where, _value_message(item, expectation), value=item["input"], expected=expectation)
+    value = item["input"]
+    between = tuple(map(str, value)) if isinstance(value, Mapping) else ()
+    message = _value_message(item, expectation)
+    return Problem(where, message, value=value, expected=expectation, keys=between)
 
 
 def unknown_key(path: Path, valid: list[str]) -> Problem:
@@ -107,32 +95,10 @@ def unknown_key(path: Path, valid: list[str]) -> Problem:
 
 def unknown_name(path: Path, given: str, valid: list[str], what: str = "") -> Problem:
     """Return the problem of a name that is none of the valid ones; ``what`` is said before it."""
-    message, close = what + choice_message(given, valid), nearest(given, valid)
-    return Problem(path, message, suggestion=close, value=given, expected=one_of(valid))
-
-
-def choice_message(given: str, valid: list[str]) -> str:
-    """``'uls' is unknown; did you mean 'usl'? (one of …)``."""
-    close = nearest(given, valid)
-    listed = one_of(valid)
-    return f"'{given}' is unknown; " + (
-        f"did you mean '{close}'? ({listed})" if close else f"expected {listed}"
-    )
-
-
-def _tags(schema: Schema, path: Path, data: Any) -> list[str]:
-    """Values that tell the alternatives at ``path`` apart."""
-    found = []
-    for alternative in subschemas(schema, path, data):
-        properties = alternative.get("properties", {}).values()
-        found += [str(entry["const"]) for entry in properties if "const" in entry]
-    return list(dict.fromkeys(found))
-
-
-def _types(schema: Schema, path: Path, data: Any) -> list[str]:
-    """As :func:`_tags`; of a body's geometry those of other distributions as well."""
-    tags = _tags(schema, path, data)
-    return list(dict.fromkeys([*tags, *available("geometry")])) if path[-1:] == ("geometry",) else tags
+    close, listed = nearest(given, valid), one_of(valid)
+    hint = f"did you mean '{close}'? ({listed})" if close else f"expected {listed}"
+    message = f"{what}'{given}' is unknown; {hint}"
+    return Problem(path, message, suggestion=close, value=given, expected=listed)
 
 
 def _value_message(item: Any, expectation: str) -> str:
@@ -186,9 +152,7 @@ class _NoOptions(BaseModel):
 def with_options(
     plugin: type[Any], options: Mapping[str, Any], path: Path, core_keys: tuple[str, ...] = ()
 ) -> tuple[BaseModel | None, list[Problem]]:
-    """An instance of the plug-in's own model, or what is wrong with options that stand at ``path`` of the
-    scene.
-    """
+    """Return a plug-in's validated options, or the problems of options at ``path`` of the scene."""
     model: Any = getattr(plugin, "Options", _NoOptions)
     text = f"Options of plug-in '{plugin.name}' of {distribution_text(plugin)}"
     if not (isinstance(model, type) and issubclass(model, BaseModel)):

@@ -76,10 +76,8 @@ def stability_map(
         Steps of every run.
     **request
         ``output``: NetCDF file to write; it replaces nothing but another map. Points are kept in the folder
-        ``<output>.runs`` beside it: a map that was broken off, or is asked for with more points, goes on from
-        there. ``set``: values by dotted key, set over the scene's own; not those that the map sets itself.
-        Others are those of
-        :class:`mpmfw.campaigns.execution.Execution`.
+        ``<output>.runs``, from which another start goes on. ``set``: values by dotted key, but for those that
+        the map sets itself. Others are those of :class:`mpmfw.campaigns.execution.Execution`.
 
     Returns
     -------
@@ -129,14 +127,7 @@ def stability_map(
 def _points(
     scene: Scene, objects: Mapping[str, Any], axis: Axis, values: Sequence[float]
 ) -> list[Combination]:
-    """The scene and the strategy objects at each stiffness, allowed to go past the limit; a safety factor of
-    its own gives way.
-
-    Raises
-    ------
-    SceneError
-        A stiffness is refused.
-    """
+    """Return the scene and the objects at each stiffness, allowed to go past the limit."""
     time = {"end": scene.time.end, "output_interval": scene.time.output_interval}
     base = scene.with_overrides({"allow_unstable": True, "time": time})
     vary: dict[str, list[Any]] = {kind: [one] for kind, one in objects.items()}
@@ -160,9 +151,7 @@ def _grid(
     cfl: Sequence[float],
     steps: int,
 ) -> RunGrid:
-    """All points at all Courant numbers of a step of fixed length; the code that judges a run is part of what
-    it is.
-    """
+    """Return all points at all Courant numbers; the key counts the code that judges a run."""
     what = f"{steps} steps judged by {package('mpmfw.stability')}"
     combinations: dict[Index, Combination] = {}
     for (i, value), (j, courant) in itertools.product(enumerate(values), enumerate(cfl)):
@@ -181,15 +170,9 @@ def _grid(
 
 
 def _invariants(runs: GridRuns, index: Index) -> Invariants:
-    """What came of a run; of one that died, or whose method raised an error, nothing is known but that.
+    """Return what came of a run; of one that died, or whose method raised an error, nothing but that.
 
-    A suspect run has a warning where its energy would have made it stable.
-
-    Raises
-    ------
-    SceneError
-        It is refused.
-    """
+    A suspect run has a warning where its energy would have made it stable; a refused one is a SceneError."""
     outcome = runs.outcome(index)
     values = outcome.values if outcome is not None else {}
     found = Invariants(**values) if values else Invariants("broken", runs.statuses()[index])

@@ -1,6 +1,4 @@
-"""Run a scene for a number of steps and judge it by its invariants: energy, momentum, penetration,
-surfaces.
-"""
+"""Invariants of a short run: energy, momentum, penetration, surfaces."""
 
 from __future__ import annotations
 
@@ -13,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.campaigns.outcome import Finished, Outcome
+from mpmfw.campaigns.store import Finished, Outcome
 from mpmfw.campaigns.work import Task
 from mpmfw.errors import PastStabilityLimit, PluginError, ResultsWarning, SceneError, SimulationError
 from mpmfw.plugin.checks import cause
+from mpmfw.results import Frame
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
-from mpmfw.stability.record import Hopeless, Record
 from mpmfw.state.fields import FloatArray
 from mpmfw.state.structs import State
 
@@ -44,34 +42,26 @@ class Invariants:
 
     Attributes
     ----------
-    status
+    status, message
         ``ok``, ``suspect``, ``refused``, ``failed`` if numbers ran away, ``broken`` if a method raised an
-        error or its process died.
-    message
-        Why it is not ``ok``.
-    steps
-        Steps taken after time zero.
-    time
-        Simulated time [s].
-    energy
-        Largest energy plus dissipation less the work put in, over the energy at the start and what was put
-        in; of all steps, positions and velocities taken at the same time. NaN if it is no number.
-    energy_end
-        The same at the end.
+        error or its process died; and the reason.
+    steps, time
+        Steps taken after time zero, and the time then [s].
+    energy, energy_end
+        Largest energy, and the last, each with dissipation and less the work put in, over the energy at the
+        start and what was put in. Positions and velocities are taken at the same time.
     stored
         Largest energy without dissipation, else as ``energy``.
     momentum
-        Largest change of the bodies' total linear momentum, over the sum of the largest of each.
+        Largest change of the total linear momentum, over the sum of each body's largest.
     penetration
         Deepest penetration, over the cell size.
     lost
-        Surface nodes that ended more than half a cell farther from their body's material points than they
-        began.
+        Surface nodes that ended more than half a cell farther from their body's points than they began.
     contact_steps
         Fewest steps that a contact of a surface node lasted; NaN where nothing counts them.
     limit
-        Least stable time step after the first step [s]; before it, a contact has not seen where its bodies
-        meet.
+        Least stable time step after the first step [s].
     touched
         Whether bodies were in contact.
     travel
@@ -102,20 +92,9 @@ def probe(
     *,
     steps: int,
 ) -> Invariants:
-    """Run a scene for a number of steps, or until it fails, and judge every step.
+    """Run a scene for ``steps`` steps after settling, or until it fails, and judge every step.
 
-    Parameters
-    ----------
-    scene, contact, shape, set
-        As ``mpmfw.run`` takes them; outputs and their times have no effect.
-    steps
-        Steps to take after settling.
-
-    Returns
-    -------
-    Invariants
-        Also of a run that was refused or failed.
-    """
+    Other parameters are those of ``mpmfw.run``; outputs and their times have no effect."""
     with _quiet():
         try:
             loaded = load_scene(scene, set={**(set or {}), **OUTPUT})
@@ -207,3 +186,104 @@ def _distances(state: State) -> FloatArray:
         apart = state.surface.position[own][:, None] - state.particles.position[body.particles][None]
         nearest[own] = np.linalg.norm(apart, axis=-1).min(axis=1)
     return nearest
+
+
+#: Energy ratio past which a run is not followed any further.
+HOPELESS = 1e3
+
+#: Energy that does not count, as a share of what would strain all bodies by 1: rounding of bodies at rest.
+NOTHING = 1e-14
+
+
+class Hopeless(Exception):
+    """A run whose energy is no number or beyond all bounds."""
+
+
+class Record:
+    """Sums over the bodies at every step, with positions and velocities at the same time.
+
+    A step leaves velocities half a step behind positions. Their energies added as they stand swing by a part
+    ω Δt to either side, in every mode, which is no gain and no loss. At the time of the positions the kinetic
+    energy is Σ m v·v' / 2, v and v' of the steps before and after: with it a linear system keeps its energy
+    exactly at any stable step. Where these steps have different lengths the positions' time lies nearer to
+    the velocities of the shorter one.
+
+    Parameters
+    ----------
+    simulation
+        What runs, with ``output.ledger`` and ``output.energy``.
+    """
+
+    def __init__(self, simulation: Simulation) -> None:
+        self.state = simulation.state
+        particles = simulation.state.particles
+        volume = particles.through(particles.initial_volume)
+        stiffness = [body.bulk_modulus + body.shear_modulus for body in simulation.state.bodies]
+        volumes = [volume[body.particles].sum() for body in simulation.state.bodies]
+        self.nothing = NOTHING * float(np.dot(volumes, stiffness))
+        self.energy: list[float] = []  # ratios, with dissipation
+        self.stored = 1.0
+        self.momentum: list[FloatArray] = []
+        self.gap = self.contact_steps = self.limit = np.inf
+        self.touched = False
+        self.input = self.first = self.first_given = 0.0
+        self.length = self.at_positions = 0.0
+        self.halves = (0.0, 0.0)
+        self.velocity = np.zeros_like(self.state.particles.velocity)
+
+    def __call__(self, frame: Frame) -> None:
+        """Take note of a step; Hopeless if the energy is beyond all bounds."""
+        series, particles = frame.series, self.state.particles
+        at_positions = _total(series, ("strain_energy",))
+        halves = _total(series, ("affine_energy",)), _total(series, ("gravity_work", "external_work"))
+        if self.momentum:
+            kinetic = self._kinetic()
+            affine, given = (0.5 * (a + b) for a, b in zip(self.halves, halves, strict=True))
+            stored = kinetic + self.at_positions + affine + _total(series, ("contact_energy",))
+            self._weigh(
+                stored,
+                _total(series, ("frictional_work", "damping_work", "spring_work", "material_dissipation")),
+                given,
+            )
+        self.length = self.state.dt
+        self.velocity, self.at_positions, self.halves = particles.velocity.copy(), at_positions, halves
+        self.momentum.append(np.array(series["linear_momentum"]))
+        self.gap = min(self.gap, _least(series, "min_gap"))
+        if len(self.momentum) > 1:
+            self.limit = min(self.limit, _least(series, "time_step_limit"))
+            self.contact_steps = min(self.contact_steps, _least(series, "steps_per_contact"))
+        self.touched |= bool(np.any(np.asarray(series.get("contact_count", 0.0)) > 0.0))
+
+    def _kinetic(self) -> float:
+        """Kinetic energy at the time of the last positions, between the last two steps' velocities [J/m]."""
+        mass, before, after = self.state.particles.mass, self.velocity, self.state.particles.velocity
+        uneven = (self.length - self.state.dt) / (self.length + self.state.dt) if self.energy else 0.0
+        both = float(mass @ (before * after).sum(axis=1))
+        gained = float(mass @ ((after + before) * (after - before)).sum(axis=1))
+        return 0.5 * both + 0.25 * uneven * gained
+
+    def _weigh(self, stored: float, dissipated: float, given: float) -> None:
+        """Energy ratios of this step; those of the first are 1."""
+        if not self.energy:
+            self.first, self.first_given = stored + dissipated, given
+        given -= self.first_given
+        self.input = max(self.input, given)
+        scale = max(self.first + self.input, self.nothing)
+        grown = stored - self.first - given
+        with_dissipation, without = (
+            1.0 if abs(g) <= self.nothing else 1.0 + g / scale for g in (grown + dissipated, grown)
+        )
+        self.energy.append(with_dissipation)
+        self.stored = max(self.stored, without)
+        if not with_dissipation < HOPELESS:
+            raise Hopeless
+
+
+def _total(series: Mapping[str, object], names: tuple[str, ...]) -> float:
+    return sum(float(np.sum(np.asarray(series[name]))) for name in names if name in series)
+
+
+def _least(series: Mapping[str, object], name: str) -> float:
+    """Least number of a series; infinite if there is none."""
+    values = np.asarray(series.get(name, np.nan), dtype=float)
+    return float(np.nanmin(values)) if np.isfinite(values).any() else np.inf

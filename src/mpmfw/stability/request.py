@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Literal, TypeAlias
 
 from mpmfw.campaigns.grid import given_twice, has_option
@@ -25,13 +25,7 @@ _OWN: dict[Path, str] = {
 
 
 def axis_of(scene: Scene, contact: Any, kappa: Sequence[float] | None, ratio: Sequence[float] | None) -> Axis:
-    """What is varied beside the Courant number; ``contact`` is an object in place of the scene's.
-
-    Raises
-    ------
-    SceneError
-        Both are asked for, or the contact has no κ.
-    """
+    """Return what is varied beside the Courant number; ``contact`` is an object instead of the scene's."""
     if kappa is not None and ratio is not None:
         raise SceneError("kappa and ratio: a map has one of them; leave the other out")
     if ratio is not None:
@@ -46,13 +40,7 @@ def axis_of(scene: Scene, contact: Any, kappa: Sequence[float] | None, ratio: Se
 
 
 def check_values(values: Sequence[float], cfl: Sequence[float], steps: int) -> None:
-    """Ask for positive numbers, each once, and for steps enough to judge by.
-
-    Raises
-    ------
-    SceneError
-        They are not.
-    """
+    """Refuse anything but positive numbers, each once, and steps enough to judge by."""
     for name, given in (("kappa or ratio", values), ("cfl", cfl)):
         if not given or not all(math.isfinite(value) and value > 0.0 for value in given):
             raise SceneError(f"{name}: expected numbers greater than 0")
@@ -63,54 +51,31 @@ def check_values(values: Sequence[float], cfl: Sequence[float], steps: int) -> N
 
 
 def check_overrides(scene: Scene, axis: Axis) -> None:
-    """Refuse keys set over the scene's own that the map sets to values of its own.
-
-    Raises
-    ------
-    SceneError
-        There is one.
-    """
+    """Refuse overrides of keys that the map sets itself."""
     own = dict(_OWN)
     if axis == "kappa" and scene.contact is not None:
         own["contact", scene.contact.method, "kappa"] = "it varies kappa: give the values as kappa"
-    set_keys = [
-        (key, path, value)
-        for key, value in scene.source.overrides.items()
-        for path, value in (keys_of(key, value) or {parse_path(key): value}).items()
-    ]
-    for key, path, value in set_keys:
-        for taken, why in own.items():
-            within = path[: len(taken)] == taken
-            around = taken[: len(path)] == path and _holds(value, taken[len(path) :])
-            if within or around:
-                raise SceneError(f"--set {key}: has no effect on a map of stability: {why}")
+    for key, value in scene.source.overrides.items():
+        for path, given in (keys_of(key, value) or {parse_path(key): value}).items():
+            for leaf in _leaves(path, given):
+                for taken, why in own.items():
+                    if leaf[: len(taken)] == taken:
+                        raise SceneError(f"--set {key}: has no effect on a map of stability: {why}")
 
 
-def _holds(value: Any, path: Path) -> bool:
-    """Whether nested tables have a key."""
-    for part in path:
-        if not isinstance(value, Mapping) or part not in value:
-            return False
-        value = value[part]
-    return True
+def _leaves(path: Path, value: Any) -> Iterator[Path]:
+    """Yield the paths of all values in nested tables."""
+    if isinstance(value, Mapping):
+        for key, inner in value.items():
+            yield from _leaves((*path, key), inner)
+    else:
+        yield path
 
 
 def stiffness_ratio(scene: Scene, ratio: float) -> dict[str, Any]:
-    """Values by dotted key that make the second body ``ratio`` times as stiff as the first; Poisson's ratio
-    stays.
+    """Return overrides that make M = K + 4 G / 3 of the second body ``ratio`` times that of the first.
 
-    Parameters
-    ----------
-    scene
-        Its second body gets a material of its own.
-    ratio
-        Of M = K + 4 G / 3.
-
-    Raises
-    ------
-    SceneError
-        There is no second body, or its material has no moduli by these names.
-    """
+    Poisson's ratio stays; the second body gets a material of its own."""
     if len(scene.bodies) < 2:
         raise SceneError("a stiffness ratio needs a scene of two bodies or more")
     first, second = Simulation(scene.with_overrides({"allow_unstable": True})).state.bodies[:2]

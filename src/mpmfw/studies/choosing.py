@@ -1,15 +1,12 @@
-"""``mpmfw.choose``: which method and cell size a scene needs for an error, on a ladder from coarse to
-fine.
-"""
+"""``mpmfw.choose``: the method and cell size that a scene needs for an error."""
 
 from __future__ import annotations
 
 import json
 import os
-import tempfile
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from importlib.resources import files
 from typing import Any, Unpack
 
@@ -79,11 +76,10 @@ def choose(
         Largest and smallest cell size [m]; twice and a quarter of the scene's own by default. Each is half of
         the one before.
     **request
-        ``body``, ``pair``, ``axis``: what the quantity is of; where they are left out the closed form or the
-        motion decides, see :func:`mpmfw.campaigns.measures.inferred`. ``set``: values by key that all runs
-        share. ``output``: NetCDF file to write; finished runs are kept in the folder ``<output>.runs`` beside
-        it. Others are those of
-        :class:`mpmfw.campaigns.execution.Execution`; ``repeats`` has no effect.
+        ``body``, ``pair``, ``axis``: what the quantity is of; if left out, the motion decides,
+        see :func:`mpmfw.campaigns.measures.inferred`. ``set``: values by key that all runs share.
+        ``output``: NetCDF file to write; finished runs are kept in the folder ``<output>.runs``. Others are
+        those of :class:`mpmfw.campaigns.execution.Execution`; ``repeats`` has no effect.
 
     Returns
     -------
@@ -108,7 +104,7 @@ def choose(
     if output is not None:
         check_replaceable(output, "choice", "result of mpmfw choose")
     loaded = load_scene(scene, set=shared)
-    check_names(about, loaded, lambda path, message: SceneError(f"{path[-1]}: {message}"))
+    check_names(about, loaded, _error_at)
     chosen, kind = _known(loaded, measure, about)
     base = _base(loaded, chosen)
     _check_lengths(base)
@@ -118,22 +114,21 @@ def choose(
     if all(one.scene is None for one in grid.combinations.values()):
         raise SceneError(next(iter(grid.combinations.values())).why)
     given = {"quantity": chosen.name, "kind": kind, **asdict(about)}
-    judge = Judge(
-        ErrorTable.model_validate(given), grid, lambda path, message: SceneError(f"{path[-1]}: {message}")
-    )
-    with tempfile.TemporaryDirectory(prefix="mpmfw-choose-") as folder:
-        if execution.store is None and output is None:
-            execution = replace(execution, store=folder)
-        runs = GridRuns(grid, "choice", execution, output=output)
-        at_once = len(grid.combinations) if execution.executor is not None else execution.jobs or 1
-        ladder = Ladder(runs, judge, target, at_once)
-        ladder.run()
-        runs.warn(lambda one: one.name)
-        dataset = _dataset(ladder)
+    judge = Judge(ErrorTable.model_validate(given), grid, _error_at)
+    runs = GridRuns(grid, "choice", execution, output=output)
+    at_once = len(grid.combinations) if execution.executor is not None else execution.jobs or 1
+    ladder = Ladder(runs, judge, target, at_once)
+    ladder.run()
+    runs.warn(lambda one: one.name)
+    dataset = _dataset(ladder)
     dataset.attrs |= {"title": base.title or base.name, "scene": base.text}
     if output is not None:
         replace_dataset(dataset, output)
     return dataset
+
+
+def _error_at(path: tuple[str, ...], message: str) -> SceneError:
+    return SceneError(f"{path[-1]}: {message}")
 
 
 def _dataset(ladder: Ladder) -> xr.Dataset:
@@ -147,12 +142,12 @@ def _dataset(ladder: Ladder) -> xr.Dataset:
     dataset["error"] = grid.array(ladder.errors, f"relative error of: {judge.measure.meaning}", "1")
     costs = ladder.costs().where(dataset["status"] != "not run")
     dataset["cpu_time"] = costs.assign_attrs(units="s", long_name="CPU time of the steps and of settling")
-    dataset["meets"] = grid.array({i: ladder.meets(i) for i in points}, "whether it meets the target").astype(
-        bool
-    )
-    dataset["answer"] = grid.array({i: i == answer for i in points}, "the cheapest run that does").astype(
-        bool
-    )
+    marks = {
+        "meets": ("whether it meets the target", {i: ladder.meets(i) for i in points}),
+        "answer": ("the cheapest run that does", {i: i == answer for i in points}),
+    }
+    for name, (meaning, values) in marks.items():
+        dataset[name] = grid.array(values, meaning).astype(bool)
     dataset.attrs = {
         "kind": "choice",
         "quantity": judge.says(),
@@ -166,21 +161,14 @@ def _dataset(ladder: Ladder) -> xr.Dataset:
 
 
 def _known(scene: Scene, name: str | None, about: About) -> tuple[Measure, str]:
-    """Return the measure, and the kind of what its errors are against.
-
-    Raises
-    ------
-    SceneError
-        There is no such measure, or none is named and the scene has no closed form or reference of any.
-    """
+    """Return the measure, and the kind of what its errors are against; a SceneError if nothing is known."""
     if name is not None:
         measure = measure_of(name)
         exact = exact_of(measure, scene, about)
         if exact is None and measure.kind == "field":
             raise SceneError(
                 f"measure {name}: the scene '{scene.name}' has no closed form of it, and runs at other cell "
-                "sizes have a "
-                "field at other points; expected a number or a curve"
+                "sizes have a field at other points; expected a number or a curve"
             )
         return measure, "finest" if exact is None else exact.kind
     names = [*MEASURES, *(name for name in names_of_measures() if name not in MEASURES)]
@@ -190,8 +178,7 @@ def _known(scene: Scene, name: str | None, about: About) -> tuple[Measure, str]:
     others = ", ".join(one for one in sorted(names) if measure_of(one).kind != "field")
     raise SceneError(
         f"the scene '{scene.name}' has no closed form or reference, so that it does not say what an error is "
-        "of; "
-        f"expected [reference] kind = …, or a measure: one of {others}"
+        f"of; expected [reference] kind = …, or a measure: one of {others}"
     )
 
 
@@ -210,13 +197,7 @@ def _contacts(scene: Scene, given: Sequence[Any] | None) -> list[Any]:
 
 
 def _sizes(own: float, coarsest: Any, finest: Any) -> list[float]:
-    """Return the cell sizes of the ladder, each half of the one before, so that grid lines stay grid lines.
-
-    Raises
-    ------
-    SceneError
-        A size is none, or too few are left.
-    """
+    """Return the cell sizes of the ladder, each half of the one before, so that grid lines stay."""
     first = 2.0 * own if coarsest is None else _length("coarsest", coarsest)
     last = 0.25 * own if finest is None else _length("finest", finest)
     count = int(np.floor(np.log2(first / last) + 1e-9)) + 1

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -26,15 +26,9 @@ def rows(dataset: xr.Dataset) -> Iterator[dict[str, Any]]:
 
 
 def conclusions(dataset: xr.Dataset, under: float | None = None) -> list[str]:
-    """One sentence for each problem of a study: the cheapest combination below an error.
+    """Return a sentence for each problem of a study: the cheapest combination below an error.
 
-    Parameters
-    ----------
-    dataset
-        Of ``mpmfw.study``.
-    under
-        Relative error; the study's own by default.
-    """
+    ``under`` is a relative error, by default the study's own."""
     limit = float(dataset.attrs["under"]) if under is None else under
     problems = json.loads(dataset.attrs["problem_dims"])
     text: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
@@ -58,8 +52,7 @@ def _sentence(problem: str, problems: list[str], found: list[dict[str, Any]], li
         best = min(known, key=lambda row: row["error"])
         return (
             f"{begin} error of no combination is under {percent(limit)} %; the least, "
-            f"{percent(best['error'])} %, "
-            f"has {_of(best, dims)}"
+            f"{percent(best['error'])} %, has {_of(best, dims)}"
         )
     cheapest = min(below, key=lambda row: row["cpu_time"])
     spread = cheapest["cpu_time_spread"]
@@ -79,3 +72,69 @@ def percent(error: float) -> str:
 def _of(row: dict[str, Any], dims: list[str]) -> str:
     labels = itertools.takewhile(lambda dim: dim != "error", dims)
     return in_words({dim: row[dim] for dim in labels}) or "the only one"
+
+
+def method_rows(dataset: xr.Dataset) -> list[dict[str, Any]]:
+    """Return a mapping for each method: the answer, those that meet the target by cost, the others.
+
+    Keys: ``contact``, ``shape``, ``answer``, ``verdict`` (``meets``, ``misses``, ``failed``, ``not run``),
+    ``pilots`` (the errors of its runs in per cent, at falling cell sizes), ``cell_size_needed`` [m],
+    ``error`` and ``cost`` [s] of the cheapest run that meets the target, else of the most accurate one, and
+    its ``status``."""
+    labels = itertools.product(dataset["contact"].values.tolist(), dataset["shape"].values.tolist())
+    found = [_row(dataset.sel(contact=contact, shape=shape)) for contact, shape in labels]
+
+    def place(row: Mapping[str, Any]) -> tuple[bool, bool, float]:
+        value = row["cost"] if row["verdict"] == "meets" else row["error"]
+        return not row["answer"], row["verdict"] != "meets", float(np.nan_to_num(value, nan=np.inf))
+
+    return sorted(found, key=place)
+
+
+def _row(method: xr.Dataset) -> dict[str, Any]:
+    """Return the row of one method from its runs over ``cell_size``."""
+    ran = method.isel(cell_size=np.flatnonzero(method["status"].values != "not run"))
+    errors, costs = ran["error"].values, ran["cpu_time"].values
+    row: dict[str, Any] = {"contact": str(method["contact"].item()), "shape": str(method["shape"].item())}
+    row |= {"answer": bool(method["answer"].any()), "verdict": "not run" if not len(errors) else "failed"}
+    row["pilots"] = " ".join(percent(error) if np.isfinite(error) else "–" for error in errors)
+    row |= dict.fromkeys(("cell_size_needed", "error", "cost"), np.nan)
+    row["status"] = str(ran["status"].values[-1]) if len(errors) else "not run"
+    if np.isfinite(errors).any():
+        able = ran["meets"].values
+        best = int(np.nanargmin(np.where(able, costs, np.inf) if able.any() else errors))
+        row["verdict"] = "meets" if able.any() else "misses"
+        row["status"] = str(ran["status"].values[best])
+        row |= {"cell_size_needed": float(ran["cell_size"][best]), "error": float(errors[best])}
+        row["cost"] = float(costs[best])
+    return row
+
+
+def advice(dataset: xr.Dataset) -> list[str]:
+    """Return the answer, what errors are against, and what the runs took, a sentence each."""
+    target, slack = f"{percent(dataset.attrs['target'])} %", float(dataset.attrs["uncertainty"])
+    rows, took = method_rows(dataset), float(dataset["cpu_time"].sum())
+    against = f"Error of {dataset.attrs['quantity']} against {dataset.attrs['error_against']}"
+    if 0.0 < slack < np.inf:
+        against += f", which is uncertain by {percent(slack)} %: this is added to every error"
+    cost = f"The runs took {took:.3g} s of CPU time"
+    best = rows[0]
+    if best["answer"]:
+        return [
+            f"For {target}: {best['contact']}, {best['shape']}, cell_size {best['cell_size_needed']:.4g} m; "
+            f"error {percent(best['error'])} %, {best['cost']:.3g} s of CPU time",
+            against,
+            f"{cost}, {took / best['cost']:.2g} times that of the answer",
+        ]
+    return [f"Undecided for {target}: {_nearest(rows)}", against, cost]
+
+
+def _nearest(rows: list[dict[str, Any]]) -> str:
+    known = [row for row in rows if np.isfinite(row["error"])]
+    if not known:
+        return "no run has an error; the statuses say why"
+    one = min(known, key=lambda row: float(row["error"]))
+    return (
+        f"the nearest is {one['contact']}, {one['shape']} with {percent(one['error'])} % at "
+        f"{one['cell_size_needed']:.4g} m; allow finer cells, name other methods, or ask for less"
+    )

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from mpmfw.campaigns.costs import costs_of, least, over_repeats, timing_of
 from mpmfw.campaigns.grid import Index, RunGrid
-from mpmfw.campaigns.grid_runs import GridRuns
+from mpmfw.campaigns.grid_runs import GridRuns, costs_of, least, over_repeats, timing_of
 from mpmfw.campaigns.judging import Judge
 from mpmfw.campaigns.measures import measure_of
-from mpmfw.campaigns.outcome import COSTS, Cost
+from mpmfw.campaigns.store import COSTS, Cost
 from mpmfw.plugin.discovery import load
 from mpmfw.results.concatenation import STEPPING
 from mpmfw.results.provenance import provenance
@@ -162,6 +162,7 @@ def _attributes(study: Study, judge: Judge, runs: GridRuns) -> dict[str, Any]:
         "study": study.source.text or json.dumps(study.source.mapping, default=str),
         "scenes": json.dumps({label or scene.name: scene.text for label, scene in grid.scenes.items()}),
         "quantity": judge.measure.name,
+        "about": json.dumps({key: name for key, name in asdict(judge.about).items() if name is not None}),
         "error_kind": tables.error.kind,
         "error_norm": "" if judge.measure.kind == "number" else judge.norm,
         "error_against": judge.describe(),

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from mpmfw.campaigns.costs import costs_of, least
 from mpmfw.campaigns.grid import Index
-from mpmfw.campaigns.grid_runs import GridRuns
+from mpmfw.campaigns.grid_runs import GridRuns, costs_of, least
 from mpmfw.campaigns.judging import Judge, interpolated
 from mpmfw.plugin.measure import Measured
 from mpmfw.state.fields import FloatArray
@@ -27,21 +26,11 @@ BEST_ORDER = 3.0
 
 @dataclass(frozen=True)
 class Limit:
-    """A motion at cells of size zero, extrapolated from two different laws at two cell sizes.
+    """A motion at cells of size zero, extrapolated from two different laws at two cell sizes."""
 
-    Attributes
-    ----------
-    motion
-        Mean of the two laws' extrapolations.
-    uncertainty
-        Relative: half the distance of the two, and what the order of convergence leaves open.
-    laws
-        Labels of the two methods.
-    """
-
-    motion: Measured
-    uncertainty: float
-    laws: tuple[str, str]
+    motion: Measured  #: mean of the two laws' extrapolations
+    uncertainty: float  #: relative: half their distance, and what the order of convergence leaves open
+    laws: tuple[str, str]  #: labels of the two methods
 
 
 class Ladder:
@@ -113,9 +102,7 @@ class Ladder:
         return [index[:2] for index in sorted(worth, key=lambda index: float(costs[index]))]
 
     def _ask(self, points: Collection[Index]) -> None:
-        """Make runs and judge all; others that the store may hold are not read, so that no answer depends on
-        them.
-        """
+        """Make runs and judge all that were asked for; others in the store are not read."""
         self.runs.complete(points)
         self.asked |= {*points}
         status = self.runs.statuses()
@@ -174,13 +161,7 @@ def extrapolated(
 ) -> tuple[FloatArray, FloatArray]:
     """Return what two runs of a method tend to, and the half width that the order of convergence leaves open.
 
-    Parameters
-    ----------
-    coarse, fine
-        At two cell sizes of one ``ratio``.
-    at
-        A run at whose times both are compared.
-    """
+    Their cell sizes have the ``ratio``; the times are those of the run ``at``."""
     end = interpolated(fine, at)
     step = end - interpolated(coarse, at)
     farthest, nearest = (1.0 / (ratio**order - 1.0) for order in ORDERS)

@@ -1,6 +1,4 @@
-"""From a study's file, a shipped study's name or a mapping to a valid study, or one error that lists all
-problems.
-"""
+"""Tables of a study, read from a file, a shipped study's name or a mapping; one error lists all problems."""
 
 from __future__ import annotations
 
@@ -9,40 +7,78 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field, ValidationError
 
 from mpmfw.campaigns.grid import given_twice
+from mpmfw.campaigns.judging import ErrorTable
 from mpmfw.campaigns.keys import SHORT, full_key, written_alike
 from mpmfw.campaigns.measures import measure_of
-from mpmfw.campaigns.tables import validated
 from mpmfw.errors import SceneError
 from mpmfw.scene import Scene, Source
+from mpmfw.scene.base import Table
 from mpmfw.scene.loading import error_of, refuse_code
 from mpmfw.scene.locator import Path as KeyPath
 from mpmfw.scene.override import parse_path
 from mpmfw.scene.problem import Problem
 from mpmfw.scene.sources import read_source, shipped_texts
-from mpmfw.scene.wording import unknown_key
-from mpmfw.studies.tables import StudyTables
+from mpmfw.scene.wording import problems_of, unknown_key
+from mpmfw.units import Number
+
+#: Values of one key; what they may be is the scene's business.
+Values = Annotated[list[Any], Field(min_length=1)]
+#: The name of a shipped scene, a file beside the study's, or the scene itself.
+SceneChoice = str | dict[str, Any]
+
+
+class CostTable(Table):
+    """How the cost is measured.
+
+    Attributes
+    ----------
+    repeats
+        Runs of each combination; the least of their CPU times is the cost.
+    settling
+        Whether settling counts: it is the whole work of a scene that ends at rest.
+    """
+
+    repeats: Annotated[int, Field(ge=1)] = 3
+    settling: bool = False
+
+
+class StudyTables(Table):
+    """All tables of a study.
+
+    Attributes
+    ----------
+    scene, scenes
+        The one scene, or several by label, which become the dimension ``scene``.
+    vary
+        Values by short name or dotted key, a dimension each.
+    set
+        Values that all runs share.
+    under
+        Relative error below which the cheapest combination is named.
+    """
+
+    title: str = ""
+    scene: SceneChoice | None = None
+    scenes: dict[str, SceneChoice] = Field(default={})
+    vary: Annotated[dict[str, Values], Field(min_length=1)]
+    set: dict[str, Any] = Field(default={})
+    error: ErrorTable
+    cost: CostTable = CostTable()
+    under: Annotated[Number, Field(gt=0)] = 0.01
 
 
 @dataclass(frozen=True)
 class Study:
-    """A valid study and where it came from.
-
-    Attributes
-    ----------
-    tables
-        What it says.
-    source
-        Where its keys were written.
-    trust
-        Whether the files of its scenes may name ``module:Class``.
-    """
+    """A valid study and where it came from."""
 
     tables: StudyTables
     source: Source
-    trust: bool = False
+    trust: bool = False  #: whether the files of its scenes may name ``module:Class``
 
     @property
     def name(self) -> str:
@@ -93,7 +129,15 @@ def load_study(study: str | os.PathLike[str] | Mapping[str, Any] | Study, trust:
     source = read_source(study, "study", shipped_studies())
     if source.text is not None and not trust:
         refuse_code(source)
-    return Study(validated(StudyTables, source, _checks), source, trust)
+    data = dict(source.mapping)
+    try:
+        tables = StudyTables.model_validate(data)
+        problems = list(_checks(tables))
+    except ValidationError as error:
+        problems = problems_of(error, StudyTables, data)
+    if problems:
+        raise error_of(problems, source, {})
+    return Study(tables, source, trust)
 
 
 def _checks(tables: StudyTables) -> Iterator[Problem]:

@@ -1,20 +1,20 @@
-"""Who wins at what price: how many problems a method solves to an error, and at what cost over the
-cheapest.
-"""
+"""Ranking of methods: how many problems each solves to an error, and at what relative cost."""
 
 from __future__ import annotations
 
 import itertools
 import json
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from mpmfw.campaigns.judging import said
 from mpmfw.errors import SceneError
+from mpmfw.plugin.measure import About
 from mpmfw.state.fields import AnyArray, FloatArray
 from mpmfw.studies.conclusion import rows
 
@@ -36,9 +36,7 @@ UNITS = {"penetration": "cells"}
 
 
 def unit_of(quantity: str) -> str:
-    """Return the unit in which the levels of a quantity are shown: ``%``, or that of a quantity that is no
-    share.
-    """
+    """Return the unit of a quantity's levels; ``%`` of a share."""
     return UNITS.get(quantity, "%")
 
 
@@ -52,6 +50,7 @@ def rank(
     results: Iterable[str | os.PathLike[str] | xr.Dataset],
     by: str = "contact",
     levels: Sequence[float] = LEVELS,
+    about: Mapping[str, str] | None = None,
 ) -> xr.Dataset:
     """Rank the methods of studies: what each costs, at its best settings, to bring a quantity below a level.
 
@@ -69,22 +68,26 @@ def rank(
         Dimension of the methods.
     levels
         Relative errors, falling.
+    about
+        ``body``, ``pair`` and ``axis`` that the errors must be of; a study of another one is refused.
 
     Returns
     -------
     xarray.Dataset
         ``cost`` [s], CPU time of the cheapest run, and ``over_best`` [1], the same over the cheapest
         method's, by (quantity, problem, level, ``by``), NaN where the level is not reached; ``best`` (…) the
-        settings of that run. The attribute ``failures`` lists runs that do not count: without a result, or
-        suspect; ``ran`` (problem, ``by``) says whether the method ran the problem.
+        settings of that run; ``ran`` (problem, ``by``) whether the method ran the problem. Attributes:
+        ``failures``, runs that do not count, without a result or suspect; ``errors``, what errors are of.
 
     Raises
     ------
     SceneError
-        A file is no study's, has no dimension ``by``, or no run has an error and a cost.
+        A file is no study's, has no dimension ``by``, is of something else than ``about``, or no run has an
+        error and a cost.
     """
     check_levels(levels)
-    found = [row for one in results for row in _runs(one, by)]
+    studies = [_study(one, by, about or {}) for one in results]
+    found = [row for one in studies for row in _runs(one, by)]
     judged = [row for row in found if row["status"] == "ok"]
     judged = [row for row in judged if np.isfinite(row["error"]) and np.isfinite(row["cpu_time"])]
     if not judged:
@@ -92,26 +95,18 @@ def rank(
     problems, methods = (list(dict.fromkeys(row[key] for row in found)) for key in ("problem", "method"))
     pairs = {(row["problem"], row["method"]) for row in found}
     cost, best = _cheapest(judged, problems, methods, levels)
+    least = np.where(np.isfinite(cost), cost, np.inf).min(axis=-1, keepdims=True)
+    least[~np.isfinite(least)] = np.nan
     dims = ("quantity", "problem", "level", by)
+    titles = {
+        "cost": "CPU time of the cheapest run that reaches the level",
+        "over_best": "the same over the cheapest method's",
+        "best": "settings of that run",
+    }
+    values = {"cost": cost, "over_best": cost / least, "best": best}
+    units: dict[str, dict[str, str]] = {"cost": {"units": "s"}, "over_best": {"units": "1"}}
     ranking = xr.Dataset(
-        {
-            "cost": (
-                dims,
-                cost,
-                {"units": "s", "long_name": "CPU time of the cheapest run that reaches the level"},
-            ),
-            "over_best": (
-                dims,
-                _over_best(cost),
-                {"units": "1", "long_name": "the same over the cheapest method's"},
-            ),
-            "best": (dims, best, {"long_name": "settings of that run"}),
-            "ran": (
-                ("problem", by),
-                [[(p, m) in pairs for m in methods] for p in problems],
-                {"long_name": "whether a study has runs of the method for the problem"},
-            ),
-        },
+        {n: (dims, values[n], {**units.get(n, {}), "long_name": text}) for n, text in titles.items()},
         coords={
             "quantity": list(QUANTITIES),
             "unit": ("quantity", [unit_of(name) for name in QUANTITIES]),
@@ -120,21 +115,23 @@ def rank(
             by: methods,
         },
     )
+    ran = [[(p, m) in pairs for m in methods] for p in problems]
+    meaning = {"long_name": "whether a study has runs of the method for the problem"}
+    ranking["ran"] = (("problem", by), ran, meaning)
     failed = [
         {key: row[key] for key in ("problem", "method", "settings", "status")}
         for row in found
         if row["status"] != "ok"
     ]
-    ranking.attrs = {"kind": "ranking", "by": by, "failures": json.dumps(failed)}
+    errors = "; ".join(dict.fromkeys(map(_error_of, studies)))
+    ranking.attrs = {"kind": "ranking", "by": by, "errors": errors, "failures": json.dumps(failed)}
     return ranking
 
 
 def _cheapest(
     judged: list[dict[str, Any]], problems: list[Any], methods: list[Any], levels: Sequence[float]
 ) -> tuple[FloatArray, AnyArray]:
-    """CPU time [s] and settings of the cheapest run that reaches a level, (quantity, problem, level,
-    method).
-    """
+    """Return CPU time [s] and settings of the cheapest runs, (quantity, problem, level, method)."""
     shape = (len(QUANTITIES), len(problems), len(levels), len(methods))
     cost, best = np.full(shape, np.nan), np.full(shape, "", dtype=object)
     for (q, quantity), (p, problem), (m, method) in itertools.product(
@@ -163,21 +160,32 @@ def check_levels(levels: Sequence[float]) -> None:
         )
 
 
-def _over_best(cost: FloatArray) -> FloatArray:
-    """Costs over the least of all methods."""
-    known = np.where(np.isfinite(cost), cost, np.inf).min(axis=-1, keepdims=True)
-    return cost / np.where(np.isfinite(known), known, np.nan)
-
-
-def _runs(given: str | os.PathLike[str] | xr.Dataset, by: str) -> Iterator[dict[str, Any]]:
-    """The runs of a study, each with its problem, method and settings."""
-    dataset, said = (given, "dataset") if isinstance(given, xr.Dataset) else (_opened(given), str(given))
+def _study(given: str | os.PathLike[str] | xr.Dataset, by: str, about: Mapping[str, str]) -> xr.Dataset:
+    """Return a study's results; refuse others, and those without the dimension or of something else."""
+    dataset, file = (given, "dataset") if isinstance(given, xr.Dataset) else (_opened(given), str(given))
     if dataset.attrs.get("kind") != "study" or "status" not in dataset:
-        raise SceneError(f"{said}: expected the results of a study, mpmfw study STUDY -o FILE.nc")
+        raise SceneError(f"{file}: expected the results of a study, mpmfw study STUDY -o FILE.nc")
     if by not in dataset["status"].dims:
         raise SceneError(
-            f"{said}: the study does not vary '{by}'; it varies {', '.join(map(str, dataset['status'].dims))}"
+            f"{file}: the study does not vary '{by}'; it varies {', '.join(map(str, dataset['status'].dims))}"
         )
+    known = json.loads(dataset.attrs.get("about", "{}"))
+    for key, name in about.items():
+        if known.get(key) != name:
+            raise SceneError(
+                f"{key} {name}: {file} has the error of {_error_of(dataset)}; expected a study run with it"
+            )
+    return dataset
+
+
+def _error_of(dataset: xr.Dataset) -> str:
+    """Return what a study's error is of, in words; empty if the file does not say it."""
+    about = About(**json.loads(dataset.attrs.get("about", "{}")))
+    return said(dataset.attrs.get("quantity", ""), about)
+
+
+def _runs(dataset: xr.Dataset, by: str) -> Iterator[dict[str, Any]]:
+    """Yield the runs of a study, each with its problem, method and settings."""
     problem_dims = json.loads(dataset.attrs["problem_dims"])
     settings = [str(dim) for dim in dataset["status"].dims if dim not in (*problem_dims, by)]
     for row in rows(dataset):

@@ -11,13 +11,17 @@ from typing import Any, Literal, Unpack, get_args
 import xarray as xr
 
 from mpmfw.campaigns.execution import Execution, Running
+from mpmfw.campaigns.grid import RunGrid
+from mpmfw.campaigns.grid import make_grid as make_points
 from mpmfw.campaigns.grid_runs import GridRuns
 from mpmfw.campaigns.judging import Judge
-from mpmfw.errors import Interrupted, SceneError
+from mpmfw.campaigns.keys import overrides_of
+from mpmfw.campaigns.measures import measure_of
+from mpmfw.errors import Interrupted, NoSuchFileError, SceneError, SceneProblem
 from mpmfw.results.replacing import check_replaceable, replace_dataset
+from mpmfw.scene import Scene, load_scene
 from mpmfw.scene.override import parse_value
 from mpmfw.studies.dataset import assemble
-from mpmfw.studies.grid import make_grid
 from mpmfw.studies.loading import Study, load_study
 from mpmfw.units import to_si
 
@@ -43,8 +47,7 @@ def study(
         A TOML file, the name of a shipped study such as ``rolling-cylinder``, or nested mappings.
     output
         NetCDF file to write; it replaces nothing but another study's. Finished runs are kept in the folder
-        ``<output>.runs`` beside it, from which a study that was broken off, or changed, takes what still
-        applies. Without it nothing is kept.
+        ``<output>.runs``, from which another start takes what applies. Without it nothing is kept.
     timing
         ``exclusive`` measures costs one run at a time in this process; ``shared`` takes the cost of every run
         as it comes.
@@ -52,9 +55,8 @@ def study(
         Stands in for ``error.body``, ``pair`` and ``axis`` of the study.
     **running
         As :class:`mpmfw.campaigns.execution.Execution` takes them, but that the store is ``<output>.runs``
-        and jobs are by default one for each core, for exclusive costs a single one; with more of them, or an
-        executor, results come from there first. ``repeats`` stands in for the study's ``cost.repeats``. A
-        script that starts processes needs its ``if __name__ == "__main__":``.
+        and jobs are by default one for each core, for exclusive costs a single one. ``repeats`` stands in
+        for the study's ``cost.repeats``.
     scheduler
         Address of a Dask scheduler, such as ``tcp://127.0.0.1:8786``, whose workers run the study instead.
     under
@@ -74,11 +76,7 @@ def study(
     SceneError
         The request is wrong: one line for each problem.
     MpmfwError
-        A file cannot be written, or no scheduler's worker does its work.
-
-    Notes
-    -----
-    A run that fails is recorded, and does not stop the others.
+        A file cannot be written, or no scheduler's worker does its work. A run that fails is recorded.
     """
     repeats = running.get("repeats")
     loaded = _with(load_study(study, trust), None if repeats == "auto" else repeats, under, about)
@@ -129,15 +127,9 @@ def _with(
 
 
 def relative_error(given: float | str, name: str = "under") -> float:
-    """A relative error as a request writes it: a number below 1, or text with ``%``; the same in Python and
-    on the command line.
+    """Return a relative error as a request writes it: a number below 1, or text with ``%``.
 
-    Raises
-    ------
-    SceneError
-        It is none, is not positive, or is a bare number that would be 100 % or more, and is meant in per
-        cent.
-    """
+    A SceneError refuses others; a bare number of 1 or more was meant in per cent."""
     limit = positive(name, given, "1", "a relative error such as 0.01 or '1 %'")
     if limit >= 1.0 and "%" not in str(given):
         raise SceneError(
@@ -147,13 +139,7 @@ def relative_error(given: float | str, name: str = "under") -> float:
 
 
 def positive(name: str, given: float | str, unit: str, expected: str) -> float:
-    """A number greater than 0 as a request writes it, bare or with a unit.
-
-    Raises
-    ------
-    SceneError
-        It is none; ``expected`` says what would be one.
-    """
+    """Return a number above 0 as a request writes it; else a SceneError says what is ``expected``."""
     try:
         number = float(to_si(parse_value(given) if isinstance(given, str) else given, unit))  # type: ignore[arg-type]
     except (ValueError, TypeError) as error:
@@ -161,3 +147,55 @@ def positive(name: str, given: float | str, unit: str, expected: str) -> float:
     if not number > 0.0:
         raise SceneError(f"{name}: must be greater than 0, not {given}")
     return number
+
+
+def make_grid(study: Study) -> RunGrid:
+    """Expand a study; a SceneError names a wrong scene, key or value that no combination can run."""
+    scenes = {label: _base(study, label, scene) for label, scene in study.scenes.items()}
+    grid = make_points(scenes, study.tables.vary, {})
+    _check(study, grid)
+    return grid
+
+
+def _base(study: Study, label: str, chosen: Any) -> Scene:
+    """Return a scene with what all runs share; it records what the error or the study needs."""
+    tables = study.tables
+    particles = measure_of(tables.error.quantity).particles
+    shared = {"output.particles": particles} | dict.fromkeys(
+        ["output.surface", "output.gap", "output.ledger"], False
+    )
+    try:
+        scene = load_scene(chosen, trust=study.trust)
+    except NoSuchFileError as error:
+        raise study.at(("scenes", label) if label else ("scene",), str(error)) from error
+    for key, value in tables.set.items():
+        shared |= overrides_of(scene.bodies, scene.dim, key, value)
+    try:
+        return scene.with_overrides(shared)
+    except SceneError as error:
+        blamed = _blamed(error.problems[0], scene, tables.set)
+        raise study.at(("set", blamed) if blamed else ("set",), error.problems[0].plain) from error
+
+
+def _check(study: Study, grid: RunGrid) -> None:
+    """Refuse a study with a value that no combination can run."""
+    varied, combinations = study.tables.vary, grid.combinations
+    first = next(iter(combinations.values()))
+    if all(one.scene is None for one in combinations.values()):
+        scene = next(iter(grid.scenes.values()))
+        key = _blamed(first.problems[0], scene, {key: values[0] for key, values in varied.items()})
+        raise study.at(("vary", key) if key else ("vary",), first.why)
+    offset = 1 if study.tables.scenes else 0
+    for depth, (key, values) in enumerate(varied.items()):
+        for k in range(len(values)):
+            with_it = [one for index, one in combinations.items() if index[depth + offset] == k]
+            if all(one.scene is None for one in with_it):
+                raise study.at(("vary", key, k), with_it[0].why)
+
+
+def _blamed(problem: SceneProblem, scene: Scene, values: Mapping[str, Any]) -> str | None:
+    """Return which of the study's keys set what a scene complains of; None where none did."""
+    for key, value in values.items():
+        if problem.override in overrides_of(scene.bodies, scene.dim, key, value):
+            return key
+    return None

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from PIL import Image
 
-from mpmfw.campaigns.machine import processor
+from mpmfw.campaigns.work import processor
 from mpmfw.results.replacing import replace_bytes
 from mpmfw.validation.case import CONTACTS, SHAPES, Method
 from mpmfw.validation.rows import Row, Verdict

@@ -14,9 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from mpmfw.campaigns.executors import Pool, executor_of
-from mpmfw.campaigns.outcome import Finished, Outcome
 from mpmfw.campaigns.running import Progress, do, resumable
-from mpmfw.campaigns.store import Store
+from mpmfw.campaigns.store import Finished, Outcome, Store
 from mpmfw.errors import SceneError
 from mpmfw.runs.identity import code_of_plugins, digest, package, sources
 from mpmfw.validation.rows import Row, Verdict
