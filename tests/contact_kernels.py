@@ -7,13 +7,15 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from mpmfw.contact.springs import SpringArrays, add_friction
-from mpmfw.contact.surfaces import cells, search
-from mpmfw.contact.surfaces.assembly import SurfaceTable, assemble
-from mpmfw.contact.surfaces.candidates import Candidates, SearchGrid
+from mpmfw.contact.surfaces import search
+from mpmfw.contact.surfaces.assembly import assemble
+from mpmfw.contact.surfaces.candidates import Candidates
 from mpmfw.contact.surfaces.detection import SurfaceRows
+from mpmfw.contact.surfaces.near_facets import VerletList
 from mpmfw.contact.surfaces.outline import Outline
 from mpmfw.geometry.facets import neighbours_of, stars_of, tributaries_of
-from mpmfw.kernels.contact import Records
+from mpmfw.kernels import struct
+from mpmfw.kernels.contact import Records, add_records, match_rows
 from mpmfw.kernels.facets import signed_distance
 from mpmfw.kernels.pair_table import pair_table as pair_of_bodies
 from mpmfw_contact.penalty import spring_forces
@@ -111,44 +113,22 @@ def empty_candidates(n, slots):
     )
 
 
-def search_grid(loops, radius, lower=(-3.0, -3.0), nodes=(25, 25)):
-    """Lists without entries, and what of every body may be within the radius of another."""
-    size, n_bodies = nodes[0] * nodes[1], loops.n_bodies
-    facets = len(loops.outline.facets)
-    grid = SearchGrid(
-        near=np.zeros(facets, dtype=np.int32),
-        near_count=np.zeros(1, dtype=np.int64),
-        facet_lower=np.zeros((facets, 2)),
-        facet_upper=np.zeros((facets, 2)),
-        lower=np.array(lower),
-        nodes=np.array(nodes),
-        **{
-            name: np.zeros(size, dtype=np.int64)
-            for name in ("owner", "shared", "head", "head_stamp", "head_body")
-        },
-        **{
-            name: np.zeros(64 * len(loops.body), dtype=np.int32)
-            for name in ("link", "link_facet", "link_body")
-        },
-        **{
-            f"{kind}_{end}": np.zeros((n_bodies, 2)) for kind in ("box", "near") for end in ("lower", "upper")
-        },
+def lists_of(loops, radius):
+    """The lists of the search, without an entry."""
+    n, n_bodies = len(loops.body), loops.n_bodies
+    lists = VerletList(
+        np.arange(n)[:, np.newaxis], loops.outline.body_first, loops.outline, radius, (radius, radius)
     )
-    cells.near_boxes(*np.triu_indices(n_bodies, 1), radius, 0.0, loops.outline, grid)
-    return grid
+    lists.list_pairs(np.stack(np.triu_indices(n_bodies, 1), axis=1), np.zeros(n_bodies, dtype=np.int64))
+    return lists
 
 
-def find(loops, *, h=0.25, radius=None, literal=False, slots=3, lower=(-3.0, -3.0), nodes=(25, 25)):
-    """The three steps of the search, on a background grid of cells h."""
-    found = empty_candidates(len(loops.body), slots)
-    radius = h if radius is None else radius
-    grid, outline = search_grid(loops, radius, lower, nodes), loops.outline
-    entries = cells.list_facets(1, 0.0, outline, grid, (h, h))
-    assert entries <= len(grid.link)
-    if entries == 0:
-        return found
-    alike = np.zeros(loops.n_bodies, dtype=np.int64)
-    found.count = search.find_pairs(1, radius, literal, outline, alike, grid, found, (h, h))
+def find(loops, *, h=0.25, radius=None, literal=False, slots=3):
+    """Candidates of the search among all bodies."""
+    found, radius = empty_candidates(len(loops.body), slots), h if radius is None else radius
+    lists = lists_of(loops, radius)
+    if lists.update():
+        found.count = search.find_candidates(radius, literal, loops.outline, lists.near, found, (h, h))
     return found
 
 
@@ -191,7 +171,7 @@ def rows_of(loops, found, *, across=False, ties=True, friction=True, tilts=False
     rows.allocate_friction(cohesion=False)
     rows.make_room(2 * found.facet.size, 400 * n)
     table = (np.arange(n + 1), np.arange(n, dtype=np.int32), np.ones(n)) if table is None else table
-    table = SurfaceTable(**dict(zip(SurfaceTable.member_names, table, strict=True)))
+    table = struct(**dict(zip(("row", "nodes", "weight"), table, strict=True)))
     rows.count = assemble(
         np.arange(loops.n_bodies) if passes == 1.0 else np.zeros(loops.n_bodies, dtype=np.int64),
         across,
@@ -241,7 +221,7 @@ def forces(loops, found, law, old_master=None, old_tangential=None):
     n_pairs = len(pair_table(loops.n_bodies)[1])
     rows = rows_of(loops, found, tilts=law.keep_q)
     old = history_of(loops, found, old_master, old_tangential)
-    rows.match(old)
+    match_rows(rows, rows.count, old, old.count)
     own, m, records = rows.own, rows.count, no_records(n_pairs)
     own.k[:m] = own.effective_area[:m] = law.stiffness * rows.area[:m] / whole_of(rows)
     rows.friction[:m] = law.friction
@@ -250,7 +230,7 @@ def forces(loops, found, law, old_master=None, old_tangential=None):
     add_friction(rows, m, own, old, old.count, old.own, records, np.zeros(n_pairs))
     force, tangential = np.zeros((n, 2)), np.zeros((n, slots))
     rows.add_to(force, (1.0, 1.0))
-    rows.record(law.dt, records, (1.0, 1.0))
+    add_records(0, rows.count, rows, law.dt, records, (1.0, 1.0))
     for c in range(m):
         if rows.gap[c] < 0.0:
             s, e = rows.places.slave[c], rows.normal[c]

@@ -82,7 +82,7 @@ _SURFACES = " ".join(
     + [
         f"mpmfw.contact.surfaces.{name}"
         for name in (
-            *("detection", "near_facets", "options", "search", "cells", "assembly", "candidates", "outline"),
+            *("detection", "near_facets", "search", "boxes", "assembly", "candidates", "outline"),
             *("facing", "tracking", "travel", "covering"),
         )
     ]
@@ -185,16 +185,14 @@ EFFECTS = {
         hooks="declare_fields setup add_pairs detect add_nodal_force advect stable_timestep diagnostics",
         arrays="impulse friction_impulse frictional_work damping_work spring_work energy count force master "
         "facet share gap "
-        "normal inside inside_facet owner shared head head_stamp head_body link link_facet link_body near "
-        "near_count "
-        "facet_lower facet_upper box_lower box_upper near_lower near_upper",
+        "normal inside inside_facet",
         modules=f"mpmfw_contact.penalty mpmfw_contact._springs mpmfw.contact.springs {_SURFACES}",
         series="contact_force friction_force contact_count frictional_work contact_energy damping_work "
         "spring_work",
         surface="force",
     ),
     "flutter": brings("flutter", hooks="diagnostics concerns", modules="mpmfw.effects.flutter"),
-    "travel": brings("surface_travel", hooks="setup add_pairs stable_timestep"),
+    "travel": brings("surface_travel", hooks="setup stable_timestep"),
     "interface layer": brings(
         "surface_layer",
         hooks="declare_fields setup after_momentum_projection after_second_projection advect",

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 
 from mpmfw.contact.springs import SpringArrays, approach_of
-from mpmfw.contact.surfaces.assembly import Places, SurfaceTable
+from mpmfw.contact.surfaces.assembly import Places
 from mpmfw.contact.surfaces.outline import Outline, hidden
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.contact import Records, Rows
 from mpmfw.kernels.facets import read_point, signed_distance
-from mpmfw.kernels.types import Float, Floats
+from mpmfw.kernels.types import Float, Floats, Table
 
 #: Least part of a distance that is left when the stiffness of the step's end is foreseen.
 LEFT = 0.25
@@ -111,7 +111,7 @@ def barrier_forces(
 
 @device
 def add_velocity(
-    p: int, sign: Float, table: SurfaceTable, mass: Floats, momentum: Floats, out: Floats,
+    p: int, sign: Float, table: Table, mass: Floats, momentum: Floats, out: Floats,
     spacing: tuple[float, ...]
 ) -> None:  # fmt: skip
     """Add ``sign`` times the velocity of surface node p to ``out``: Σ N_i(x_p) (m v)_i / m_i."""
@@ -125,7 +125,7 @@ def add_velocity(
 @device
 def time_to_reach(
     s: int, m: int, share: Floats, normal: Floats, offset: Float, reach: Float, outline: Outline,
-    table: SurfaceTable,
+    table: Table,
     mass: Floats, momentum: Floats, spacing: tuple[float, ...],
 ) -> Float:  # fmt: skip
     """Time in which node s and facet m, if both go on as they move, use up :data:`USED` of their distance, or
@@ -159,7 +159,7 @@ def time_to_reach(
 
 @kernel
 def time_to_touch(
-    rows: Rows, count: int, places: Places, outline: Outline, table: SurfaceTable, offset: Floats,
+    rows: Rows, count: int, places: Places, outline: Outline, table: Table, offset: Floats,
     reach: float, mass: Floats,
     momentum: Floats, spacing: tuple[float, ...],
 ) -> float:  # fmt: skip

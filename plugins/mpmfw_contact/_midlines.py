@@ -1,27 +1,18 @@
-"""Kernels of segments that face each other: which are near, and the rows of each two on the line between
-them."""
+"""Kernels of segments that face each other: the rows of each two on the line between them."""
 
 from __future__ import annotations
 
-from mpmfw.contact.surfaces.assembly import SurfaceTable
-from mpmfw.contact.surfaces.candidates import SearchGrid
-from mpmfw.contact.surfaces.cells import (
-    advance,
-    cells_of,
-    flat_index,
-    number_of,
-    outside_near,
-    reach_of_facet,
-)
+from mpmfw.contact.surfaces.facing import opposition
+from mpmfw.contact.surfaces.near_facets import NearFacets
 from mpmfw.contact.surfaces.outline import Outline, area_of, hidden
-from mpmfw.kernels import Struct, device, kernel, scratch
+from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.contact import Rows
 from mpmfw.kernels.facets import length_of, read_corners, write_gradients
 from mpmfw.kernels.pair_table import pair_index
-from mpmfw.kernels.types import Float, Floats, Ints
+from mpmfw.kernels.types import Float, Floats, Ints, Table
 
-#: Least cosine between one segment's normal and the other's reversed one: sides at right angles do not face
-#: each other.
+#: Least cosine between one segment's normal and the other's reversed one. It is more than that of nodes,
+#: 0.02, with which the sides of a block that lean a little push along the face that it lies on.
 LEAST_COSINE = 0.1
 
 #: Part of a segment's length by which two must lie over each other: what rounding leaves is no overlap.
@@ -35,97 +26,22 @@ DEEPEST = 0.5
 GAUSS = 3.0**-0.5
 
 
-class SegmentPairs(Struct):
-    """Segments of two bodies that are near each other, by the first's index, then the second's."""
-
-    first: Ints  #: (n,) segment of the body with the lower index
-    second: Ints  #: (n,)
-
-
-@device
-def boxes_meet(m: int, other: int, reach: Float, outline: Outline, spacing: tuple[float, ...]) -> bool:
-    """Whether the bounding boxes of two facets are no farther apart than ``reach`` [m] along every axis."""
-    for d in range(len(spacing)):
-        low = high = outline.position[outline.facets[m, 0], d]
-        other_low = other_high = outline.position[outline.facets[other, 0], d]
-        for a in range(1, len(spacing)):
-            x, y = outline.position[outline.facets[m, a], d], outline.position[outline.facets[other, a], d]
-            low, high = min(low, x), max(high, x)
-            other_low, other_high = min(other_low, y), max(other_high, y)
-        if low - other_high > reach or other_low - high > reach:
-            return False
-    return True
-
-
-@kernel
-def list_segments(
-    stamp: int,
-    reach: float,
-    outline: Outline,
-    grid: SearchGrid,
-    found: SegmentPairs,
-    spacing: tuple[float, ...],
-) -> int:
-    """List segments of different bodies whose boxes are no farther apart than ``reach`` [m]; how many, stored
-    or not."""
-    count = 0
-    lower, upper = scratch.vector(spacing), scratch.vector(spacing)
-    first, last, index = scratch.integers(spacing), scratch.integers(spacing), scratch.integers(spacing)
-    for m in range(len(outline.facets)):
-        body, begin = outline.body[outline.facets[m, 0]], count
-        reach_of_facet(m, outline.position, outline.facets, lower, upper, spacing)
-        if outside_near(body, lower, upper, grid, spacing):
-            continue
-        for d in range(len(spacing)):
-            lower[d] -= reach
-            upper[d] += reach
-        cells_of(lower, upper, 0.0, first, last, grid, spacing)
-        for d in range(len(spacing)):
-            index[d] = first[d]
-        for _ in range(number_of(first, last, spacing)):
-            cell = flat_index(index, grid, spacing)
-            entry = grid.head[cell] if grid.head_stamp[cell] == stamp else -1
-            while entry >= 0:
-                other = grid.link_facet[entry]
-                entry = grid.link[entry]
-                theirs = outline.body[outline.facets[other, 0]]
-                if theirs <= body or not boxes_meet(m, other, reach, outline, spacing):
-                    continue
-                if hidden(m, theirs, outline) or hidden(other, body, outline):
-                    continue
-                known = False  # a facet is in the lists of all cells that its box touches
-                for i in range(begin, min(count, len(found.first))):
-                    known = known or found.second[i] == other
-                if known:
-                    continue
-                i = count
-                if count < len(found.first):
-                    while i > begin and found.second[i - 1] > other:
-                        found.second[i] = found.second[i - 1]
-                        i -= 1
-                    found.first[count], found.second[i] = m, other
-                count += 1
-            advance(index, first, last, spacing)
-    return count
-
-
 @device
 def set_midline(m: int, other: int, outline: Outline, normal: Floats, spacing: tuple[float, ...]) -> bool:
     """Unit normal of the line between two segments, out of the second, into ``normal``: along the difference
-    of theirs. Whether they face each other."""
-    a, b, cosine = scratch.vector(spacing), scratch.vector(spacing), 0.0
+    of theirs. Return false if they do not face each other."""
+    a, b = scratch.vector(spacing), scratch.vector(spacing)
     area_of(m, outline, a, spacing)
+    if opposition(a, other, outline, spacing) <= LEAST_COSINE:
+        return False
     area_of(other, outline, b, spacing)
     size, other_size = length_of(a, spacing), length_of(b, spacing)
     for d in range(len(spacing)):
-        a[d], b[d] = a[d] / size, b[d] / other_size
-        cosine -= a[d] * b[d]
-        normal[d] = b[d] - a[d]
+        normal[d] = b[d] / other_size - a[d] / size
     whole = length_of(normal, spacing)
     for d in range(len(spacing)):
-        normal[d] /= max(whole, 1e-300)
-    facing: bool = cosine > LEAST_COSINE
-    return facing
+        normal[d] /= whole
+    return True
 
 
 @device
@@ -171,7 +87,7 @@ def common_part(ends: Floats, other_ends: Floats) -> tuple[Float, Float]:
 
 @device
 def add_side(
-    c: int, m: int, sign: Float, xi: Float, half_gap: Float, outline: Outline, table: SurfaceTable,
+    c: int, m: int, sign: Float, xi: Float, half_gap: Float, outline: Outline, table: Table,
     rows: Rows, top: int,
     spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
@@ -205,7 +121,7 @@ def add_side(
 
 
 @device
-def width_of(m: int, outline: Outline, table: SurfaceTable) -> int:
+def width_of(m: int, outline: Outline, table: Table) -> int:
     """Entries that a segment may take."""
     width: int = 0
     for a in range(2):
@@ -216,42 +132,50 @@ def width_of(m: int, outline: Outline, table: SurfaceTable) -> int:
 
 @kernel
 def write_midlines(
-    listed: int, found: SegmentPairs, reach: float, outline: Outline, pair_of: Ints, pair_first: Ints,
-    table: SurfaceTable,
+    near: NearFacets, reach: float, outline: Outline, pair_of: Ints, pair_first: Ints, table: Table,
     rows: Rows, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """Two rows for each two segments that face each other, at the Gauss points of what they have in common;
-    their number, or −1 where there is no room for all."""
+    their number, or −1 where there is no room for all.
+
+    ``near`` lists for every segment those of bodies with a higher index.
+    """
     c, top, n_facets = 0, 0, len(outline.facets)
     normal = scratch.vector(spacing)
     ends, other_ends = scratch.vector((0.0, 0.0, 0.0, 0.0)), scratch.vector((0.0, 0.0, 0.0, 0.0))
     rows.start[0] = 0
-    for i in range(listed):
-        m, other = found.first[i], found.second[i]
-        if not set_midline(m, other, outline, normal, spacing):
-            continue
-        shadow(m, normal, outline, ends)
-        shadow(other, normal, outline, other_ends)
-        low, high = common_part(ends, other_ends)
-        middle = gap_at(0.5 * (low + high), ends, other_ends)
-        if low > high or middle > reach or middle < -DEEPEST * reach:
-            continue
-        width = width_of(m, outline, table) + width_of(other, outline, table)
-        if c + 2 > len(rows.pair) or top + 2 * width > len(rows.dof):
-            return -1
+    for m in range(n_facets):
         body = outline.body[outline.facets[m, 0]]
-        p = pair_index(pair_of, body, outline.body[outline.facets[other, 0]])
-        for point in range(2):
-            s = 0.5 * (low + high) + (point - 0.5) * GAUSS * (high - low)
-            rows.pair[c], rows.sign[c] = p, 1.0 if pair_first[p] == body else -1.0
-            rows.identity[c] = (m * n_facets + other) * 2 + point
-            rows.gap[c] = gap_at(s, ends, other_ends)
-            rows.area[c] = rows.tributary_area[c] = 0.5 * (high - low)
-            for d in range(len(spacing)):
-                rows.normal[c, d], rows.motion[c, d] = normal[d], 0.0
-            half = 0.5 * rows.gap[c]
-            top = add_side(c, m, 1.0, share_at(s, ends), half, outline, table, rows, top, spacing)
-            top = add_side(c, other, -1.0, share_at(s, other_ends), half, outline, table, rows, top, spacing)
-            c += 1
-            rows.start[c] = top
+        for i in range(near.first[m], near.first[m + 1]):
+            other = near.facet[i]
+            theirs = outline.body[outline.facets[other, 0]]
+            if hidden(m, theirs, outline) or hidden(other, body, outline):
+                continue
+            if not set_midline(m, other, outline, normal, spacing):
+                continue
+            shadow(m, normal, outline, ends)
+            shadow(other, normal, outline, other_ends)
+            low, high = common_part(ends, other_ends)
+            middle = gap_at(0.5 * (low + high), ends, other_ends)
+            if low > high or middle > reach or middle < -DEEPEST * reach:
+                continue
+            width = width_of(m, outline, table) + width_of(other, outline, table)
+            if c + 2 > len(rows.pair) or top + 2 * width > len(rows.dof):
+                return -1
+            p = pair_index(pair_of, body, theirs)
+            for point in range(2):
+                s = 0.5 * (low + high) + (point - 0.5) * GAUSS * (high - low)
+                rows.pair[c], rows.sign[c] = p, 1.0 if pair_first[p] == body else -1.0
+                rows.identity[c] = (m * n_facets + other) * 2 + point
+                rows.gap[c] = gap_at(s, ends, other_ends)
+                rows.area[c] = rows.tributary_area[c] = 0.5 * (high - low)
+                for d in range(len(spacing)):
+                    rows.normal[c, d], rows.motion[c, d] = normal[d], 0.0
+                half = 0.5 * rows.gap[c]
+                top = add_side(c, m, 1.0, share_at(s, ends), half, outline, table, rows, top, spacing)
+                top = add_side(
+                    c, other, -1.0, share_at(s, other_ends), half, outline, table, rows, top, spacing
+                )
+                c += 1
+                rows.start[c] = top
     return c

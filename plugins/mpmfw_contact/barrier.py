@@ -43,8 +43,7 @@ from mpmfw.api import (
 )
 from mpmfw.contact.springs import SpringLaw, SpringOptions
 from mpmfw.contact.surfaces import Surfaces
-from mpmfw.contact.surfaces.assembly import SurfaceTable
-from mpmfw.contact.surfaces.outline import outline_of
+from mpmfw.contact.surfaces.outline import node_error, outline_of
 from mpmfw_contact._barriers import barrier_forces, least_gaps, set_barriers, time_to_touch
 
 #: b'' where −b' is a thousandth.
@@ -90,7 +89,6 @@ class BarrierLaw(SpringLaw):
         #: Bodies that the scene puts together have one number, and one offset, so that flush bodies bear at
         #: one distance.
         self.group, self.group_offset = np.arange(len(setup.bodies)), np.zeros(len(setup.bodies))
-        self.table: SurfaceTable | None = None
         super().prepare(setup, owner)
 
     def range(self) -> float:
@@ -107,9 +105,7 @@ class BarrierLaw(SpringLaw):
     def list_pairs(self, state: State) -> None:
         """Bodies that have come near were farther apart than a barrier reaches, unless others join them."""
         super().list_pairs(state)
-        first, second = (
-            np.array([(pair.first, pair.second) for pair in state.pairs], dtype=int).reshape(-1, 2).T
-        )
+        first, second = state.pair_bodies.T
         together = self.group[first] == self.group[second]
         self.offset = np.where(together, self.group_offset[self.group[first]], 0.0)
 
@@ -130,7 +126,7 @@ class BarrierLaw(SpringLaw):
         there."""
         gaps, n_bodies = np.full(len(self.offset), self.reach), len(self.group)
         least_gaps(rows, rows.count, gaps)
-        first, second = np.array([(p.first, p.second) for p in self.state.pairs], dtype=int).reshape(-1, 2).T
+        first, second = self.state.pair_bodies.T
         near = gaps < self.reach
         graph = coo_matrix((near[near], (first[near], second[near])), shape=(n_bodies, n_bodies))
         self.group = connected_components(graph, directed=False)[1]
@@ -139,27 +135,17 @@ class BarrierLaw(SpringLaw):
 
     def _passed(self, rows: Any, c: int) -> SimulationError:
         """What ends a run in which a node came past the barrier."""
-        node, pair = int(rows.places.slave[c]), self.state.pairs[int(rows.pair[c])]
-        body = self.state.bodies[int(self.surface.body[node])]
-        return SimulationError(
-            f"{pair.label}: a surface node came past its barrier within a step",
-            body=body.name,
-            index=node - int(self.surface.body_first[body.index]),
-            position=self.surface.position[node].tolist(),
-            time=self.state.time,
-            advice=f"a smaller time.safety, or a larger contact.{self.name}.kappa or .reach",
+        text = (
+            f"{self.state.pairs[int(rows.pair[c])].label}: a surface node came past its barrier within a step"
         )
+        advice = f"a smaller time.safety, or a larger contact.{self.name}.kappa or .reach"
+        return node_error(self.state, self.surface, int(rows.places.slave[c]), text, advice=advice)
 
     def longest_step(self, rows: Any, grid: Grid) -> float:
         """Time in which no node uses up half of its distance, as all move now [s]."""
-        phi = self.surface.stencil
-        if phi is None:
-            raise RuntimeError("the surface's table was not filled")
-        if self.table is None or self.table.weight is not phi.weight:
-            self.table = SurfaceTable(row=phi.row, nodes=phi.nodes, weight=phi.weight)
         return time_to_touch(
-            rows, rows.count, rows.places, self.outline, self.table, self.offset, self.reach, grid.mass,
-            grid.momentum, grid.spacing,
+            rows, rows.count, rows.places, self.outline, self.surface.table, self.offset, self.reach,
+            grid.mass, grid.momentum, grid.spacing,
         )  # fmt: skip
 
     def normal_forces(self, rows: ContactRows, old: ContactRows, records: PairRecords) -> None:

@@ -32,14 +32,10 @@ from mpmfw.api import (
     State,
     Stencil,
 )
-from mpmfw.contact.surfaces import cells
-from mpmfw.contact.surfaces.assembly import SurfaceTable
-from mpmfw.contact.surfaces.candidates import no_lists
-from mpmfw.contact.surfaces.covering import Seams
+from mpmfw.contact.surfaces.near_facets import VerletList
 from mpmfw.contact.surfaces.outline import outline_of
 from mpmfw.contact.surfaces.travel import TravelLimit
-from mpmfw.kernels.pair_table import pair_table
-from mpmfw_contact._midlines import SegmentPairs, list_segments, write_midlines
+from mpmfw_contact._midlines import write_midlines
 from mpmfw_contact.hamad2017 import Hamad2017Law
 
 
@@ -70,7 +66,7 @@ class Midplane(Detection):
 
     def parts(self, contact: object) -> list[TravelLimit]:  # noqa: ARG002
         """The limit of travel."""
-        return [TravelLimit(self.options.search_radius)]
+        return [TravelLimit(self)]
 
     def reach(self, cell_size: float) -> float:
         """The search radius."""
@@ -82,65 +78,33 @@ class Midplane(Detection):
             raise SceneError(f"contact '{owner}' needs bodies with outlines")
         self.state, self.surface, self.has_friction = setup.state, setup.state.surface, setup.has_friction
         self.outline = outline_of(self.surface)
-        self.lists, self.stamp = no_lists(setup, owner), 0
         self.radius = self.reach(setup.cell_size)
-        self.seams = Seams(self.outline, self.radius, setup.state.grid.spacing)
-        self.table: SurfaceTable | None = None
-        self.make_room(64)
+        self.near = VerletList(
+            self.outline.facets, self.outline.facet_first, self.outline, self.radius, setup.state.grid.spacing
+        )
         self.list_pairs(setup.state)
-
-    def make_room(self, pairs: int) -> None:
-        """Room for so many pairs of segments."""
-        names = SegmentPairs.member_names
-        self.found = SegmentPairs(**{name: np.zeros(pairs, dtype=np.int64) for name in names})
 
     def new_rows(self, own: dict[str, int | None]) -> ContactRows:
         """Rows with a couple on both sides where there is friction."""
         return ContactRows(self.state.grid.dim, couples=self.has_friction, own=own)
 
     def list_pairs(self, state: State) -> None:
-        """The bodies of all pairs as arrays."""
-        self.first = np.array([pair.first for pair in state.pairs], dtype=np.int64)
-        self.second = np.array([pair.second for pair in state.pairs], dtype=np.int64)
-        self.pair_of = pair_table(self.first, self.second)
+        """Search the segments of each body against those of bodies with a higher index."""
+        self.near.list_pairs(state.pair_bodies, np.arange(len(state.bodies)))
 
     def find(self, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> None:  # noqa: ARG002
-        """List the segments that are near each other, and write their rows."""
-        listed, rows.count = self._search(grid), 0
-        if listed == 0:
+        """Find the segments that are near each other, and write their rows."""
+        rows.count = 0
+        if not self.near.update():
             return
-        table = self.surface.stencil
-        if table is None:
-            raise RuntimeError("the surface's table was not filled")
-        if self.table is None or self.table.weight is not table.weight:
-            self.table = SurfaceTable(row=table.row, nodes=table.nodes, weight=table.weight)
         while True:
             rows.count = write_midlines(
-                listed, self.found, self.radius, self.outline, self.pair_of, self.first, self.table, rows,
-                grid.spacing,
+                self.near.near, self.radius, self.outline, self.near.pair_of, self.near.first,
+                self.surface.table, rows, grid.spacing,
             )  # fmt: skip
             if rows.count >= 0:
                 return
             rows.make_room(2 * len(rows.pair), 2 * len(rows.dof))
-
-    def _search(self, grid: Grid) -> int:
-        """Number of segments of two bodies that are near each other."""
-        outline, lists, spacing = self.outline, self.lists, grid.spacing
-        if not cells.near_boxes(self.first, self.second, self.radius, 0.0, outline, lists):
-            return 0
-        self.seams.find(self.first, self.second, lists)
-        self.stamp += 1
-        while (entries := cells.list_facets(self.stamp, 0.0, outline, lists, spacing)) > len(lists.link):
-            room = ("link", "link_facet", "link_body")
-            lists.set(**{name: np.zeros(2 * entries, dtype=np.int32) for name in room})
-            self.stamp += 1
-        if entries == 0:
-            return 0
-        listed: int = list_segments(self.stamp, self.radius, outline, lists, self.found, spacing)
-        if listed > len(self.found.first):
-            self.make_room(2 * listed)
-            listed = list_segments(self.stamp, self.radius, outline, lists, self.found, spacing)
-        return listed
 
 
 class MidplaneContact(ForceContact):

@@ -82,8 +82,7 @@ class PointSpheres(Detection):
 
     def list_pairs(self, state: State) -> None:
         """The bodies of all pairs as arrays."""
-        self.first = np.array([pair.first for pair in state.pairs], dtype=np.int64)
-        self.second = np.array([pair.second for pair in state.pairs], dtype=np.int64)
+        self.first, self.second = np.ascontiguousarray(state.pair_bodies.T)
 
     def find(self, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> None:
         """List the points that are near each other, and write their rows."""

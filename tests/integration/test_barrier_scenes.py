@@ -10,8 +10,8 @@ import shapely
 
 from contact_kernels import PLANE, join
 from contact_scenes import CELL, body, disc, rectangle, run, scene
-from mpmfw.contact.surfaces.assembly import SurfaceTable
 from mpmfw.errors import SimulationError
+from mpmfw.kernels import struct
 from mpmfw.runs.simulation import Simulation
 from mpmfw_contact._barriers import time_to_reach
 
@@ -102,7 +102,7 @@ def test_the_time_to_touch_is_before_the_time_of_impact(seed):
     ipctk = pytest.importorskip("ipctk")
     surface, velocity = moving_segment(seed)
     n, position = len(surface.body), surface.position
-    table = SurfaceTable(row=np.arange(n + 1), nodes=np.arange(n, dtype=np.int32), weight=np.ones(n))
+    table = struct(row=np.arange(n + 1), nodes=np.arange(n, dtype=np.int32), weight=np.ones(n))
     ends = position[[2, 3]]
     share = np.clip(
         (position[4] - ends[0]) @ (ends[1] - ends[0]) / ((ends[1] - ends[0]) ** 2).sum(), 0.0, 1.0

@@ -82,7 +82,7 @@ class Watch:
                 self.changes.append((state.time, asleep))
 
 
-@pytest.mark.parametrize("contact", ["penalty", "bardenhagen"])
+@pytest.mark.parametrize("contact", ["penalty", "surfaces+penalty", "bardenhagen"])
 def test_a_hit_wakes_those_that_touch_and_nothing_else_changes(contact: str) -> None:
     """Friction, springs and the order of contacts are those of the run without sleep; so is the momentum."""
     fixed = {"time__step": 4e-4, "allow_unstable": True}

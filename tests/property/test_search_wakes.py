@@ -57,12 +57,9 @@ def check_step(sim: Simulation) -> tuple[float, bool]:
     awake.
     """
     surface, contact = sim.state.surface, sim.contact.detection
-    asked, find = [], contact.near.find
-    contact.near.find = lambda candidates: asked.append(find(candidates)) or asked[-1]
-    contact.count = contact._search(sim.state.grid)
+    awake = contact.near.update()
+    contact.count = contact._search()
     contact.end_step()
-    contact.near.find = find
-    awake = len(asked) > 0
     outlines = [surface.position[surface.of(body)] for body in (0, 1)]
     deepest = np.inf
     for body, other in ((0, 1), (1, 0)):

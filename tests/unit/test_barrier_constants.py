@@ -10,7 +10,7 @@ from contact_kernels import PLANE, flat, join
 from interpreted import interpreted
 from mpmfw.contact.rows import ContactRows
 from mpmfw.contact.springs import SpringArrays
-from mpmfw.contact.surfaces.assembly import SurfaceTable
+from mpmfw.kernels import struct
 from mpmfw_contact._barriers import (
     LEAST_SHARE,
     LEFT,
@@ -45,7 +45,7 @@ def part_used(distance, **constants):
     """
     loops = join([flat(-1.0, 1.0, -1.0, 0.0, 1), [[0.0, distance * REACH], [0.5, 1.0], [-0.5, 1.0]]])
     n, top = len(loops.body), 2  # the facet from (1, 0) to (−1, 0)
-    table = SurfaceTable(row=np.arange(n + 1), nodes=np.arange(n, dtype=np.int32), weight=np.ones(n))
+    table = struct(row=np.arange(n + 1), nodes=np.arange(n, dtype=np.int32), weight=np.ones(n))
     velocity = np.where(loops.body[:, None] == 1, [0.0, -1.0], 0.0)
     step = interpreted(time_to_reach, **constants)(
         4, top, np.array([0.5, 0.5]), np.array([0.0, 1.0]), 0.0, REACH, loops.outline, table, np.ones(n),

@@ -10,8 +10,9 @@ import pytest
 from contact_kernels import PLANE, join, pair_table
 from interpreted import interpreted
 from mpmfw.contact.rows import ContactRows
-from mpmfw.contact.surfaces.assembly import SurfaceTable
-from mpmfw_contact._midlines import DEEPEST, LEAST_COSINE, LEAST_OVERLAP, SegmentPairs, write_midlines
+from mpmfw.contact.surfaces.near_facets import NearFacets
+from mpmfw.kernels import struct
+from mpmfw_contact._midlines import DEEPEST, LEAST_COSINE, LEAST_OVERLAP, write_midlines
 
 
 def cut(x, y0, y1):
@@ -27,11 +28,16 @@ def rows_between(loops, *, friction=True, reach=0.5, **constants):
     write = interpreted(write_midlines, **constants) if constants else write_midlines
     n, first = len(loops.body), np.flatnonzero(loops.body == 0)
     second = np.flatnonzero(loops.body == 1)
-    listed = SegmentPairs(first=np.repeat(first, len(second)), second=np.tile(second, len(first)))
+    near = NearFacets(
+        first=len(second) * np.minimum(np.arange(n + 1), len(first)),
+        facet=np.tile(second, len(first)).astype(np.int32),
+        away=np.zeros(0),
+        moved=np.zeros(2),
+    )
     rows = ContactRows(2, couples=friction)
-    rows.make_room(4 * len(listed.first), 64 * len(listed.first))
-    table = SurfaceTable(row=np.arange(n + 1), nodes=np.arange(n, dtype=np.int32), weight=np.ones(n))
-    rows.count = write(len(listed.first), listed, reach, loops.outline, *pair_table(2), table, rows, PLANE)
+    rows.make_room(4 * len(near.facet), 64 * len(near.facet))
+    table = struct(row=np.arange(n + 1), nodes=np.arange(n, dtype=np.int32), weight=np.ones(n))
+    rows.count = write(near, reach, loops.outline, *pair_table(2), table, rows, PLANE)
     assert constants or rows.count > 0
     return rows
 

@@ -1,11 +1,12 @@
-"""Lists of near facets: they give what the search gives while they hold, and say when they do not."""
+"""Lists of near facets: they give what lists that were just made give, until bodies have moved far."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from mpmfw.contact.surfaces.near_facets import SKIN, STALE, WORTH, NearFacets
+from mpmfw.contact.surfaces.near_facets import SKIN, VerletList
+from mpmfw.contact.surfaces.search import find_candidates
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import SOFT
 
@@ -47,10 +48,10 @@ def found(detection):
     return candidates.facet.copy(), np.where(candidates.facet >= 0, candidates.gap, 0.0)
 
 
-def searched(detection, grid):
-    """What the search finds, without the lists."""
+def searched(detection):
+    """What the search finds with lists that are just made."""
     detection.near.forget()
-    detection._search(grid)
+    detection._search()
     return found(detection)
 
 
@@ -61,30 +62,42 @@ def ready(request):
     """
     sim = bodies(request.param)
     sim.advance(3)
-    detection, grid = sim.contact.detection, sim.state.grid
-    searched(detection, grid)
-    assert detection.near.made
+    detection = sim.contact.detection
+    searched(detection)
     rng = np.random.default_rng(5)
     body = sim.state.surface.body
     way = rng.normal(size=(len(sim.state.bodies), 3))[body]
     way += 0.3 * rng.normal(size=(len(body), 3))  # they deform as well
-    return detection, grid, sim.state.surface.position, way / np.linalg.norm(way, axis=1).max()
+    return detection, sim.state.surface.position, way / np.linalg.norm(way, axis=1).max()
 
 
-def test_they_are_stale_when_bodies_have_moved_by_the_skin(ready):
-    detection, _, position, way = ready
+@pytest.mark.parametrize("part", [0.0, 0.05, 0.3, 0.5])
+def test_old_lists_give_what_new_ones_give(ready, part):
+    """Each of two bodies moves by that part of the skin."""
+    detection, position, way = ready
+    listed_at = detection.near.listed_at.copy()
+    position += part * SKIN_LENGTH * way
+    assert detection._search() == (detection.candidates.facet >= 0).sum() > 20
+    listed = found(detection)
+    np.testing.assert_array_equal(detection.near.listed_at, listed_at)
+    for ours, theirs in zip(listed, searched(detection), strict=True):
+        np.testing.assert_array_equal(ours, theirs)
+
+
+def test_lists_are_made_anew_when_bodies_have_moved_by_the_skin(ready):
+    detection, position, way = ready
     position += SKIN_LENGTH * way
-    assert detection.near.find(detection.candidates) == STALE
-    assert not detection.near.made
+    detection._search()
+    np.testing.assert_array_equal(detection.near.listed_at, position)
 
 
-def test_they_are_not_made_where_they_would_not_last(ready):
-    detection = ready[0]
-    detection.outline.displacement[:] = 0.0
-    detection.outline.displacement[7, 1] = -0.49 * SKIN_LENGTH / WORTH
-    assert detection.near.margin() == pytest.approx(SKIN_LENGTH)
-    detection.outline.displacement[7, 1] = -0.51 * SKIN_LENGTH / WORTH
-    assert detection.near.margin() == 0.0
+def test_without_new_lists_a_motion_of_cells_is_missed(ready):
+    detection, position, way = ready
+    position += 10.0 * SKIN_LENGTH * way
+    near = detection.near
+    find_candidates(near.radius, False, near.outline, near.near, detection.candidates, near.spacing)
+    ours, theirs = found(detection), searched(detection)
+    assert (ours[0] != theirs[0]).any()
 
 
 def test_a_run_with_lists_is_one_without(monkeypatch):
@@ -93,11 +106,11 @@ def test_a_run_with_lists_is_one_without(monkeypatch):
         sim.advance(40)
         return sim.state.particles.position.copy(), sim.state.surface.position.copy()
 
-    uses = []
-    plain = NearFacets.find
-    monkeypatch.setattr(NearFacets, "find", lambda self, to: uses.append(plain(self, to)) or uses[-1])
+    made = []
+    plain = VerletList._list
+    monkeypatch.setattr(VerletList, "_list", lambda self: made.append(plain(self)))
     with_lists = run()
-    assert sum(count != STALE for count in uses) > 20
-    monkeypatch.setattr(NearFacets, "margin", lambda _: 0.0)
+    assert len(made) < 20
+    monkeypatch.setattr(VerletList, "_holds", lambda _: False)
     for ours, theirs in zip(with_lists, run(), strict=True):
         np.testing.assert_array_equal(ours, theirs)

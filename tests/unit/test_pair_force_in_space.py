@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mpmfw.contact.surfaces.assembly import SurfaceTable, assemble
+from mpmfw.contact.surfaces.assembly import assemble
 from mpmfw.contact.surfaces.candidates import Candidates
 from mpmfw.contact.surfaces.detection import SurfaceRows
 from mpmfw.contact.surfaces.outline import Outline
 from mpmfw.contact.surfaces.turning import write_spins
 from mpmfw.geometry.facets import neighbours_of, stars_of
-from mpmfw.kernels import kernel, signed_distance
+from mpmfw.kernels import kernel, signed_distance, struct
 from mpmfw.kernels.contact import add_turned
 from mpmfw.kernels.facets import project
 from mpmfw.kernels.pair_table import pair_table
@@ -72,7 +72,7 @@ def row_of(position, displacement=None, *, tilts=False):
     moved = np.zeros_like(position) if displacement is None else displacement
     outline = outline_of(position, moved)
     rows = SurfaceRows(3, couples=True, tilts=tilts, spins=True, own={})
-    table = SurfaceTable(row=np.arange(6), nodes=np.arange(5, dtype=np.int32), weight=np.ones(5))
+    table = struct(row=np.arange(6), nodes=np.arange(5, dtype=np.int32), weight=np.ones(5))
     pairs = pair_table(np.array([0]), np.array([1]))
     rows.count = assemble(
         np.arange(2), False, False, candidates, outline, pairs, np.array([0]), table,

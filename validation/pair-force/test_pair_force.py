@@ -9,10 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from mpmfw.contact.springs import add_friction
-from mpmfw.contact.surfaces.assembly import SurfaceTable, assemble
+from mpmfw.contact.surfaces.assembly import assemble
 from mpmfw.contact.surfaces.candidates import Candidates
 from mpmfw.contact.surfaces.detection import SurfaceRows
 from mpmfw.contact.surfaces.outline import Outline
+from mpmfw.kernels import struct
 from mpmfw.kernels.contact import Records
 from mpmfw.kernels.facets import segment_coordinate
 from mpmfw.kernels.pair_table import pair_table
@@ -188,7 +189,7 @@ def row_of(points: FloatArray, moved: FloatArray, *, tilts: bool = False) -> Sur
         neighbours=np.stack([follow, follow], axis=1), star_first=np.arange(4), star=np.arange(3),
         covered=np.zeros(0, dtype=np.int64),
     )  # fmt: skip
-    table = SurfaceTable(row=np.arange(4), nodes=np.arange(3, dtype=np.int32), weight=np.ones(3))
+    table = struct(row=np.arange(4), nodes=np.arange(3, dtype=np.int32), weight=np.ones(3))
     pair_of = pair_table(np.array([0]), np.array([1]))
     rows = SurfaceRows(2, couples=True, tilts=tilts, own=OWN)
     rows.count = assemble(

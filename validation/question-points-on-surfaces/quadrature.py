@@ -9,17 +9,16 @@ from pydantic import Field
 
 from mpmfw.api import AnyArray, ContactRows, FloatArray, Grid, Particles, Setup, Stencil
 from mpmfw.contact.surfaces import Surfaces, SurfacesOptions
-from mpmfw.contact.surfaces.assembly import Places, SurfaceTable, add_point, write_geometry
-from mpmfw.contact.surfaces.candidates import SearchGrid
+from mpmfw.contact.surfaces.assembly import Places, add_point, write_geometry
+from mpmfw.contact.surfaces.boxes import Boxes, square_between
 from mpmfw.contact.surfaces.detection import SurfaceRows
 from mpmfw.contact.surfaces.outline import Outline
-from mpmfw.contact.surfaces.search import outside_box
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.contact import Rows
 from mpmfw.kernels.facets import read_corners, signed_distance, squared_distance
 from mpmfw.kernels.gaps import bounding_boxes
 from mpmfw.kernels.pair_table import pair_index
-from mpmfw.kernels.types import Float, Floats, Ints
+from mpmfw.kernels.types import Float, Floats, Ints, Table
 from mpmfw_contact import _springs as springs
 from mpmfw_contact.penalty import PenaltyLaw
 
@@ -56,8 +55,8 @@ def motion_between(c: int, s: int, share: Float, outline: Outline, rows: Rows, p
 @kernel
 def rows_of_points(
     points: Floats, parts: Floats, radius: float, length: Floats, outline: Outline, rank: Ints,
-    lists: SearchGrid,
-    pair_of: Ints, pair_first: Ints, table: SurfaceTable, place: Ints, rows: Rows, places: Places,
+    boxes: Boxes,
+    pair_of: Ints, pair_first: Ints, table: Table, place: Ints, rows: Rows, places: Places,
     spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """A row for every point within ``radius`` of another body, against its closest segment; −1 where there is
@@ -76,7 +75,7 @@ def rows_of_points(
             for b in range(n_bodies):
                 if b == body[s] or rank[body[s]] > rank[b]:
                     continue
-                if outside_box(x, lists.box_lower[b], lists.box_upper[b], radius, spacing):
+                if square_between(x, x, boxes.lower[b], boxes.upper[b], spacing) > radius * radius:
                     continue
                 m = closest_of(x, b, radius, outline, spacing)
                 if m < 0:
@@ -128,14 +127,12 @@ class Quadrature(Surfaces):
     def find(self, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> None:  # noqa: ARG002
         """Every point against every body whose box is near."""
         assert isinstance(rows, SurfaceRows)
-        table, place = self.tables()
-        bounding_boxes(
-            self.outline.body_first, self.outline.position, self.lists.box_lower, self.lists.box_upper
-        )
+        boxes, place = self.near.boxes, np.zeros(len(grid.mass), dtype=np.int64)
+        bounding_boxes(self.outline.body_first, self.outline.position, boxes.lower, boxes.upper)
         while True:
             rows.count = rows_of_points(
-                self.points, self.parts, self.radius, self.length, self.outline, self.rank, self.lists,
-                self.pair_of, self.first, table, place, rows, rows.places, grid.spacing,
+                self.points, self.parts, self.radius, self.length, self.outline, self.rank, boxes,
+                self.pair_of, self.first, self.surface.table, place, rows, rows.places, grid.spacing,
             )  # fmt: skip
             if rows.count >= 0:
                 return

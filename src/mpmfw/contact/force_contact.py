@@ -5,9 +5,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, ClassVar
 
+import numpy as np
+
 from mpmfw.contact.records import PairRecords
 from mpmfw.contact.row_contact import ContactLaw, RowContact
 from mpmfw.contact.rows import ContactRows
+from mpmfw.kernels.contact import add_records, any_touches, match_rows, relative_motion
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import AnyArray, Field, FloatArray
@@ -122,12 +125,12 @@ class ForceContact(RowContact):
         self.find_rows(grid, phi, particles)
         self.omega_squared, self.longest_step = 0.0, math.inf
         if rows.count:
-            rows.match(old)
+            match_rows(rows, rows.count, old, old.count)
             self.limit_slip()
             stiffness = self.law.stiffness(rows, old)
             self.omega_squared = rows.couplings(stiffness, grid, self.scratch(grid), stiffness)
             self.longest_step = self.law.longest_step(rows, grid)
-            if not rows.touch():
+            if not any_touches(rows, rows.count):
                 # The step in which they touch must not be longer than the next: springs begin with the depth
                 # that it leaves, and with its square the energy that nothing paid for
                 self.omega_squared = max(self.omega_squared, self.law.estimate_frequency(self.bulk_frequency))
@@ -144,12 +147,13 @@ class ForceContact(RowContact):
         dashpot = 2.0 * self.law.damping / period if period > 0.0 else 0.0
         self.law.forces(rows, old, dashpot, self.records)
         rows.add_to(grid.force, grid.spacing)
-        self.record(dt, grid.spacing)
+        add_records(0, rows.count, rows, dt, self.records, grid.spacing)
 
     def work_over_last_step(self) -> float:
         """Return the work [J/m] of this step's forces on the motion of their rows over the last one, before
         :meth:`advect`."""
-        return self.rows.work_over_last_step()
+        rows, n = self.rows, slice(self.rows.count)
+        return float(np.vdot(rows.force[n], rows.motion[n]))
 
     @hookimpl
     def advect(self, grid: Grid, dt: float) -> None:
@@ -157,7 +161,7 @@ class ForceContact(RowContact):
         next."""
         rows = self.rows
         if "moved" in rows.own.member_names and rows.count:
-            rows.velocity(grid.velocity, dt, rows.own.moved, grid.spacing)
+            relative_motion(0, rows.count, rows, grid.velocity, dt, rows.own.moved, grid.spacing)
         self.detection.end_step()
         self.rows, self.old = self.old, rows
 

@@ -6,6 +6,7 @@ from typing import ClassVar
 
 from mpmfw.contact.row_contact import ContactLaw, RowContact
 from mpmfw.contact.rows import ContactRows
+from mpmfw.kernels.contact import add_records
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.state.fields import FloatArray
 from mpmfw.state.structs import Grid, Particles, Stencil
@@ -93,7 +94,7 @@ class ImpulseContact(RowContact):
             return
         self.law.impulses(rows, grid, self.node_sum, records.frictional_work, projected=projected)
         rows.add_to(grid.momentum, grid.spacing)
-        self.record(1.0, grid.spacing)
+        add_records(0, rows.count, rows, 1.0, records, grid.spacing)
 
     @hookimpl
     def advect(self) -> None:

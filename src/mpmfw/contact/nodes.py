@@ -106,12 +106,10 @@ class AtNodes(Detection):
 
     def list_pairs(self, state: State) -> None:
         """Bodies of all pairs, and which of their gradients make up the normal."""
+        first, second = np.ascontiguousarray(state.pair_bodies.T)
         weight_first, weight_second = self.weights(state)
         self.pairs = NodePairs(
-            first=np.array([pair.first for pair in state.pairs], dtype=np.int64),
-            second=np.array([pair.second for pair in state.pairs], dtype=np.int64),
-            weight_first=weight_first,
-            weight_second=weight_second,
+            first=first, second=second, weight_first=weight_first, weight_second=weight_second
         )
 
     def new_rows(self, own: dict[str, int | None]) -> ContactRows:
@@ -266,6 +264,6 @@ class Nodes(AtNodes):
         larger one."""
         if self.options.normal != "master":
             return super().weights(state)
-        ranks = stiffness_ranks(state.bodies)
-        stiffer = np.array([ranks[p.first] - ranks[p.second] for p in state.pairs])
+        ranks, (first, second) = stiffness_ranks(state.bodies), state.pair_bodies.T
+        stiffer = ranks[first] - ranks[second]
         return np.where(stiffer > 0, 1.0, 0.0), np.where(stiffer < 0, 1.0, 0.0)

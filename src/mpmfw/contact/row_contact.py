@@ -204,8 +204,7 @@ class RowContact(ContactStrategy):
         if self.friction.cohesive and not self.detection.measures_area:
             raise SceneError(
                 f"contact.friction_law = '{self.friction.name}' has cohesion, which acts on an area; "
-                "detection "
-                f"'{self.detection.name}' measures none with its options"
+                f"detection '{self.detection.name}' measures none with its options"
             )
         if setup.has_friction and self.uses_friction:
             for rows in (self.rows, self.old):
@@ -214,10 +213,9 @@ class RowContact(ContactStrategy):
         self.node_sum = np.zeros(0)
 
     def check_range(self, cell_size: float) -> None:
-        """Refuse a law that acts across wider gaps than the detection finds: its force would end short of its
-        range.
+        """Refuse a law that acts across wider gaps than the detection finds; both are prepared.
 
-        Both are prepared; ``cell_size`` is h [m].
+        ``cell_size`` is h [m].
 
         Raises
         ------
@@ -225,23 +223,18 @@ class RowContact(ContactStrategy):
             They do not go together with these options.
         """
         detection, law = self.detection, self.law
-        found, needed = detection.range(cell_size), law.range()
-        if found is None or needed <= found or math.isclose(needed, found):
+        listed, needed = detection.range(cell_size), law.range()
+        if listed is None or needed <= listed or math.isclose(needed, listed):
             return
-        across = f"and law '{law.name}' acts across gaps of up to {needed:.4g} m"
-        option = detection.range_option
-        if option is None:
-            raise SceneError(
-                f"contact '{self.name}': detection '{detection.name}' finds gaps of up to {found:.4g} m, "
-                f"{across}; expected "
-                "another detection, or a law that acts across none so wide"
-            )
-        given = getattr(detection.options, option)
-        table = self.name.partition("+")[0]  # in a scene a joined detection has a table of its own
+        finds, expected = f"contact '{self.name}': detection '{detection.name}'", "another detection"
+        if detection.range_option is not None:
+            value = getattr(detection.options, detection.range_option)
+            table = self.name.partition("+")[0]  # in a scene a joined detection has a table of its own
+            finds = f"contact.{table}.{detection.range_option} = {value:g}"
+            expected = f"at least {value * needed / listed:.4g}"
         raise SceneError(
-            f"contact.{table}.{option} = {given:g} finds gaps of up to {found:.4g} m, {across}; expected at "
-            "least "
-            f"{given * needed / found:.4g}, or a law that acts across none so wide"
+            f"{finds} finds gaps of up to {listed:.4g} m, and law '{law.name}' acts across gaps of up to "
+            f"{needed:.4g} m; expected {expected}, or a law that acts across none so wide"
         )
 
     @hookimpl
@@ -286,14 +279,6 @@ class RowContact(ContactStrategy):
         if len(self.node_sum) != len(grid.mass):
             self.node_sum = np.zeros(len(grid.mass))
         return self.node_sum
-
-    def record(self, scale: float, spacing: tuple[float, ...]) -> None:
-        """Add the rows' forces times ``scale`` [s] to the pairs' impulses, and count the places where they
-        act.
-
-        ``spacing`` is the cell size h, once for each dimension.
-        """
-        self.rows.record(scale, self.records, spacing)
 
     def take_over(self, other: RowContact, numbers: Numbers) -> None:
         """Know of bodies, by other ``numbers``, what ``other`` knows of them from step to step; records are
@@ -370,11 +355,8 @@ def joined(detection: type[Detection], law: type[ContactLaw]) -> type[RowContact
             f"detection '{detection.name}' and law '{law.name}' both have an option '{twice[0]}'"
         )
 
-    def options_parts(self: BaseModel) -> tuple[Any, ...]:
-        return _options_of, (detection, law, self.model_dump(exclude_unset=True))
-
-    def strategy_parts(self: RowContact) -> tuple[Any, ...]:
-        return _strategy_of, (detection, law, self.options.model_dump(exclude_unset=True))
+    def parts_of(options: BaseModel, *, contact: bool) -> tuple[Any, ...]:
+        return _made_again, (detection, law, options.model_dump(exclude_unset=True), contact)
 
     # The classes are in no module, where pickle would look for them. Theirs is that of the part which is not
     # mpmfw's own: what it does wrong is its distribution's.
@@ -383,21 +365,19 @@ def joined(detection: type[Detection], law: type[ContactLaw]) -> type[RowContact
         "name": name,
         "Detection": detection,
         "Law": law,
-        "__reduce__": strategy_parts,
+        "__reduce__": lambda self: parts_of(self.options, contact=True),
         "__module__": (detection if bundled(law) else law).__module__,
         "__doc__": f"Detection '{detection.name}' with law '{law.name}'.",
     }
     made: type[RowContact] = type(name, (law.strategy(),), body)
-    made.Options.__reduce__ = options_parts  # type: ignore[assignment]
+    made.Options.__reduce__ = lambda self: parts_of(self, contact=False)  # type: ignore[assignment]
     _JOINED[detection, law] = made
     return made
 
 
-def _options_of(detection: type[Detection], law: type[ContactLaw], given: dict[str, Any]) -> BaseModel:
-    """Make options of a joined contact, in another process."""
-    return joined(detection, law).Options(**given)
-
-
-def _strategy_of(detection: type[Detection], law: type[ContactLaw], given: dict[str, Any]) -> RowContact:
-    """Make a joined contact that was not set up yet, in another process."""
-    return joined(detection, law)(**given)
+def _made_again(
+    detection: type[Detection], law: type[ContactLaw], options: dict[str, Any], contact: bool
+) -> BaseModel | RowContact:
+    """Make a joined ``contact``, or its options alone, in another process."""
+    kind = joined(detection, law)
+    return kind(**options) if contact else kind.Options(**options)

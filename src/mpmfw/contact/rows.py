@@ -8,17 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mpmfw.kernels import struct
-from mpmfw.kernels.contact import (
-    Records,
-    Rows,
-    add_records,
-    add_row_forces,
-    any_touches,
-    couplings,
-    match_rows,
-    relative_motion,
-    relative_velocity,
-)
+from mpmfw.kernels.contact import Rows, add_row_forces, couplings, relative_velocity
 from mpmfw.state.fields import AnyArray, FloatArray
 from mpmfw.state.history import NotSaved, check_indices
 from mpmfw.state.structs import Grid
@@ -58,9 +48,8 @@ class ContactRows(Rows):
     history = ("kept",)
     count: int  #: rows of the step
     own: Any  #: the law's arrays, a :class:`mpmfw.kernels.Struct` with its names
-    limits: Mapping[
-        str, int
-    ] = {}  #: of what there are how many, by the name of an array that has their indices
+    #: Number of facets, nodes, … by the name of the array that has their indices.
+    limits: Mapping[str, int] = {}
 
     def __init__(
         self, dim: int, *, couples: bool, tilts: bool = False, spins: bool = False,
@@ -155,31 +144,9 @@ class ContactRows(Rows):
         """Let ``history`` speak of pairs by the ``numbers`` that they have in ``own``."""
         history["pair"] = numbers.pair[history["pair"]]
 
-    def match(self, old: ContactRows) -> None:
-        """Fill ``previous`` with the rows of the last step, ``old``."""
-        match_rows(self, self.count, old, old.count)
-
-    def touch(self) -> bool:
-        """Whether a row has no gap left."""
-        return any_touches(self, self.count)
-
-    def velocity(
-        self, node_velocity: FloatArray, scale: float, out: FloatArray, spacing: tuple[float, ...]
-    ) -> None:
-        """``scale`` B v, into ``out`` (n, dim) [m/s] times the scale.
-
-        ``node_velocity`` is (n_nodes, dim) [m/s], ``spacing`` the cell size h, once for each dimension.
-        """
-        relative_motion(0, self.count, self, node_velocity, scale, out, spacing)
-
     def momentary_velocity(self, grid: Grid, out: FloatArray) -> None:
         """B v of the grid's present momentum, into ``out`` (n, dim) [m/s]."""
         relative_velocity(0, self.count, self, grid.mass, grid.momentum, out, grid.spacing)
-
-    def work_over_last_step(self) -> float:
-        """Σ f·Δu of ``force`` on ``motion``, the work [J/m] of these forces on how far the rows came in the
-        last step."""
-        return float(np.vdot(self.force[: self.count], self.motion[: self.count]))
 
     def add_to(self, nodal: FloatArray, spacing: tuple[float, ...]) -> None:
         """Bᵀ f of ``force``, added to ``nodal``: the grid's forces, or its momenta where it is an impulse
@@ -195,11 +162,3 @@ class ContactRows(Rows):
         ``stiffness`` K is (n,) [N/m^2] in 2D; ``scratch`` (n_nodes,) is zero on entry and on return.
         """
         return couplings(0, self.count, self, stiffness, grid.mass, scratch, out)
-
-    def record(self, scale: float, records: Records, spacing: tuple[float, ...]) -> None:
-        """Add ``scale`` times the forces to every pair's impulse in ``records``, and count the places where
-        they act.
-
-        ``scale`` is the time that they act [s]; ``spacing`` is the cell size h [m], once for each dimension.
-        """
-        add_records(0, self.count, self, scale, records, spacing)

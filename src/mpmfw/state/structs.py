@@ -278,6 +278,13 @@ class Surface:
         """Number of surface nodes."""
         return len(self.tributary)
 
+    @property
+    def table(self) -> Stencil:
+        """N_i(x_s) of this step, once it was filled."""
+        if self.stencil is None:
+            raise RuntimeError("the surface's table was not filled")
+        return self.stencil
+
     def of(self, body: int) -> slice:
         """Surface nodes of one body."""
         return slice(int(self.body_first[body]), int(self.body_first[body + 1]))

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from mpmfw.contact.surfaces.candidates import Candidates
-from mpmfw.contact.surfaces.facing import faces, outlook
-from mpmfw.contact.surfaces.outline import Outline, area_of, distance_to, hidden
+from mpmfw.contact.surfaces.facing import node_outward, opposes
+from mpmfw.contact.surfaces.outline import Outline, area_of, distance_to, dot, hidden
 from mpmfw.kernels import Struct, device, kernel, scratch
 from mpmfw.kernels.contact import Rows
 from mpmfw.kernels.facets import (
@@ -17,7 +17,7 @@ from mpmfw.kernels.facets import (
 )
 from mpmfw.kernels.pair_table import pair_index
 from mpmfw.kernels.table import entries
-from mpmfw.kernels.types import Float, Floats, Indices, Ints
+from mpmfw.kernels.types import Float, Floats, Ints, Table
 
 #: Difference of distances, in lengths of a facet, below which two facets are equally close: what rounding
 #: leaves.
@@ -34,23 +34,13 @@ class Places(Struct):
     lean: Floats  #: (n, dim, dim) tilt of each corner; (0, dim, dim) where the variation is exact
 
 
-class SurfaceTable(Struct):
-    """The surface's table of interpolation."""
-
-    row: Ints  #: (n_s + 1,) entries of surface node p are ``row[p]:row[p + 1]``
-    nodes: Indices  #: (m,) flat grid node
-    weight: Floats  #: (m,) N_i(x_s)
-
-
 @device
 def measure_across(m: int, normal: Floats, outline: Outline, spacing: tuple[float, ...]) -> Float:
     """Measure of facet m as seen along ``normal``, 0 from behind: (x_2 − x_1)·e_t [m] in the plane, twice its
     area [m^2] in space."""
-    area, across = scratch.vector(spacing), 0.0
+    area = scratch.vector(spacing)
     area_of(m, outline, area, spacing)
-    for d in range(len(spacing)):
-        across += area[d] * normal[d]
-    return max(across, 0.0)
+    return max(dot(area, normal, spacing), 0.0)
 
 
 @device
@@ -72,7 +62,7 @@ def equally_close(
     """
     dim = len(spacing)
     own, looked = measure_across(m, normal, outline, spacing), False
-    looks, visited = scratch.vector(spacing), scratch.integers(spacing)
+    outward, visited = scratch.vector(spacing), scratch.integers(spacing)
     for a in range(dim):
         visited[a] = 0
     for _ in range(dim):
@@ -89,9 +79,9 @@ def equally_close(
         if abs(g - gap) <= TIE * extent_of(max(own, across), spacing) and across > 0.0:
             alike = at_rim(share, spacing) and at_rim(other_share, spacing)
             if not alike and not looked:
-                outlook(s, outline.body[outline.facets[m, 0]], outline, looks, spacing)
+                node_outward(s, outline.body[outline.facets[m, 0]], outline, outward, spacing)
                 looked = True
-            if alike or faces(looks, other, outline, spacing):
+            if alike or opposes(outward, other, outline, spacing):
                 return other, across * across / (own * own + across * across)
     return m, 0.0
 
@@ -102,11 +92,8 @@ def share_across(s: int, normal: Floats, outline: Outline, spacing: tuple[float,
     area, across, whole = scratch.vector(spacing), 0.0, 0.0
     for k in range(outline.star_first[s], outline.star_first[s + 1]):
         area_of(outline.star[k], outline, area, spacing)
-        along = 0.0
-        for d in range(len(spacing)):
-            along += area[d] * normal[d]
         whole += length_of(area, spacing)
-        across += max(-along, 0.0)
+        across += max(-dot(area, normal, spacing), 0.0)
     return across / whole
 
 
@@ -157,7 +144,7 @@ def write_motion(c: int, outline: Outline, rows: Rows, places: Places, spacing: 
 
 @device
 def add_point(
-    p: int, share: Float, c: int, corner: int, top: int, table: SurfaceTable, place: Ints, rows: Rows,
+    p: int, share: Float, c: int, corner: int, top: int, table: Table, place: Ints, rows: Rows,
     places: Places,
     spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
@@ -229,7 +216,7 @@ def next_candidate(s: int, last: int, candidates: Candidates) -> int:
 def assemble(
     rank: Ints, across: bool, ties: bool, candidates: Candidates, outline: Outline, pair_of: Ints,
     pair_first: Ints,
-    table: SurfaceTable, place: Ints, rows: Rows, places: Places, spacing: tuple[float, ...],
+    table: Table, place: Ints, rows: Rows, places: Places, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """A row for each candidate, two where it meets two facets alike; their number, or −1 where there is no
     room for all.

@@ -1,12 +1,11 @@
-"""Arrays of the search as arguments of kernels: candidates of the surface nodes, and linked lists on the
-background grid."""
+"""Candidates of the surface nodes, as one argument of kernels."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from mpmfw.kernels import Struct, device
-from mpmfw.kernels.types import Float, Floats, Indices, Ints
+from mpmfw.kernels.types import Float, Floats, Ints
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import Field
 
@@ -59,51 +58,3 @@ def put(
     candidates.master[s, j], candidates.facet[s, j], candidates.gap[s, j] = master, m, gap
     for d in range(len(spacing)):
         candidates.share[s, j, d], candidates.normal[s, j, d] = share[d], normal[d]
-
-
-class SearchGrid(Struct):
-    """Marks and linked lists on the background grid; stamps that grow spare clearing them."""
-
-    lower: Floats  #: (dim,) position of the grid's first node [m]
-    nodes: Ints  #: (dim,) number of nodes of the grid
-    owner: Ints  #: (n_nodes,) stamp and body of the first surface that reached the node
-    shared: Ints  #: (n_nodes,) stamp of the last step in which two surfaces reached it
-    head: Ints  #: (n_nodes,) first entry of the cell's list
-    head_stamp: Ints  #: (n_nodes,)
-    head_body: Ints  #: (n_nodes,) body of all facets of the list, −1 where there are several
-    link: Indices  #: (n_entries,) next entry
-    link_facet: Indices  #: (n_entries,) facet
-    link_body: Indices  #: (n_entries,) its body
-    near: Indices  #: (n_f,) facets in their bodies' near boxes, the first ``near_count[0]`` of them
-    near_count: Ints  #: (1,)
-    facet_lower: Floats  #: (n_f, dim) bounding boxes of those facets [m]
-    facet_upper: Floats  #: (n_f, dim) [m]
-    box_lower: Floats  #: (n_bodies, dim) [m]
-    box_upper: Floats  #: (n_bodies, dim) [m]
-    near_lower: Floats  #: (n_bodies, dim) box of what of the body may be near another [m]
-    near_upper: Floats  #: (n_bodies, dim) [m]
-
-
-#: Dimensions, type and unit of the arrays of :class:`SearchGrid` that belong to the search.
-ARRAYS = {
-    **dict.fromkeys(("owner", "shared", "head", "head_stamp", "head_body"), (("grid_node",), "i8", "1")),
-    **dict.fromkeys(("link", "link_facet", "link_body"), (("entry",), "i4", "1")),
-    "near": (("facet",), "i4", "1"),
-    "near_count": (("one",), "i8", "1"),
-    **dict.fromkeys(("facet_lower", "facet_upper"), (("facet", "axis"), "f8", "m")),
-    **dict.fromkeys(("box_lower", "box_upper", "near_lower", "near_upper"), (("body", "axis"), "f8", "m")),
-}
-
-
-def no_lists(setup: Setup, owner: str) -> SearchGrid:
-    """Allocate and list the arrays of the search, without marks."""
-    grid, surface = setup.state.grid, setup.state.surface
-    facets = 0 if surface is None else len(surface.facets)
-    sizes = {"grid_node": int(np.prod(grid.nodes)), "facet": facets, "entry": 4 * facets, "one": 1}
-    arrays = {
-        name: setup.allocate(
-            owner, Field(name, dims, unit, "search for near facets", "contact", kind), **sizes
-        )
-        for name, (dims, kind, unit) in ARRAYS.items()
-    }
-    return SearchGrid(lower=grid.lower, nodes=grid.nodes, **arrays)

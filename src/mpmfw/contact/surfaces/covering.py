@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from mpmfw.contact.surfaces.candidates import SearchGrid
-from mpmfw.contact.surfaces.cells import boxes_apart, reach_of_facet
-from mpmfw.contact.surfaces.outline import Outline, area_of, hidden
+from mpmfw.contact.surfaces.boxes import Boxes, Partners, boxes_apart, read_box
+from mpmfw.contact.surfaces.outline import Outline, area_of, dot, hidden
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.facets import at_rim, closest_point, length_of, read_corners, read_point
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
-from mpmfw.state.fields import IntArray
 
 #: Distance from another body up to which a facet's corner is covered, in cells.
 FLUSH = 0.05
@@ -30,15 +26,6 @@ ROUNDING = 1e-9
 
 
 @device
-def dot(a: Floats, b: Floats, spacing: tuple[float, ...]) -> Float:
-    """Σ a_d b_d."""
-    total = 0.0
-    for d in range(len(spacing)):
-        total += a[d] * b[d]
-    return total
-
-
-@device
 def remove(vector: Floats, unit: Floats, spacing: tuple[float, ...]) -> None:
     """Take the component along a ``unit`` vector away from ``vector``."""
     along = dot(vector, unit, spacing)
@@ -48,35 +35,27 @@ def remove(vector: Floats, unit: Floats, spacing: tuple[float, ...]) -> None:
 
 @device
 def seam_box(
-    a: int, b: int, near_first: Ints, near: Ints, reach: Float, grid: SearchGrid, lower: Floats,
-    upper: Floats,
+    a: int, b: int, partners: Partners, reach: Float, boxes: Boxes, lower: Floats, upper: Floats,
     spacing: tuple[float, ...],
 ) -> bool:  # fmt: skip
-    """Box of what two bodies' boxes have in common within ``reach`` [m] of a third body; whether there is
-    any.
-
-    ``near[near_first[a]:near_first[a + 1]]`` are the bodies near body a.
-    """
+    """Box of what two bodies' boxes have in common within ``reach`` [m] of a third body, a partner of the
+    first; whether there is any."""
     flush, found = FLUSH * spacing[0], False
-    for k in range(near_first[a], near_first[a + 1]):
-        c = near[k]
-        if c == b:
-            continue
-        common = True
+    low, high = scratch.vector(spacing), scratch.vector(spacing)
+    for k in range(partners.first[a], partners.first[a + 1]):
+        c = partners.body[k]
+        common = c != b and not boxes_apart(a, c, boxes, reach)
         for d in range(len(spacing)):
-            low = max(grid.box_lower[a, d], grid.box_lower[b, d]) - flush
-            high = min(grid.box_upper[a, d], grid.box_upper[b, d]) + flush
-            common = common and max(low, grid.box_lower[c, d] - reach) <= min(
-                high, grid.box_upper[c, d] + reach
-            )
+            low[d] = max(boxes.lower[a, d], boxes.lower[b, d]) - flush
+            high[d] = min(boxes.upper[a, d], boxes.upper[b, d]) + flush
+            low[d] = max(low[d], boxes.lower[c, d] - reach)
+            high[d] = min(high[d], boxes.upper[c, d] + reach)
+            common = common and low[d] <= high[d]
         if not common:
             continue
         for d in range(len(spacing)):
-            low = max(grid.box_lower[a, d], grid.box_lower[b, d]) - flush
-            high = min(grid.box_upper[a, d], grid.box_upper[b, d]) + flush
-            low, high = max(low, grid.box_lower[c, d] - reach), min(high, grid.box_upper[c, d] + reach)
-            lower[d] = min(low, lower[d]) if found else low
-            upper[d] = max(high, upper[d]) if found else high
+            lower[d] = min(low[d], lower[d]) if found else low[d]
+            upper[d] = max(high[d], upper[d]) if found else high[d]
         found = True
     return found
 
@@ -90,7 +69,7 @@ def list_within(
     where they end."""
     low, high, count = scratch.vector(spacing), scratch.vector(spacing), begin
     for m in range(outline.facet_first[body], outline.facet_first[body + 1]):
-        reach_of_facet(m, outline.position, outline.facets, low, high, spacing)
+        read_box(m, outline.facets, outline.position, low, high, spacing)
         outside = False
         for d in range(len(spacing)):
             outside = outside or low[d] > upper[d] or high[d] < lower[d]
@@ -161,35 +140,22 @@ def is_covered(
 
 @kernel
 def find_covered(
-    first: Ints, second: Ints, reach: float, outline: Outline, grid: SearchGrid, near_first: Ints, near: Ints,
+    first: Ints, second: Ints, reach: float, outline: Outline, boxes: Boxes, partners: Partners,
     listed: Indices, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """Write on every facet within ``reach`` [m] of a third body which body covers it, into
     ``outline.covered``; else −1.
 
-    The bodies' boxes are those of the step. ``near_first`` (n_bodies + 1,), ``near`` (2 n_pairs,) and
-    ``listed`` (n_f,) are scratch.
+    ``first`` and ``second`` are the bodies of the pairs, the boxes those of the step; ``listed`` (n_f,) is
+    scratch.
     """
     lower, upper = scratch.vector(spacing), scratch.vector(spacing)
     outline.covered[:] = -1
-    near_first[:] = 0
-    for c in range(len(first)):
-        if not boxes_apart(first[c], second[c], grid.box_lower, grid.box_upper, reach):
-            near_first[first[c]] += 1
-            near_first[second[c]] += 1
-    for b in range(1, len(near_first)):
-        near_first[b] += near_first[b - 1]
-    for c in range(len(first)):
-        if not boxes_apart(first[c], second[c], grid.box_lower, grid.box_upper, reach):
-            near_first[first[c]] -= 1
-            near[near_first[first[c]]] = second[c]
-            near_first[second[c]] -= 1
-            near[near_first[second[c]]] = first[c]
     for c in range(len(first)):
         a, b = first[c], second[c]
-        if boxes_apart(a, b, grid.box_lower, grid.box_upper, FLUSH * spacing[0]):
+        if boxes_apart(a, b, boxes, FLUSH * spacing[0]):
             continue
-        if not seam_box(a, b, near_first, near, reach, grid, lower, upper, spacing):
+        if not seam_box(a, b, partners, reach, boxes, lower, upper, spacing):
             continue
         middle = list_within(a, lower, upper, 0, outline, listed, spacing)
         end = list_within(b, lower, upper, middle, outline, listed, spacing)
@@ -227,37 +193,3 @@ def past_a_seam(
         for k in range(outline.star_first[node], outline.star_first[node + 1]):
             past = past or hidden(outline.star[k], mine, outline)
     return past
-
-
-class Seams:
-    """Scratch of the search for covered facets; nothing where two bodies are alone.
-
-    Parameters
-    ----------
-    outline, reach, spacing
-        The surfaces, how near a third body must be [m], and the cell size once for each dimension.
-    """
-
-    def __init__(self, outline: Outline, reach: float, spacing: tuple[float, ...]) -> None:
-        self.outline, self.reach, self.spacing = outline, reach, spacing
-        self.listed = np.zeros(len(outline.covered), dtype=np.int32)
-        self.near_first = np.zeros(len(outline.body_first), dtype=np.int64)
-        self.near = np.zeros(0, dtype=np.int64)
-
-    def find(self, first: IntArray, second: IntArray, grid: SearchGrid) -> None:
-        """Write which body covers every facet, of the pairs ``first`` and ``second``, (pair,) each."""
-        if len(self.listed) == 0:
-            return
-        if len(self.near) < 2 * len(first):
-            self.near = np.zeros(2 * len(first), dtype=np.int64)
-        find_covered(
-            first,
-            second,
-            self.reach,
-            self.outline,
-            grid,
-            self.near_first,
-            self.near,
-            self.listed,
-            self.spacing,
-        )

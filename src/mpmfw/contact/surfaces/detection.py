@@ -2,29 +2,28 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from mpmfw.contact.detection import Detection, ranks_of, stiffness_ranks
 from mpmfw.contact.rows import ContactRows
-from mpmfw.contact.surfaces import cells, search
-from mpmfw.contact.surfaces.assembly import Places, SurfaceTable, assemble, point_forces
-from mpmfw.contact.surfaces.candidates import no_candidates, no_lists
-from mpmfw.contact.surfaces.covering import Seams
-from mpmfw.contact.surfaces.facing import too_fine
-from mpmfw.contact.surfaces.near_facets import STALE, NearFacets
-from mpmfw.contact.surfaces.options import FacetOptions, SurfacesOptions
-from mpmfw.contact.surfaces.outline import outline_of
-from mpmfw.contact.surfaces.tracking import CROSSED, crossed, find_crossings, keep_inside, remember_inside
+from mpmfw.contact.surfaces.assembly import Places, assemble, point_forces
+from mpmfw.contact.surfaces.candidates import no_candidates
+from mpmfw.contact.surfaces.facing import ROUND, ROUND_THE_CORNER
+from mpmfw.contact.surfaces.near_facets import VerletList
+from mpmfw.contact.surfaces.outline import node_error, outline_of
+from mpmfw.contact.surfaces.search import find_candidates
+from mpmfw.contact.surfaces.tracking import CROSSED, find_crossings, keep_inside, remember_inside
 from mpmfw.contact.surfaces.travel import TravelLimit
-from mpmfw.errors import SceneError
-from mpmfw.kernels.pair_table import pair_table
+from mpmfw.errors import SceneError, SimulationError
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 from mpmfw.state.fields import Field as ArrayField
 from mpmfw.state.history import check_indices
 from mpmfw.state.structs import Body, Grid, Particles, State, Stencil
+from mpmfw.units import Length
 
 #: Travel in a step, in search radii, below which no node can pass the middle of a body unseen.
 THIN = 0.05
@@ -32,6 +31,45 @@ THIN = 0.05
 FORCE = ArrayField(
     "force", ("surface_node", "axis"), "N m-1", "contact force on the surface node", "surface", output=True
 )
+
+
+class FacetOptions(BaseModel):
+    """Master, search and mapping."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    master: str | None = Field(
+        None,
+        description="name of the master body (one pass); default: the stiffer; of equally stiff ones that "
+        "with the "
+        "larger surface; of equals each is slave once",
+    )
+    search_radius: float = Field(1.0, gt=0, le=1.0, description="reach of the search in cells")
+    interface_thickness: Length = Field(
+        0.0, ge=0, description="thickness of the surface layer that carries mass"
+    )
+    map: Literal["auto", "plain", "mass_weighted"] = Field(
+        "auto", description="surface-to-grid map; auto: mass_weighted for linear and GIMP, else plain"
+    )
+
+
+class SurfacesOptions(FacetOptions):
+    """Master, search and mapping, number of passes, and the form of C_n."""
+
+    passes: Literal["one", "two"] = Field(
+        "two",
+        description="two: each body is slave once, with half of its area; one: classical master-slave, "
+        "but of equal bodies",
+    )
+    normal_variation: Literal["exact", "hamad2017"] = Field(
+        "exact", description="C_n = N, the exact variation, or N - (g_n / l) Q (eq. 7)"
+    )
+
+    @model_validator(mode="after")
+    def _master_has_an_effect(self) -> SurfacesOptions:
+        if self.master is not None and self.passes != "one":
+            raise ValueError('\'master\' has no effect with passes = "two"; expected passes = "one"')
+        return self
 
 
 class Surfaces(Detection):
@@ -67,7 +105,7 @@ class Surfaces(Detection):
 
     def parts(self, contact: Any) -> list[Any]:  # noqa: ARG002
         """The limit of travel, and the surface layer's inertia where it has a thickness."""
-        travel = TravelLimit(self.options.search_radius)
+        travel = TravelLimit(self)
         if not self.adds_mass:
             return [travel]
         from mpmfw.contact.surfaces.layer import InterfaceLayer
@@ -92,23 +130,20 @@ class Surfaces(Detection):
         slots = 8 if self.every_facet else min(max(len(setup.bodies) - 1, 1), 3)
         self.outline = outline_of(self.surface)
         self.candidates = no_candidates(setup, owner, slots, tracked=not self.every_facet)
-        self.lists, self.stamp = no_lists(setup, owner), 0
         self.force: FloatArray = setup.allocate(owner, FORCE)
         self.radius, self.cell_size = self.reach(setup.cell_size), setup.cell_size
         self.through = np.zeros(3)
         self.count, self.was_inside = 0, False
-        self.table: SurfaceTable | None = None
         self.place = np.zeros(0, dtype=np.int64)
-        self.seams = Seams(self.outline, self.radius, setup.state.grid.spacing)
-        self.near = NearFacets(self.outline, self.rank, self.radius, setup.state.grid.spacing)
+        nodes = np.arange(self.surface.count)[:, np.newaxis]
+        self.near = VerletList(
+            nodes, self.outline.body_first, self.outline, self.radius, setup.state.grid.spacing
+        )
         self.list_pairs(setup.state)
 
     def list_pairs(self, state: State) -> None:
-        """The bodies of all pairs as arrays."""
-        self.first = np.array([pair.first for pair in state.pairs], dtype=np.int64)
-        self.second = np.array([pair.second for pair in state.pairs], dtype=np.int64)
-        self.pair_of = pair_table(self.first, self.second)
-        self.near.forget()
+        """List which bodies are searched against each other."""
+        self.near.list_pairs(state.pair_bodies, self.rank)
 
     def new_rows(self, own: dict[str, int | None]) -> SurfaceRows:
         """Rows that know their slave node and facet."""
@@ -133,7 +168,7 @@ class Surfaces(Detection):
 
     def find(self, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> None:  # noqa: ARG002
         """Search at x_s(tⁿ), and write a row for each candidate."""
-        self.count = self._search(grid)
+        self.count = self._search()
         rows.count = 0
         if self.count:
             assert isinstance(rows, SurfaceRows)
@@ -143,51 +178,21 @@ class Surfaces(Detection):
 
                 write_spins(rows.count, self.law_range, self.outline, rows, rows.places, grid.spacing)
 
-    def _search(self, grid: Grid) -> int:
+    def _search(self) -> int:
         """Return the number of candidates after the search, and after nodes inside bodies were followed."""
         count = 0
-        near = cells.near_boxes(
-            self.first, self.second, self.radius, self.near.skin, self.outline, self.lists
-        )
-        self.seams.find(self.first, self.second, self.lists)
-        if near:
-            count = STALE if self.every_facet else self.near.find(self.candidates)
-            if count == STALE:
-                count = self._find_pairs(grid)
+        if self.near.update():
+            count = find_candidates(
+                self.radius, self.every_facet, self.outline, self.near.near, self.candidates,
+                self.state.grid.spacing,
+            )  # fmt: skip
             if count < 0:
-                raise too_fine(self.state, -1 - count)
+                raise self._too_fine(-1 - count)
         elif not self.was_inside:
             return 0
         else:
             self.candidates.facet.fill(-1)
         return count + (0 if self.every_facet else self._track())
-
-    def _find_pairs(self, grid: Grid) -> int:
-        """Number of candidates after the search's three steps; lists for the next ones."""
-        wide = 0.0 if self.every_facet else self.near.margin()
-        if not self._list_facets(grid, wide):
-            self.candidates.facet.fill(-1)
-            return 0
-        count = search.find_pairs(
-            self.stamp, self.radius, self.every_facet, self.outline, self.rank, self.lists, self.candidates,
-            grid.spacing
-        )  # fmt: skip
-        if count >= 0 and wide > 0.0:
-            self.near.make(self.stamp, self.lists, self.candidates)
-        return int(count)
-
-    def _list_facets(self, grid: Grid, wide: float) -> bool:
-        """Lists of the facets in cells that two bodies reach; whether there are such cells."""
-        lists = self.lists
-        while True:
-            self.stamp += 1
-            entries = cells.list_facets(self.stamp, wide, self.outline, lists, grid.spacing)
-            if entries <= len(lists.link):
-                return entries > 0
-            room = {
-                name: np.zeros(2 * entries, dtype=np.int32) for name in ("link", "link_facet", "link_body")
-            }
-            lists.set(**room)
 
     def _track(self) -> int:
         """Nodes inside that the search has lost, or missed; the end of the run where bodies have crossed."""
@@ -195,31 +200,42 @@ class Surfaces(Detection):
         if self.was_inside:
             added = keep_inside(self.outline, self.candidates, self.through, self.state.grid.spacing)
             if self.through[0] > CROSSED * self.cell_size:
-                raise crossed(self.state, self.through)
-        least = THIN * self.radius
+                raise self._crossed()
         return added + find_crossings(
-            least, self.outline, self.first, self.second, self.rank, self.lists, self.candidates,
+            THIN * self.radius, self.outline, self.near.partners, self.near.boxes, self.candidates,
             self.state.grid.spacing,
         )  # fmt: skip
 
-    def tables(self) -> tuple[SurfaceTable, IntArray]:
-        """The functions of the surface's nodes, and the scratch (n_nodes,) of ``add_point``."""
-        phi = self.surface.stencil
-        if phi is None:
-            raise RuntimeError("the surface's table was not filled")
-        if self.table is None or self.table.weight is not phi.weight:
-            self.table = SurfaceTable(row=phi.row, nodes=phi.nodes, weight=phi.weight)
-        if len(self.place) < len(self.state.grid.mass):
-            self.place = np.zeros(len(self.state.grid.mass), dtype=np.int64)
-        return self.table, self.place
+    def _too_fine(self, node: int) -> SimulationError:
+        """Return what ends a run in which a corner near a surface node has more facets than can be looked
+        at."""
+        text = (
+            f"more than {len(ROUND)} facets of another body are within {ROUND_THE_CORNER:g} search radii of "
+            "a surface node that they do not face"
+        )
+        advice = "a larger segment of the body that it touches, at least a hundredth of a cell"
+        return node_error(self.state, self.surface, node, text, advice=advice)
+
+    def _crossed(self) -> SimulationError:
+        """Return what ends a run in which a node has gone through another body."""
+        beyond, node, other = float(self.through[0]), int(self.through[1]), int(self.through[2])
+        ends = {int(self.surface.body[node]), other}
+        pair = next(pair for pair in self.state.pairs if {pair.first, pair.second} == ends)
+        text = (
+            f"{pair.label}: the bodies have crossed: a surface node came out by the far side of "
+            f"'{self.state.bodies[other].name}', and is {beyond / self.cell_size:.2g} cells beyond it"
+        )
+        advice = "a slower impact, a stiffer contact, or smaller cells"
+        return node_error(self.state, self.surface, node, text, advice=advice)
 
     def _assemble(self, rows: SurfaceRows) -> None:
-        table, place = self.tables()
-        closest = not self.every_facet
+        closest, n_nodes = not self.every_facet, len(self.state.grid.mass)
+        if len(self.place) < n_nodes:
+            self.place = np.zeros(n_nodes, dtype=np.int64)
         while True:
             rows.count = assemble(
-                self.rank, closest, closest, self.candidates, self.outline, self.pair_of, self.first, table,
-                place, rows, rows.places, self.state.grid.spacing,
+                self.rank, closest, closest, self.candidates, self.outline, self.near.pair_of,
+                self.near.first, self.surface.table, self.place, rows, rows.places, self.state.grid.spacing,
             )  # fmt: skip
             if rows.count >= 0:
                 return

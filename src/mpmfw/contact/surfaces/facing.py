@@ -6,12 +6,10 @@ import math
 
 from mpmfw.contact.surfaces.candidates import Candidates, put
 from mpmfw.contact.surfaces.covering import past_a_seam
-from mpmfw.contact.surfaces.outline import Outline, area_of, distance_to, hidden
-from mpmfw.errors import SimulationError
+from mpmfw.contact.surfaces.outline import Outline, area_of, distance_to, dot, hidden
 from mpmfw.kernels import device, scratch
 from mpmfw.kernels.facets import add_normal, extent_of, length_of, read_corners, way_across
 from mpmfw.kernels.types import Float, Floats
-from mpmfw.state.structs import State
 
 #: Least cosine between a slave node's reversed normal and that of a facet that faces it: blocks have sides at
 #: right angles, and neither rounding nor how little an elastic side leans must decide. A wedge of 2.3 degrees
@@ -20,34 +18,29 @@ LEAST_COSINE = 0.02
 
 
 @device
-def against(looks: Floats, m: int, outline: Outline, spacing: tuple[float, ...]) -> tuple[Float, Float]:
-    """−n·a of a slave node's normal n, ``looks``, and the area vector a of facet m; and their lengths'
-    product."""
+def opposition(outward: Floats, m: int, outline: Outline, spacing: tuple[float, ...]) -> Float:
+    """Cosine between the reversed normal of a slave node or facet, ``outward``, and the normal of facet m."""
     area = scratch.vector(spacing)
     area_of(m, outline, area, spacing)
-    along = 0.0
-    for d in range(len(spacing)):
-        along += looks[d] * area[d]
-    return -along, length_of(looks, spacing) * length_of(area, spacing)
+    return -dot(outward, area, spacing) / (length_of(outward, spacing) * length_of(area, spacing))
 
 
 @device
-def outlook(s: int, other: int, outline: Outline, looks: Floats, spacing: tuple[float, ...]) -> None:
+def opposes(outward: Floats, m: int, outline: Outline, spacing: tuple[float, ...]) -> bool:
+    """Return true if facet m faces what has the normal ``outward``: the one test of facing."""
+    facing: bool = opposition(outward, m, outline, spacing) > LEAST_COSINE
+    return facing
+
+
+@device
+def node_outward(s: int, other: int, outline: Outline, outward: Floats, spacing: tuple[float, ...]) -> None:
     """Normal of surface node s as body ``other`` sees it, without the facets that a third body covers, into
-    ``looks``."""
+    ``outward``."""
     for d in range(len(spacing)):
-        looks[d] = 0.0
+        outward[d] = 0.0
     for k in range(outline.star_first[s], outline.star_first[s + 1]):
         if not hidden(outline.star[k], other, outline):
-            add_normal(s, outline.star[k], outline, looks, spacing)
-
-
-@device
-def faces(looks: Floats, m: int, outline: Outline, spacing: tuple[float, ...]) -> bool:
-    """Whether the outward normals of a slave node, ``looks``, and of a facet are against each other."""
-    along, size = against(looks, m, outline, spacing)
-    facing: bool = along > LEAST_COSINE * size
-    return facing
+            add_normal(s, outline.star[k], outline, outward, spacing)
 
 
 #: Cosine by which all facets of a node must face, so that their weighted sum does beyond rounding.
@@ -55,20 +48,16 @@ SURELY = 1.5 * LEAST_COSINE
 
 
 @device
-def surely_faces(s: int, m: int, outline: Outline, spacing: tuple[float, ...]) -> bool:
+def surely_opposes(s: int, m: int, outline: Outline, spacing: tuple[float, ...]) -> bool:
     """Whether every facet of node s faces facet m: then so does the node's normal, a sum of theirs with
     weights that need the angles, which cost more."""
-    area, own, sure, size = scratch.vector(spacing), scratch.vector(spacing), True, 0.0
+    area, own, sure = scratch.vector(spacing), scratch.vector(spacing), True
     area_of(m, outline, area, spacing)
-    for d in range(len(spacing)):
-        size += area[d] * area[d]
+    size = dot(area, area, spacing)
     for k in range(outline.star_first[s], outline.star_first[s + 1]):
         area_of(outline.star[k], outline, own, spacing)
-        along, own_size = 0.0, 0.0
-        for d in range(len(spacing)):
-            along -= own[d] * area[d]
-            own_size += own[d] * own[d]
-        sure = sure and along > 0.0 and along * along > SURELY * SURELY * own_size * size
+        along, square = -dot(own, area, spacing), dot(own, own, spacing)
+        sure = sure and along > 0.0 and along * along > SURELY * SURELY * square * size
     return sure
 
 
@@ -96,7 +85,7 @@ def measure_of(m: int, outline: Outline, spacing: tuple[float, ...]) -> Float:
 @device
 def facing_facet(
     mine: int,
-    looks: Floats,
+    outward: Floats,
     m: int,
     share: Floats,
     reach: Float,
@@ -106,7 +95,7 @@ def facing_facet(
     """The facet nearest to a point of facet m along the surface that faces a node; −1 if none within
     ``reach`` [m], :data:`TOO_MANY` if there are more than it can look at.
 
-    ``share`` are the point's barycentric coordinates, ``mine`` and ``looks``
+    ``share`` are the point's barycentric coordinates, ``mine`` and ``outward``
     the node's body and normal. From facet to facet the nearest is looked
     at first, of equally near ones that on the side of the first corner.
     """
@@ -132,7 +121,7 @@ def facing_facet(
         if nearest < 0:
             return -1
         here, far, along = facet[nearest], way[nearest], side[nearest]
-        if not hidden(here, mine, outline) and faces(looks, here, outline, spacing):
+        if not hidden(here, mine, outline) and opposes(outward, here, outline, spacing):
             found: int = here
             return found
         way[nearest] = math.inf
@@ -153,7 +142,7 @@ def facing_facet(
 
 
 @device
-def turn_to_facing(
+def reorient(
     s: int, radius: Float, outline: Outline, candidates: Candidates, spacing: tuple[float, ...]
 ) -> bool:
     """Candidates of node s that do not face it give way to a facet round the corner that does, or are
@@ -163,7 +152,7 @@ def turn_to_facing(
     would be held there, and its part of the face would carry nothing. A node that is outside is not turned:
     it may be inside of nothing but the plane of a far face.
     """
-    looks, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
+    outward, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
     looked, done = False, True
     for j in range(candidates.facet.shape[1]):
         m = candidates.facet[s, j]
@@ -174,16 +163,16 @@ def turn_to_facing(
         if past_a_seam(s, m, share, normal, outline, spacing):
             candidates.master[s, j], candidates.facet[s, j] = -1, -1
             continue
-        if len(spacing) == 3 and surely_faces(s, m, outline, spacing):
+        if len(spacing) == 3 and surely_opposes(s, m, outline, spacing):
             continue
         if not looked or len(outline.covered) > 0:
-            outlook(s, candidates.master[s, j], outline, looks, spacing)
+            node_outward(s, candidates.master[s, j], outline, outward, spacing)
             looked = True
-        if faces(looks, m, outline, spacing):
+        if opposes(outward, m, outline, spacing):
             continue
         flush = candidates.gap[s, j] <= FLUSH * measure_of(m, outline, spacing)
         reach = ROUND_THE_CORNER * radius if flush else -1.0
-        m = facing_facet(outline.body[s], looks, m, share, reach, outline, spacing)
+        m = facing_facet(outline.body[s], outward, m, share, reach, outline, spacing)
         done = done and m != TOO_MANY
         if m < 0:
             candidates.master[s, j], candidates.facet[s, j] = -1, -1
@@ -194,21 +183,3 @@ def turn_to_facing(
                 continue
             put(s, j, candidates.master[s, j], m, g, share, normal, candidates, spacing)
     return done
-
-
-def too_fine(state: State, node: int) -> SimulationError:
-    """What ends a run in which a corner near a surface node has more facets than can be looked at."""
-    surface = state.surface
-    if surface is None:
-        raise RuntimeError("no surface is tracked")
-    body = state.bodies[int(surface.body[node])]
-    return SimulationError(
-        f"more than {len(ROUND)} facets of another body are within {ROUND_THE_CORNER:g} search radii of a "
-        "surface node that "
-        "they do not face",
-        body=body.name,
-        index=node - int(surface.body_first[body.index]),
-        position=surface.position[node].tolist(),
-        time=state.time,
-        advice="a larger segment of the body that it touches, at least a hundredth of a cell",
-    )

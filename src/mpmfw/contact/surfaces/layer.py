@@ -10,7 +10,7 @@ from mpmfw.kernels.types import Floats, Indices, Ints
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import Field, FloatArray
-from mpmfw.state.structs import Grid, Stencil
+from mpmfw.state.structs import Grid
 
 MASS = Field("interface_mass", ("surface_node",), "kg m-1", "mass of the surface layer", "surface")
 VELOCITY = Field(
@@ -95,7 +95,7 @@ class InterfaceLayer:
     @hookimpl
     def after_momentum_projection(self, grid: Grid) -> None:
         """Add mass and momentum; at time zero the layer starts with its body."""
-        phi = self._table()
+        phi = self.surface.table
         if self.state.steps == 0:
             start = grid.start_velocity
             gather_layer(phi.row, phi.nodes, phi.weight, start, start, self.velocity, 0.0)
@@ -105,19 +105,13 @@ class InterfaceLayer:
     @hookimpl
     def after_second_projection(self, grid: Grid) -> None:
         """Add the momentum to MUSL's second projection."""
-        phi = self._table()
+        phi = self.surface.table
         project_layer(phi.row, phi.nodes, phi.weight, self.mass, self.velocity, grid.mass[:0], grid.momentum)
 
     @hookimpl
     def advect(self, grid: Grid) -> None:
         """Take the new velocity from the grid."""
-        phi = self._table()
+        phi = self.surface.table
         gather_layer(
             phi.row, phi.nodes, phi.weight, grid.velocity, grid.start_velocity, self.velocity, self.flip
         )
-
-    def _table(self) -> Stencil:
-        """N_i(x_s) of this step."""
-        if self.surface.stencil is None:
-            raise RuntimeError("the surface's table was not filled")
-        return self.surface.stencil

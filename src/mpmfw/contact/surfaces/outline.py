@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from mpmfw.errors import SimulationError
 from mpmfw.kernels import Struct, device, scratch
 from mpmfw.kernels.facets import area_vector, read_corners, read_point, signed_distance, squared_distance
 from mpmfw.kernels.types import Float, Floats, Ints
-from mpmfw.state.structs import Surface
+from mpmfw.state.structs import State, Surface
 
 
 class Outline(Struct):
@@ -23,9 +24,8 @@ class Outline(Struct):
     neighbours: Ints  #: (n_f, dim) facet across the side opposite each corner
     star_first: Ints  #: (n_s + 1,) facets round node s are ``star[star_first[s]:star_first[s + 1]]``
     star: Ints  #: (n_f dim,)
-    covered: (
-        Ints  #: (n_f,) body that lies flush on the facet near a third body, −1 for none; (0,) with two bodies
-    )
+    #: (n_f,) body that lies flush on the facet near a third body, −1 for none; (0,) with two bodies
+    covered: Ints
 
 
 def outline_of(surface: Surface) -> Outline:
@@ -34,6 +34,28 @@ def outline_of(surface: Surface) -> Outline:
     if len(surface.body_first) > 3 and len(surface.covered) == 0:
         surface.covered = np.full(len(surface.facets), -1)
     return Outline(**{name: getattr(surface, name) for name in Outline.member_names})
+
+
+def node_error(state: State, surface: Surface, node: int, text: str, *, advice: str) -> SimulationError:
+    """Return what ends a run because of a surface ``node``: its body, index and place, with ``text``."""
+    body = state.bodies[int(surface.body[node])]
+    return SimulationError(
+        text,
+        body=body.name,
+        index=node - int(surface.body_first[body.index]),
+        position=surface.position[node].tolist(),
+        time=state.time,
+        advice=advice,
+    )
+
+
+@device
+def dot(a: Floats, b: Floats, spacing: tuple[float, ...]) -> Float:
+    """Σ a_d b_d."""
+    total = 0.0
+    for d in range(len(spacing)):
+        total += a[d] * b[d]
+    return total
 
 
 @device

@@ -6,21 +6,14 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from mpmfw.contact.surfaces.candidates import Candidates, SearchGrid, put
-from mpmfw.contact.surfaces.cells import boxes_apart
+from mpmfw.contact.surfaces.boxes import Boxes, Partners, boxes_apart
+from mpmfw.contact.surfaces.candidates import Candidates, put
 from mpmfw.contact.surfaces.covering import past_a_seam
-from mpmfw.contact.surfaces.facing import LEAST_COSINE, against, outlook
-from mpmfw.contact.surfaces.outline import Outline, distance_to, hidden, square_of
-from mpmfw.errors import SimulationError
+from mpmfw.contact.surfaces.facing import LEAST_COSINE, node_outward, opposition
+from mpmfw.contact.surfaces.outline import Outline, distance_to, dot, hidden, square_of
 from mpmfw.kernels import device, kernel, scratch
-from mpmfw.kernels.facets import (
-    at_rim,
-    length_of,
-    project,
-)
-from mpmfw.kernels.types import Float, Floats, Ints
-from mpmfw.state.fields import FloatArray
-from mpmfw.state.structs import State
+from mpmfw.kernels.facets import at_rim, length_of, project
+from mpmfw.kernels.types import Float, Floats
 
 #: Least cosine between a slave node's normal and the direction out of a body by which the node has gone
 #: through it: one that leaves the way it entered, or round a corner, has an angle of 90° or more, or little
@@ -45,29 +38,22 @@ def nearest_facet(s: int, first: int, last: int, outline: Outline, spacing: tupl
 
 
 @device
-def opposition(looks: Floats, m: int, outline: Outline, spacing: tuple[float, ...]) -> Float:
-    """Cosine between the reversed outward normal of a node, ``looks``, and that of facet m."""
-    along, size = against(looks, m, outline, spacing)
-    return along / size
-
-
-@device
-def walk(s: int, m: int, looks: Floats, outline: Outline, spacing: tuple[float, ...]) -> int:
+def walk(s: int, m: int, outward: Floats, outline: Outline, spacing: tuple[float, ...]) -> int:
     """Facet that is locally nearest to node s, reached from facet m along facets that face the node's normal,
-    ``looks``.
+    ``outward``.
 
     From a facet that does not, the way is free to those that face it more.
     """
     least = square_of(s, m, outline, spacing)
     for _ in range(len(outline.facets)):
-        bound = min(opposition(looks, m, outline, spacing), LEAST_COSINE)
+        bound = min(opposition(outward, m, outline, spacing), LEAST_COSINE)
         nearer = -1
         for a in range(len(spacing)):
             n = outline.neighbours[m, a]
             square = square_of(s, n, outline, spacing)
             if hidden(n, outline.body[s], outline):
                 continue
-            if square < least and opposition(looks, n, outline, spacing) >= bound:
+            if square < least and opposition(outward, n, outline, spacing) >= bound:
                 nearer, least = n, square
         if nearer < 0:
             break
@@ -122,7 +108,7 @@ def keep_inside(outline: Outline, candidates: Candidates, through: Floats, spaci
     Number of candidates added.
     """
     added = 0
-    looks, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
+    outward, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
     through[0] = 0.0
     for s in range(len(outline.body)):
         for i in range(candidates.inside.shape[1]):
@@ -136,18 +122,15 @@ def keep_inside(outline: Outline, candidates: Candidates, through: Floats, spaci
             out = distance_to(s, m, outline, share, normal, spacing)
             if past_a_seam(s, m, share, normal, outline, spacing):
                 continue
-            outlook(s, other, outline, looks, spacing)
-            if length_of(looks, spacing) == 0.0:  # covered all round
+            node_outward(s, other, outline, outward, spacing)
+            if length_of(outward, spacing) == 0.0:  # covered all round
                 continue
             if out >= 0.0:
-                along = 0.0
-                for d in range(len(spacing)):
-                    along += looks[d] * normal[d]
-                if along < THROUGH * length_of(looks, spacing):
+                if dot(outward, normal, spacing) < THROUGH * length_of(outward, spacing):
                     continue
                 if out > through[0]:
                     through[0], through[1], through[2] = out, float(s), float(other)
-            m = walk(s, candidates.inside_facet[s, i], looks, outline, spacing)
+            m = walk(s, candidates.inside_facet[s, i], outward, outline, spacing)
             g = behind(s, m, outline, share, normal, spacing)
             if g < 0.0 and not past_a_seam(s, m, share, normal, outline, spacing):
                 added += 1 if candidates.facet[s, place] < 0 else 0
@@ -190,21 +173,37 @@ def crosses(s: int, m: int, outline: Outline, spacing: tuple[float, ...]) -> boo
 
 @device
 def outside_body(
-    s: int, b: int, reach: Float, outline: Outline, grid: SearchGrid, spacing: tuple[float, ...]
+    s: int, b: int, reach: Float, outline: Outline, boxes: Boxes, spacing: tuple[float, ...]
 ) -> bool:
-    """Whether node s is farther than ``reach`` [m] from the box of body b along an axis."""
+    """Return true if node s is farther than ``reach`` [m] from the box of body b along an axis."""
     outside = False
     for d in range(len(spacing)):
         x = outline.position[s, d]
-        if x < grid.box_lower[b, d] - reach or x > grid.box_upper[b, d] + reach:
-            outside = True
+        outside = outside or x < boxes.lower[b, d] - reach or x > boxes.upper[b, d] + reach
     return outside
+
+
+@device
+def add_crossing(
+    s: int, other: int, outline: Outline, candidates: Candidates, spacing: tuple[float, ...]
+) -> int:
+    """Add the facet of body ``other`` through which node s came in the last step; return how many that are,
+    0 or 1."""
+    share, normal = scratch.vector(spacing), scratch.vector(spacing)
+    slot, place = place_of(s, other, candidates)
+    if slot >= 0 or candidates.facet[s, place] >= 0:
+        return 0
+    for m in range(outline.facet_first[other], outline.facet_first[other + 1]):
+        if not hidden(m, outline.body[s], outline) and crosses(s, m, outline, spacing):
+            g = behind(s, m, outline, share, normal, spacing)
+            put(s, place, other, m, g, share, normal, candidates, spacing)
+            return 1
+    return 0
 
 
 @kernel
 def find_crossings(
-    least_travel: float, outline: Outline, first: Ints, second: Ints, rank: Ints, grid: SearchGrid,
-    candidates: Candidates,
+    least_travel: float, outline: Outline, partners: Partners, boxes: Boxes, candidates: Candidates,
     spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """Add nodes that came in through a facet in the last step, and that the search has not seen: they are
@@ -217,51 +216,20 @@ def find_crossings(
     Number of candidates added.
     """
     added, travel, body_first = 0, 0.0, outline.body_first
-    share, normal = scratch.vector(spacing), scratch.vector(spacing)
     for s in range(body_first[-1]):
         for d in range(len(spacing)):
             travel = max(travel, 2.0 * abs(outline.displacement[s, d]))
     if travel < 2.0 * least_travel:
         return 0
-    for c in range(2 * len(first)):
-        mine, other = (first[c // 2], second[c // 2]) if c % 2 == 0 else (second[c // 2], first[c // 2])
-        if rank[mine] > rank[other] or boxes_apart(mine, other, grid.box_lower, grid.box_upper, travel):
-            continue
-        for s in range(body_first[mine], body_first[mine + 1]):
-            if outside_body(s, other, travel, outline, grid, spacing):
+    for mine in range(len(body_first) - 1):
+        for k in range(partners.first[mine], partners.first[mine + 1]):
+            other = partners.body[k]
+            if boxes_apart(mine, other, boxes, travel):
                 continue
-            slot, place = place_of(s, other, candidates)
-            if slot >= 0 or candidates.facet[s, place] >= 0:
-                continue
-            for m in range(outline.facet_first[other], outline.facet_first[other + 1]):
-                if not hidden(m, mine, outline) and crosses(s, m, outline, spacing):
-                    g = behind(s, m, outline, share, normal, spacing)
-                    put(s, place, other, m, g, share, normal, candidates, spacing)
-                    added += 1
-                    break
+            for s in range(body_first[mine], body_first[mine + 1]):
+                if not outside_body(s, other, travel, outline, boxes, spacing):
+                    added += add_crossing(s, other, outline, candidates, spacing)
     return added
-
-
-def crossed(state: State, through: FloatArray) -> SimulationError:
-    """What stops a run in which a node has gone through another body: pair, place and time.
-
-    ``through`` is what :func:`keep_inside` found.
-    """
-    surface = state.surface
-    if surface is None:
-        raise RuntimeError("no surface is tracked")
-    beyond, node, other = float(through[0]), int(through[1]), int(through[2])
-    mine = int(surface.body[node])
-    pair = next(pair for pair in state.pairs if {pair.first, pair.second} == {mine, other})
-    return SimulationError(
-        f"{pair.label}: the bodies have crossed: a surface node came out by the far side of "
-        f"'{state.bodies[other].name}', and is {beyond / state.grid.cell_size:.2g} cells beyond it",
-        body=state.bodies[mine].name,
-        index=node - int(surface.body_first[mine]),
-        position=surface.position[node].tolist(),
-        time=state.time,
-        advice="a slower impact, a stiffer contact, or smaller cells",
-    )
 
 
 @kernel
