@@ -15,9 +15,9 @@ def content(header: Any, data: bytes = b"", longer: int = 0, check: int | None =
     return whole + (zlib.crc32(whole) if check is None else check).to_bytes(8, "little")
 
 
-def header(said: Any, **entries: Any) -> dict[str, Any]:
-    """A header that says this, and has these arrays."""
-    return {"__metadata__": {"mpmfw": "checkpoint 2", "said": json.dumps(said)}, **entries}
+def header(facts: Any = None, **entries: Any) -> dict[str, Any]:
+    """A header that has these facts and these arrays."""
+    return {"__metadata__": {"mpmfw": "checkpoint 3", "facts": json.dumps(facts)}, **entries}
 
 
 def entry(kind: Any, shape: Any, begin: Any, end: Any) -> dict[str, Any]:
@@ -30,8 +30,8 @@ LAST = {"crc32": entry("I64", [1], 0, 8)}
 
 
 def opened(path: Path) -> tuple[dict[str, Any], Any, bytes]:
-    """The header, what it says, and the bare numbers of a checkpoint."""
+    """The header, the facts, and the bare numbers of a checkpoint."""
     whole = path.read_bytes()
     begin = 8 + int.from_bytes(whole[:8], "little")
     found = json.loads(whole[8:begin])
-    return found, json.loads(found["__metadata__"]["said"]), whole[begin:-8]
+    return found, json.loads(found["__metadata__"]["facts"]), whole[begin:-8]

@@ -25,7 +25,7 @@ sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1])]  # a
 from written_out import OneBody, TwoApart  # noqa: E402
 
 from mpmfw.runs.simulation import Simulation  # noqa: E402
-from mpmfw.state.history import Snapshot  # noqa: E402
+from mpmfw.state.fields import AnyArray  # noqa: E402
 from scenes_for_tests import SOFT  # noqa: E402
 
 #: Largest overhead that the plan may cost.
@@ -77,7 +77,7 @@ def reached(simulation: Simulation) -> list[Any]:
     return [array.copy() for array in arrays]
 
 
-def prepared(name: str, points: int) -> tuple[Simulation, OneBody, Snapshot]:
+def prepared(name: str, points: int) -> tuple[Simulation, OneBody, dict[str, AnyArray]]:
     """A scene after some steps, its reference step, and its state, from which both must reach the same."""
     reference, gap, friction = SCENES[name]
     simulation = Simulation(scene(gap, friction, points))
@@ -94,7 +94,9 @@ def prepared(name: str, points: int) -> tuple[Simulation, OneBody, Snapshot]:
     return simulation, written, snapshot
 
 
-def sample(step: Callable[[], None], simulation: Simulation, snapshot: Snapshot, steps: int) -> float:
+def sample(
+    step: Callable[[], None], simulation: Simulation, snapshot: dict[str, AnyArray], steps: int
+) -> float:
     """CPU seconds of some steps from the snapshot on."""
     simulation.restore(snapshot)
     begin = time.process_time()

@@ -140,14 +140,14 @@ def _elsewhere(draw: random.Random, tree: Any) -> None:
 
 def _checkpoint(draw: random.Random, path: Path) -> None:
     """Change what a checkpoint says, or its numbers, such that its checksum is right."""
-    header, said, data = opened(path)
+    header, facts, data = opened(path)
     numbers = bytearray(data)
     for _ in range(draw.choice((1, 1, 2, 5))):
         way = draw.randrange(4)
         if way == 0:
             _elsewhere(draw, header)
         elif way == 1:
-            _elsewhere(draw, said)
+            _elsewhere(draw, facts)
         else:
             arrays = [
                 one
@@ -167,7 +167,7 @@ def _checkpoint(draw: random.Random, path: Path) -> None:
                     )
                 numbers[begin:end] = values.tobytes()
     if isinstance(header.get("__metadata__"), dict):
-        header["__metadata__"]["said"] = json.dumps(said)
+        header["__metadata__"]["facts"] = json.dumps(facts)
     path.write_bytes(content(header, bytes(numbers)))
 
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import copy
-import json
 import os
 import random
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ from mpmfw.errors import MpmfwError
 from mpmfw.plugin.discovery import available, choices
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene, shipped_scenes
-from mpmfw.state.history import NotSaved, Snapshot
+from mpmfw.state.history import NotSaved
 from scenes_for_tests import two_blocks
 
 pytestmark = pytest.mark.filterwarnings("ignore::mpmfw.errors.ResultsWarning")  # settling is cut short
@@ -87,16 +87,10 @@ def run(simulation: Simulation, step: int = -1, path: Path | None = None) -> tup
     return frames, count
 
 
-def timeless(snapshot: Snapshot) -> str:
+def array_bytes(saved: Mapping[str, Any]) -> dict[str, bytes]:
     """All values but seconds."""
     seconds = ("simulation/clock", "simulation/compile_time", "simulation/_settled")
-    return json.dumps(
-        {place: value for place, value in snapshot.values.items() if not place.startswith(seconds)}
-    )
-
-
-def array_bytes(snapshot: Snapshot) -> dict[str, bytes]:
-    return {place: array.tobytes() for place, array in snapshot.arrays.items()}
+    return {place: array.tobytes() for place, array in saved.items() if not place.startswith(seconds)}
 
 
 def same_frames(frames: list[Any], others: list[Any]) -> None:
@@ -121,9 +115,7 @@ def stop_and_go_on(make: Any, path: Path, step: int) -> None:
     rest, left = run(second)
     assert left == steps - step
     same_frames(frames[len(frames) - len(rest) :], rest)
-    one, other = first.snapshot(), second.snapshot()
-    assert array_bytes(one) == array_bytes(other)
-    assert timeless(one) == timeless(other)
+    assert array_bytes(first.snapshot()) == array_bytes(second.snapshot())
     assert first.remarks() == second.remarks()
 
 
@@ -208,9 +200,7 @@ def test_another_scene_or_method_is_refused(tmp_path):
     simulation = Simulation(two_blocks("penalty"))
     simulation.save(tmp_path / "saved")
     other = Simulation(two_blocks("bardenhagen"))
-    with pytest.raises(
-        NotSaved, match=r"^saved were .*plug-in 'penalty'.*; here are .*plug-in 'bardenhagen'"
-    ):
+    with pytest.raises(NotSaved, match=r"^state/arrays/bardenhagen/\w+ was not saved"):
         other.load(tmp_path / "saved")
 
 

@@ -27,12 +27,11 @@ from mpmfw.cli import app
 from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError, SimulationError
 from mpmfw.kernels import integrate_momentum
 from mpmfw.results.reading import read
-from mpmfw.runs.restart import seconds_between
-from mpmfw.runs.run import resume
+from mpmfw.runs.run import resume, seconds_between
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
 from mpmfw_contact.penalty import Penalty
-from mpmfw_shape.cpdi import Cpdi
+from mpmfw_shape.linear import Linear
 from scenes_for_tests import two_blocks, with_changes
 
 pytestmark = pytest.mark.filterwarnings("ignore::mpmfw.errors.ResultsWarning")  # settling is cut short
@@ -275,15 +274,11 @@ def test_a_strategy_object_is_given_again(tmp_path):
     mpmfw.run(BLOCKS, contact=Penalty(kappa=0.5), output=tmp_path / "reference.nc")
     error = stopped(BLOCKS, path, 9, contact=Penalty(kappa=0.5))
     assert "mpmfw.resume('" in str(error)
-    with pytest.raises(
-        SceneError,
-        match=r"contact: the run was given penalty\(kappa=0.5\), found none; mpmfw.resume\(…, contact=…\)",
-    ):
-        resume(path)
-    with pytest.raises(SceneError, match=r"contact: the run was given penalty\(kappa=0.5\), found penalty;"):
-        resume(path, contact=Penalty())
-    with pytest.raises(SceneError, match=r"shape: the run was given no object, found cpdi"):
-        resume(path, contact=Penalty(kappa=0.5), shape=Cpdi())
+    for other in (None, Penalty()):
+        with pytest.raises(SceneError, match=r"^contact: the run had penalty\(kappa=0.5\), found penalty"):
+            resume(path, contact=other)
+    with pytest.raises(SceneError, match=r"^shape: the run had cpdi, found linear; mpmfw.resume takes"):
+        resume(path, contact=Penalty(kappa=0.5), shape=Linear())
     resume(path, contact=Penalty(kappa=0.5))
     same_results(path, tmp_path / "reference.nc")
 
@@ -333,6 +328,31 @@ def test_what_cannot_go_on_says_why(tmp_path):
         dataset.setncattr("kind", "study")
     refused("run.nc: is no run's results, but of kind 'study'; give the command that made it again")
     assert sorted(each.name for each in tmp_path.iterdir()) == ["run.nc", "run.nc.checkpoint"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "objects", "other"),
+    [
+        ({"contact__method": "bardenhagen"}, {}, "scene and contact"),
+        ({"shape__method": "linear"}, {}, "scene and shape and scheme and transfer"),
+        ({"stepping": {"scheme": "usf"}}, {}, "scene and scheme"),
+        ({}, {"contact": Penalty(kappa=0.5)}, "contact"),
+        ({}, {"shape": Linear()}, "shape and scheme and transfer"),
+    ],
+)
+def test_a_checkpoint_and_its_results_are_of_one_run(tmp_path, changes, objects, other):
+    path, run = tmp_path / "run.nc", tmp_path / "other.nc"
+    stopped(BLOCKS, path, 9)
+    stopped(with_changes(BLOCKS, **changes), run, 9, **objects)
+    Path(f"{path}.checkpoint").rename(tmp_path / "kept")
+    Path(f"{run}.checkpoint").rename(f"{path}.checkpoint")
+    (tmp_path / "kept").rename(f"{run}.checkpoint")
+    for kept, given in ((path, objects), (run, {})):
+        before = kept.read_bytes()
+        expected = rf"^{kept}: cannot go on from the checkpoint beside it: the file has another {other}$"
+        with pytest.raises(SceneError, match=expected):
+            resume(kept, **given)
+        assert kept.read_bytes() == before
 
 
 def test_a_new_run_forgets_the_checkpoint_of_the_last(tmp_path):

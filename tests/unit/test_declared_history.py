@@ -48,10 +48,9 @@ def through_a_file(thing: Any, other: Any, path: Path) -> Any:
     [
         (-7, 0),
         (float("inf"), 1.0),
-        ("tëxt\ud800", ""),
         (None, None),
-        (["a", "b"], []),
-        ({"a": 1.0, "b": -2}, {"a": 0.0}),
+        (3.5, None),
+        ({"a": 1.0, "b": -2.0}, {"a": 0.0}),
     ],
 )
 def test_values_come_back(tmp_path, value, built):
@@ -86,52 +85,62 @@ def test_what_is_empty_may_have_any_length(tmp_path):
 @pytest.mark.parametrize(
     ("saved", "built"),
     [
-        (1.0, 1), (None, 1.0), ({"a": 1.0}, {"b": 1.0}),
-        (np.zeros(2), np.zeros(3)), (np.zeros(2), np.zeros(2, dtype="i8")), ({"a": np.zeros(1)}, {"b": np.zeros(1)}),  # noqa: E501
+        (1.0, 1), (1, 1.0), (True, 1), (None, 1.0), ({"a": 1.0}, {"b": 1.0}), (np.zeros(2), None),
+        ({"a": 1.0}, 2.0), (1.0, {"a": 1.0}), ({"a": 1.0, "b": 2}, {"a": 0.0}), (1.0, np.zeros(0)),
+        (np.zeros(2), np.zeros(3)), (np.zeros(2), np.zeros((0, 2))), (np.zeros(2), np.zeros(2, dtype="i8")),
+        (1.0, np.zeros(1)),
+        (np.zeros(1), 1.0), ({"a": np.zeros(1)}, {"b": np.zeros(1)}), ({"a": np.zeros(1)},
+        {"a": np.zeros(1), "b": np.zeros(1)}),
     ],
 )  # fmt: skip
 def test_what_does_not_fit_is_refused_with_its_place(tmp_path, saved, built):
-    with pytest.raises(NotSaved, match=r"^thing/kept(/b)? (does not fit|was not saved)"):
+    with pytest.raises(NotSaved, match=r"^thing/kept(/[ab])? (does not fit|was not saved)"):
         through_a_file(Thing(saved), Thing(built), tmp_path / "file")
 
 
+def test_other_parts_are_refused():
+    with pytest.raises(NotSaved, match="other/values was not saved"):
+        put(take({"one": Part(1.0)}), {"other": Part(1.0)})
+    with pytest.raises(NotSaved, match="other/values has no place in what was built"):
+        put(take({"one": Part(1.0), "other": Part(1.0)}), {"one": Part(1.0)})
+
+
 @pytest.mark.parametrize(
-    "value", [object(), 2**63, np.array([object()])],
+    "value", [object(), 2**63, [1], {"a": "b"}, {1: 2.0}, np.array([object()]), np.zeros(1, dtype="c16"),
+    (1, 2), "text", ["a"]],
     ids=lambda value: type(value).__name__,
 )  # fmt: skip
 def test_what_cannot_be_saved_is_named_with_its_place(value):
-    with pytest.raises(NotSaved, match=r"^thing/kept (is a|has numbers of type) .*; expected"):
+    with pytest.raises(NotSaved, match=r"^thing/kept is a .*; expected"):
         take({"thing": Thing(value)})
 
 
 # -- the file
 
 
-NOTHING = {"parts": ["thing"], "values": {}, "facts": None}
-
 #: Files that say too much, too little or something else.
 CRAFTED: dict[str, bytes] = {
-    "a shape of 1e12 numbers": content(header(NOTHING, a=entry("F64", [10**12], 0, 8))),
-    "a shape that overflows": content(header(NOTHING, a=entry("F64", [2**32, 2**32], 0, 0), **LAST)),
-    "a shape below zero": content(header(NOTHING, a=entry("F64", [-1, -1], 0, 8))),
-    "a shape of a truth": content(header(NOTHING, a=entry("F64", [True], 0, 8))),
-    "hundred dimensions": content(header(NOTHING, a=entry("F64", [1] * 100, 0, 8))),
-    "arrays on each other": content(header(NOTHING, a=entry("F64", [1], 0, 8), **LAST)),
-    "a gap": content(header(NOTHING, a=entry("F64", [1], 8, 16)), bytes(8)),
-    "an end beyond that of the file": content(header(NOTHING, a=entry("F64", [2], 0, 16))),
-    "bytes that belong to nothing": content(header(NOTHING, **LAST), bytes(8)),
-    "objects": content(header(NOTHING, a=entry("O", [1], 0, 8))),
-    "no type": content(header(NOTHING, a=entry([], [1], 0, 8))),
-    "no entry": content(header(NOTHING, a=None)),
-    "a list": content(b'{"__metadata__": {"mpmfw": "checkpoint 2"' + b"[" * 100_000),
-    "nothing said": content({"__metadata__": {"mpmfw": "checkpoint 2"}, **LAST}),
-    "other facts": content({"__metadata__": {"mpmfw": "checkpoint 2", "said": '{"parts": 1, "values": 2}'},
-    **LAST}),
-    "a header longer than the file": content(header(NOTHING, **LAST), longer=10**6),
-    "a header of 2**64 bytes": b"\xff" * 8 + content(header(NOTHING, **LAST))[8:],
-    "another checksum": content(header(NOTHING, **LAST), check=1),
+    "a shape of 1e12 numbers": content(header(a=entry("F64", [10**12], 0, 8))),
+    "a shape that overflows": content(header(a=entry("F64", [2**32, 2**32], 0, 0), **LAST)),
+    "a shape below zero": content(header(a=entry("F64", [-1, -1], 0, 8))),
+    "a shape of a truth": content(header(a=entry("F64", [True], 0, 8))),
+    "hundred dimensions": content(header(a=entry("F64", [1] * 100, 0, 8))),
+    "arrays on each other": content(header(a=entry("F64", [1], 0, 8), **LAST)),
+    "a gap": content(header(a=entry("F64", [1], 8, 16)), bytes(8)),
+    "an end beyond that of the file": content(header(a=entry("F64", [2], 0, 16))),
+    "bytes that belong to nothing": content(header(**LAST), bytes(8)),
+    "objects": content(header(a=entry("O", [1], 0, 8))),
+    "no type": content(header(a=entry([], [1], 0, 8))),
+    "no entry": content(header(a=None)),
+    "a list": content(b'{"__metadata__": {"mpmfw": "checkpoint 3"' + b"[" * 100_000),
+    "no facts": content({"__metadata__": {"mpmfw": "checkpoint 3"}, **LAST}),
+    "other facts": content({"__metadata__": {"mpmfw": "checkpoint 3", "facts": '{"every": 1}'}, **LAST}),
+    "no checksum": content(header()),
+    "a header longer than the file": content(header(**LAST), longer=10**6),
+    "a header of 2**64 bytes": b"\xff" * 8 + content(header(**LAST))[8:],
+    "another checksum": content(header(**LAST), check=1),
     "a number of a million "
-    "digits": content(b'{"__metadata__": {"mpmfw": "checkpoint 2", "said": ' + b"9" * 10**6 + b"}}"),
+    "digits": content(b'{"__metadata__": {"mpmfw": "checkpoint 3", "facts": ' + b"9" * 10**6 + b"}}"),
 }  # fmt: skip
 
 

@@ -58,14 +58,13 @@ def resume(
     trust: TrustOption = False,
 ) -> None:
     """Go on with RUN.nc from its last checkpoint, to the end that it would have had."""
-    from mpmfw.runs.run import last_checkpoint, resuming
+    from mpmfw.runs.run import resumed, run_on
 
-    time, end = last_checkpoint(results, trust)
-    typer.echo(f"{results}: goes on at {time:.6g} s of {end:g} s", err=True)
-    with run_progress(end) as progress:
-        again = resuming(
-            results, progress=progress, force=force, checkpoint=checkpoint, threads=threads, trust=trust
-        )
-        with again:
-            pass
+    options = {"force": force, "checkpoint": checkpoint, "threads": threads, "trust": trust}
+    with resumed(results, **options) as checkpoints:
+        simulation = checkpoints.simulation
+        end = simulation.scene.time.end
+        typer.echo(f"{results}: goes on at {simulation.state.time:.6g} s of {end:g} s", err=True)
+        with run_progress(end) as progress:
+            run_on(checkpoints, progress)
     typer.echo(str(results))

@@ -48,7 +48,7 @@ class TimeStepSeries:
 
     def __init__(self, limits: Callable[[], list[tuple[float, str]]]) -> None:
         self.limits = limits
-        self.owners: list[str] = []
+        self.owners: dict[str, float] = {}  #: their numbers, in the order in which they first set the limit
         self.last = 0
 
     @classmethod
@@ -66,9 +66,8 @@ class TimeStepSeries:
     def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
         """Values at this output; an owner is numbered when it first sets the limit."""
         limit, owner = min(self.limits())
-        if owner not in self.owners:
-            self.owners.append(owner)
+        number = self.owners.setdefault(owner, float(len(self.owners)))
         steps, self.last = state.steps - self.last, state.steps
         mean = interval / steps if steps > 0 and interval > 0.0 else np.nan
-        values = {"time_step": mean, "time_step_limit": limit, "time_step_owner": self.owners.index(owner)}
+        values = {"time_step": mean, "time_step_limit": limit, "time_step_owner": number}
         return {name: np.asarray(float(value)) for name, value in values.items()}

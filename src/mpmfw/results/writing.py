@@ -103,29 +103,29 @@ class RunWriter:
         if self.is_due(time.monotonic()) or self._waiting_bytes > WRITTEN_AT_ONCE:
             self.flush()
 
-    def repeat(self, path: str, count: int) -> None:
-        """Write the first outputs of another file of the same run.
+    def repeat(self, content: AnyArray) -> None:
+        """Write the outputs of another file of the same run, whose bytes are ``content``.
 
         Raises
         ------
         MpmfwError
-            There are not ``count`` of them, or they are of another run.
+            They are damaged, or of another run.
         """
         try:
-            with netCDF4.Dataset(path) as old:
+            with netCDF4.Dataset("results.nc", memory=content) as old:
                 old.set_always_mask(False)
                 old.set_auto_maskandscale(False)
-                self._repeat(old, count, os.path.getsize(path))
+                self._repeat(old, content.nbytes)
         except (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError) as error:
-            raise MpmfwError(f"'{path}' does not hold the first {count} outputs of the run") from error
+            raise MpmfwError("its copy of the results is damaged, or of another run") from error
 
-    def _repeat(self, old: netCDF4.Dataset, count: int, size: int) -> None:
+    def _repeat(self, old: netCDF4.Dataset, size: int) -> None:
         """Write the outputs of a file of some ``size`` [bytes], group after group."""
         pairs: Any = old.variables.get("pair", [])
-        if 8 * max(count, len(pairs)) > size:
+        if 8 * max(len(old["time"]), len(pairs)) > size:
             raise ValueError("the file is shorter than its dimensions say")
-        times = old["time"][:count].tolist()
-        if len(times) < count or not np.isfinite(times).all():
+        times = old["time"][:].tolist()
+        if not np.isfinite(times).all():
             raise ValueError("outputs are missing")
         self._add_pairs(tuple(map(str, pairs[:])))
         wanted = set(times)

@@ -7,7 +7,7 @@ import os
 import signal
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
 from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError, SimulationError
@@ -16,21 +16,19 @@ from mpmfw.results.memory import peak_memory, restart_peak_memory
 from mpmfw.results.replacing import check_replaceable
 from mpmfw.runs.interruption import interruptible
 from mpmfw.runs.limits import check_length, remark_on_size, remark_on_threads
-from mpmfw.runs.restart import (
-    EVERY,
-    Checkpoints,
-    check_same,
-    checkpoint_path,
-    read_checkpoint,
-    rewritten,
-    seconds_between,
-)
+from mpmfw.runs.restart import Checkpoints, check_same, checkpoint_path, read_checkpoint, rewritten
 from mpmfw.runs.simulation import Simulation, chosen_methods
 from mpmfw.scene import load_scene, located
+from mpmfw.scene.loading import refuse_code, scene_from
+from mpmfw.scene.override import parse_value
 from mpmfw.state.history import NotSaved
+from mpmfw.units import to_si
 
 if TYPE_CHECKING:
     import xarray as xr
+
+#: Seconds of wall time between two checkpoints.
+EVERY = 600.0
 
 
 def run(
@@ -84,8 +82,9 @@ def run(
     """
     if checkpoint is not None and output is None:
         raise SceneError("checkpoint: has no effect on results that are kept in memory; give an output")
-    with _writing(scene, contact, shape, output, progress, set, force, checkpoint, threads) as writer:
-        return writer.results()
+    with _begun(scene, contact, shape, output, set, force, checkpoint, threads) as checkpoints:
+        run_on(checkpoints, progress)
+        return checkpoints.writer.results()
 
 
 def run_to_file(
@@ -96,23 +95,22 @@ def run_to_file(
     checkpoint: float | str | None = None,
 ) -> None:
     """Run a scene and leave its results in the file; the rest is as :func:`run` says."""
-    with _writing(scene, None, None, output, progress, None, force, checkpoint, None):
-        pass
+    with _begun(scene, None, None, output, None, force, checkpoint, None) as checkpoints:
+        run_on(checkpoints, progress)
 
 
 @contextmanager
-def _writing(
+def _begun(
     scene: Any,
     contact: Any,
     shape: Any,
     output: str | os.PathLike[str] | None,
-    progress: Callable[[float, int], None] | None,
     set: Mapping[str, Any] | None,
     force: bool,
     checkpoint: float | str | None,
     threads: int | None,
-) -> Iterator[RunWriter]:
-    """The writer of a run that has come to its end."""
+) -> Iterator[Checkpoints]:
+    """The checkpoints of a run before its first step, with its simulation and its writer."""
     restart_peak_memory()
     every = EVERY if checkpoint is None else seconds_between(checkpoint)
     path = None if output is None else os.path.abspath(output)  # a plug-in may change the working folder
@@ -136,10 +134,26 @@ def _writing(
         if method is not None and not isinstance(method, str)
     }
     with interruptible() as signals, RunWriter(path, header) as writer:
-        checkpoints = Checkpoints(simulation, writer, signals, every, objects, [])
+        checkpoints = Checkpoints(simulation, writer, signals, every, objects)
         checkpoints.forget()  # of a run that was here before
-        run_on(simulation, writer, checkpoints, progress)
-        yield writer
+        yield checkpoints
+
+
+def seconds_between(given: float | str) -> float:
+    """Return the wall time between two checkpoints [s] of a number, or of a text such as ``"10 min"``.
+
+    Raises
+    ------
+    SceneError
+        It is no time, or below 0.
+    """
+    with suppress(ValueError):
+        seconds = to_si(parse_value(given) if isinstance(given, str) else given, "s")
+        if isinstance(seconds, int | float) and seconds >= 0.0:
+            return float(seconds)
+    raise SceneError(
+        f"checkpoint {given}: expected a time such as 600 or '10 min'; 0 is after every step, inf never"
+    )
 
 
 def resume(
@@ -184,64 +198,49 @@ def resume(
     SimulationError, Interrupted
         As :func:`mpmfw.run`.
     """
-    with resuming(results, contact, shape, progress, force, checkpoint, threads, trust) as writer:
-        return writer.results()
+    with resumed(results, contact, shape, force, checkpoint, threads, trust) as checkpoints:
+        run_on(checkpoints, progress)
+        return checkpoints.writer.results()
 
 
 @contextmanager
-def resuming(
+def resumed(
     results: str | os.PathLike[str],
     contact: Any = None,
     shape: Any = None,
-    progress: Callable[[float, int], None] | None = None,
     force: bool = False,
     checkpoint: float | str | None = None,
     threads: int | None = None,
     trust: bool = False,
-) -> Iterator[RunWriter]:
-    """Context of the writer of a run that was taken up and has come to its end; the rest is as :func:`resume`
-    says.
+) -> Iterator[Checkpoints]:
+    """The checkpoints of a run that was taken up, with its simulation and its writer; the rest is as
+    :func:`resume` says.
     """
     every = None if checkpoint is None else seconds_between(checkpoint)
     restart_peak_memory()
     path = os.path.abspath(results)
-    snapshot, facts, scene = read_checkpoint(path, trust)
+    last = read_checkpoint(path)
+    if not trust:
+        refuse_code(last.facts.scene)
+    scene = scene_from(last.facts.scene, {})
     objects = {kind: one for kind, one in (("contact", contact), ("shape", shape)) if one is not None}
-    check_same(facts, scene, objects, force)
-    resumed = [*facts.resumed, facts.time]
     simulation = Simulation(scene, contact=contact, shape=shape, threads=threads)
-    header = simulation.header({"resumed": json.dumps(resumed)})  # names the pairs that its first output has
+    header = simulation.header(
+        {"resumed": json.dumps(last.facts.times)}
+    )  # names the pairs of its first output
+    check_same(last, header, scene, objects, force)
     try:
-        simulation.restore(snapshot)
+        simulation.restore(last.saved)
     except NotSaved as error:
         raise SceneError(
             f"{checkpoint_path(path)}: does not fit what is built from its scene: {error}"
         ) from error
-    every = facts.every if every is None else every
-    with interruptible() as signals, rewritten(snapshot, path, facts.frames, header) as writer:
-        checkpoints = Checkpoints(simulation, writer, signals, every, objects, resumed)
-        run_on(simulation, writer, checkpoints, progress)
-        yield writer
+    every = last.facts.every if every is None else every
+    with interruptible() as signals, rewritten(path, last, header) as writer:
+        yield Checkpoints(simulation, writer, signals, every, objects, last.facts.times)
 
 
-def last_checkpoint(results: str | os.PathLike[str], trust: bool = False) -> tuple[float, float]:
-    """Return the time of the checkpoint beside a run's file, and that of the run's end [s].
-
-    Raises
-    ------
-    SceneError
-        There is none, or it is damaged.
-    """
-    _, facts, scene = read_checkpoint(os.path.abspath(results), trust)
-    return facts.time, scene.time.end
-
-
-def run_on(
-    simulation: Simulation,
-    writer: RunWriter,
-    checkpoints: Checkpoints,
-    progress: Callable[[float, int], None] | None,
-) -> None:
+def run_on(checkpoints: Checkpoints, progress: Callable[[float, int], None] | None) -> None:
     """Run a simulation, from where it is, to its end, or to the end of the step in which a signal comes.
 
     Raises
@@ -249,7 +248,7 @@ def run_on(
     SimulationError, Interrupted
         As :func:`run` says.
     """
-    signals = checkpoints.signals
+    simulation, writer, signals = checkpoints.simulation, checkpoints.writer, checkpoints.signals
     try:
         with signals.deferred():
             simulation.run(signals.whole(writer.write), progress, checkpoints)
@@ -260,7 +259,7 @@ def run_on(
         raise
     except KeyboardInterrupt as error:
         writer.finish(_end(simulation, "interrupted"))
-        text = _how_to_go_on(writer, simulation, checkpoints)
+        text = _how_to_go_on(checkpoints)
         raise Interrupted(getattr(error, "number", signal.SIGINT), text) from None
     checkpoints.forget()
     if signals.waiting is not None:
@@ -268,13 +267,14 @@ def run_on(
             signals.waiting, f"interrupted after the last step: {writer.path or 'the run'} is complete"
         )
     for concern in simulation.concerns():
-        warnings.warn(concern, ResultsWarning, stacklevel=5)
+        warnings.warn(concern, ResultsWarning, stacklevel=3)
 
 
-def _how_to_go_on(writer: RunWriter, simulation: Simulation, checkpoints: Checkpoints) -> str:
+def _how_to_go_on(checkpoints: Checkpoints) -> str:
     """What an interrupted run leaves, and how to go on."""
+    simulation, writer = checkpoints.simulation, checkpoints.writer
     text = f"interrupted at {simulation.state.time:.6g} s of {simulation.scene.time.end:g} s"
-    if checkpoints.written:
+    if checkpoints.path is not None and os.path.isfile(checkpoints.path):
         python = ", contact= or shape= as before" if checkpoints.objects else ""
         how = f"mpmfw.resume({writer.path!r}{python})" if python else f"mpmfw resume {writer.path}"
         return f"{text}: {writer.path} keeps the {writer.frames} outputs that it reached; {how} goes on"

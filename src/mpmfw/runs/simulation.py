@@ -25,8 +25,8 @@ from mpmfw.runs.restart import read_snapshot, write_snapshot
 from mpmfw.runs.sizing import warnings_about
 from mpmfw.runs.timestep import TimeStep
 from mpmfw.state.clock import STAGES, STEP_STAGES, Clock
-from mpmfw.state.fields import Field
-from mpmfw.state.history import NotSaved, Snapshot, put, take
+from mpmfw.state.fields import AnyArray, Field
+from mpmfw.state.history import NotSaved, put, take
 from mpmfw.state.pairs import list_near
 from mpmfw.state.structs import State
 from mpmfw.state.windows import is_cut_off, lay_windows, set_windows
@@ -403,7 +403,7 @@ class Simulation:
     # -- how it is kept
     # -----------------------------------------------------------------------------------------------
 
-    def snapshot(self) -> Snapshot:
+    def snapshot(self) -> dict[str, AnyArray]:
         """All values that the next step, the next output or the end depend on, between two steps.
 
         Raises
@@ -415,7 +415,7 @@ class Simulation:
         self.clock.flush()
         return take(self._parts())
 
-    def restore(self, snapshot: Snapshot) -> None:
+    def restore(self, saved: Mapping[str, AnyArray]) -> None:
         """Take the values of a simulation of the same scene and methods: this one goes on as that one does,
         to the bit.
 
@@ -424,8 +424,8 @@ class Simulation:
         NotSaved
             It was another scene, or other methods, or the values are not those of a simulation.
         """
-        state, saved = self.state, snapshot.arrays
-        if "simulation/_settling" not in snapshot.values and self.scene.settle is not None:
+        state = self.state
+        if "simulation/_settling" not in saved and self.scene.settle is not None:
             self.begin_settling()
         try:
             if state.near is not None and state.near.restore(state, saved["state/pair_bodies"]):
@@ -434,7 +434,7 @@ class Simulation:
             set_windows(state.grid, lower, shape, len(saved["state/grid/mass"]))
         except (LookupError, ValueError, TypeError) as error:
             raise NotSaved("it was not saved where the bodies are") from error
-        put(snapshot, self._parts())
+        put(saved, self._parts())
 
     def restored(self) -> None:
         """Refuse values with which the run would not come to its end.

@@ -1,15 +1,14 @@
-"""Declared history: the values that a run keeps from step to step, by place.
+"""Declared history: the values that a run keeps from step to step, as arrays by place, ``PART/NAME``.
 
 A class names them, ``history = ("work", "gained")``, beside those that its bases name. They are numbers,
-texts, arrays, lists of texts, dictionaries of numbers or of arrays, and parts with a history of their own.
-All else is built anew from the scene. Saved values take the places of those that were built and are of their
-type and shape: they name no class and no function. A part may have a method ``restored``, which is called
-when all values are there."""
+arrays, dictionaries of either, and parts with a history of their own; None stands for a number that is not
+known yet. All else is built anew from the scene. Saved values take the places of those that were built, and
+are of their type and shape. A part may have a method ``restored``, which is called when all values are
+there."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,7 @@ import numpy as np
 from mpmfw.errors import MpmfwError
 from mpmfw.state.fields import AnyArray
 
-#: Types of numbers that arrays may have.
+#: Types of numbers that may be saved.
 TYPES = ("<f8", "<f4", "<i8", "<i4", "|i1", "|u1", "|b1")
 
 
@@ -25,59 +24,37 @@ class NotSaved(MpmfwError):
     """A history holds something that cannot be saved, or what was saved does not fit."""
 
 
-@dataclass
-class Snapshot:
-    """What a simulation keeps from step to step.
-
-    Attributes
-    ----------
-    parts
-        Names of the parts, as messages have them.
-    values, arrays
-        By place, ``PART/NAME``.
-    """
-
-    parts: list[str]
-    values: dict[str, Any]
-    arrays: dict[str, AnyArray]
-
-
 def history_of(part: Any) -> tuple[str, ...] | None:
-    """Names that the classes of an object declare, those of its bases first; None if none of them declares
-    any.
-    """
+    """Return the names that the classes of an object declare, those of its bases first; None without any."""
     declared = [vars(kind)["history"] for kind in reversed(type(part).__mro__) if "history" in vars(kind)]
     return tuple(dict.fromkeys(name for names in declared for name in names)) if declared else None
 
 
-def take(parts: Mapping[str, Any]) -> Snapshot:
-    """Copy the values of parts, by their names.
+def take(parts: Mapping[str, Any]) -> dict[str, AnyArray]:
+    """Copy the values of parts, by their names. A number is an array without dimensions, None an empty one.
 
     Raises
     ------
     NotSaved
-        A history names something that there is not, or that cannot be saved.
+        A history names something that does not exist or cannot be saved.
     """
-    snapshot = Snapshot(list(parts), {}, {})
+    saved = {}
     for holder, name, place in _places(parts, []):
         value = getattr(holder, name)
-        arrays = _arrays_of(value, place)
-        for key, array in arrays.items():
-            if array.dtype.str not in TYPES:
-                raise NotSaved(f"{key} has numbers of type {array.dtype}; expected one of {', '.join(TYPES)}")
-            snapshot.arrays[key] = array.copy()
-        if not arrays:
-            snapshot.values[place] = value.item() if isinstance(value, np.generic) else value
-            if not _is_plain(snapshot.values[place]):
+        values = value if isinstance(value, dict) else {None: value}
+        for key, one in values.items():
+            plain = isinstance(one, int | float | np.generic | np.ndarray)
+            array = np.zeros(0) if one is None else np.array(one if plain else None)
+            if array.dtype.str not in TYPES or not isinstance(key, str | None):
                 raise NotSaved(
-                    f"{place} is a {type(value).__name__}; expected numbers, texts, arrays, lists of texts, "
-                    "dictionaries of "
-                    "numbers or of arrays, or an object whose class has a history"
+                    f"{place} is a {type(value).__name__} that holds {one!r:.60}; expected numbers, arrays "
+                    f"of {', '.join(TYPES)}, dictionaries of these, or an object whose class has a history"
                 )
-    return snapshot
+            saved[place if key is None else f"{place}/{key}"] = array
+    return saved
 
 
-def put(snapshot: Snapshot, parts: Mapping[str, Any]) -> None:
+def put(saved: Mapping[str, AnyArray], parts: Mapping[str, Any]) -> None:
     """Give values to parts that were built alike; arrays of an unchanged shape are filled in place.
 
     Raises
@@ -85,40 +62,27 @@ def put(snapshot: Snapshot, parts: Mapping[str, Any]) -> None:
     NotSaved
         They were built otherwise.
     """
-    if snapshot.parts != list(parts):
-        raise NotSaved(f"saved were {', '.join(snapshot.parts)}; here are {', '.join(parts)}")
-    visited: list[Any] = []
+    left, visited = dict(saved), list[Any]()
     for holder, name, place in _places(parts, visited):
         old = getattr(holder, name)
-        if place in snapshot.values:
-            if not _fits(snapshot.values[place], old):
-                raise NotSaved(
-                    f"{place} does not fit: found {snapshot.values[place]!r:.60}, here is {old!r:.60}"
-                )
-            if isinstance(old, dict):
-                old.clear()
-                old.update(snapshot.values[place])
-            else:
-                setattr(holder, name, snapshot.values[place])
-            continue
-        here = _arrays_of(old, place)
-        there = {key: _fitting(key, snapshot.arrays.get(key), array) for key, array in here.items()}
-        if not here:
-            raise NotSaved(f"{place} was not saved")
-        by_setter = getattr(getattr(type(holder), name, None), "fset", None) is not None
-        if not by_setter and all(array.shape == there[key].shape for key, array in here.items()):
-            for key, array in here.items():
-                array[...] = there[key]
+        new: Any
+        if isinstance(old, dict):
+            keys = dict.fromkeys(old)
+            if not any(isinstance(one, np.ndarray) for one in old.values()):  # numbers may join later
+                keys |= dict.fromkeys(key[len(place) + 1 :] for key in left if key.startswith(f"{place}/"))
+            new = {k: _fitting(f"{place}/{k}", left.pop(f"{place}/{k}", None), old.get(k, 0.0)) for k in keys}
         else:
-            copies = {key.removeprefix(f"{place}/"): array.copy() for key, array in there.items()}
-            setattr(holder, name, copies if isinstance(old, dict) else copies[place])
+            new = _fitting(place, left.pop(place, None), old)
+        _assign(holder, name, old, new)
+    if left:
+        raise NotSaved(f"{next(iter(left))} has no place in what was built")
     for part in visited:
         if hasattr(part, "restored"):
             part.restored()
 
 
 def check_indices(count: int, **arrays: AnyArray) -> None:
-    """Refuse numbers in ``arrays`` that are no indices of ``count`` things, and not −1 for none.
+    """Refuse numbers in ``arrays`` that are neither indices of ``count`` things nor −1 for none.
 
     Raises
     ------
@@ -131,7 +95,7 @@ def check_indices(count: int, **arrays: AnyArray) -> None:
 
 
 def _places(parts: Mapping[str, Any], visited: list[Any]) -> Iterator[tuple[Any, str, str]]:
-    """Holder, attribute and place of every value of parts and of the parts that they keep, which are
+    """Holder, attribute and place of every value of parts and of their own parts, all of which are
     ``visited``.
     """
     for place, part in parts.items():
@@ -146,43 +110,33 @@ def _places(parts: Mapping[str, Any], visited: list[Any]) -> Iterator[tuple[Any,
                 yield from _places({f"{place}/{name}": value}, visited)
 
 
-def _arrays_of(value: Any, place: str) -> dict[str, AnyArray]:
-    """Arrays that a value is or has, by place; nothing of any other value."""
-    if isinstance(value, np.ndarray):
-        return {place: value}
-    if isinstance(value, dict) and all(isinstance(one, np.ndarray) for one in value.values()):
-        return {f"{place}/{key}": one for key, one in value.items()}
-    return {}
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, float) or (isinstance(value, int) and -(2**63) <= value < 2**63)
-
-
-def _is_plain(value: Any) -> bool:
-    """Whether JSON has the value as it is."""
-    if isinstance(value, list):
-        return all(isinstance(one, str) for one in value)
-    if isinstance(value, dict):
-        return all(isinstance(key, str) and _is_number(one) for key, one in value.items())
-    return value is None or isinstance(value, str) or _is_number(value)
-
-
-def _fits(new: Any, old: Any) -> bool:
-    """Whether a value that was read may take the place of one that was built."""
-    old = old.item() if isinstance(old, np.generic) else old
-    if not _is_plain(new) or (isinstance(old, dict) and isinstance(new, dict) and old.keys() - new.keys()):
-        return False
-    return type(new) is type(old) or (old is None and _is_number(new))
-
-
-def _fitting(place: str, new: AnyArray | None, old: AnyArray) -> AnyArray:
-    """The saved array of a place; the length is that of the one there, any if that is empty."""
+def _fitting(place: str, new: AnyArray | None, old: Any) -> Any:
+    """Return the saved value of a place as the value there is; an empty array there takes any length."""
     if new is None:
         raise NotSaved(f"{place} was not saved")
-    length = old.shape[:1] if old.shape[:1] != (0,) else new.shape[:1]
-    if (new.dtype, new.shape) != (old.dtype, (*length, *old.shape[1:])):
+    here = np.zeros(0) if old is None else np.asarray(old)
+    free = here.shape[:1] == (0,)
+    alike = new.dtype == here.dtype and new.ndim == here.ndim and new.shape[free:] == here.shape[free:]
+    if not (new.shape in ((), (0,)) if old is None else alike):
         raise NotSaved(
-            f"{place} does not fit: found {new.dtype} {new.shape}, here is {old.dtype} {old.shape}"
+            f"{place} does not fit: found {new.dtype} {new.shape}, here is {here.dtype} {here.shape}"
         )
-    return new
+    if isinstance(old, np.ndarray):
+        return new.copy()
+    return new.item() if new.ndim == 0 else None
+
+
+def _assign(holder: Any, name: str, old: Any, new: Any) -> None:
+    """Give an attribute its value: by its setter, or within the arrays and the dictionary that are there."""
+    olds, news = (old, new) if isinstance(old, dict) else ({name: old}, {name: new})
+    arrays = {key: array for key, array in olds.items() if isinstance(array, np.ndarray)}
+    by_setter = getattr(getattr(type(holder), name, None), "fset", None) is not None
+    if by_setter or any(array.shape != news[key].shape for key, array in arrays.items()):
+        setattr(holder, name, new)
+        return
+    for key, array in arrays.items():
+        array[...] = news[key]
+    if isinstance(old, dict):
+        old.update({key: value for key, value in news.items() if key not in arrays})
+    elif not arrays:
+        setattr(holder, name, new)
