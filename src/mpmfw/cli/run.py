@@ -60,8 +60,7 @@ def resume(
     """Go on with RUN.nc from its last checkpoint, to the end that it would have had."""
     from mpmfw.runs.run import resumed, run_on
 
-    options = {"force": force, "checkpoint": checkpoint, "threads": threads, "trust": trust}
-    with resumed(results, **options) as checkpoints:
+    with resumed(results, None, None, force, checkpoint, threads, trust) as checkpoints:
         simulation = checkpoints.simulation
         end = simulation.scene.time.end
         typer.echo(f"{results}: goes on at {simulation.state.time:.6g} s of {end:g} s", err=True)

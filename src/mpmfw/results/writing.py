@@ -103,7 +103,7 @@ class RunWriter:
         if self.is_due(time.monotonic()) or self._waiting_bytes > WRITTEN_AT_ONCE:
             self.flush()
 
-    def repeat(self, content: AnyArray) -> None:
+    def repeat(self, content: Any) -> None:
         """Write the outputs of another file of the same run, whose bytes are ``content``.
 
         Raises

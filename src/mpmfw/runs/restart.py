@@ -85,6 +85,7 @@ def write_snapshot(path: str, saved: Mapping[str, AnyArray], facts: Facts | None
     text, check = json.dumps(header).encode(), 0
     with replacement(path) as growing, open(growing, "xb") as file:
         arrays = (np.ascontiguousarray(array).view(np.uint8) for array in saved.values())
+        block: Any
         for block in (len(text).to_bytes(8, "little"), text, *arrays):
             check = zlib.crc32(block, check)
             file.write(block)
@@ -205,7 +206,7 @@ class Checkpoints:
         try:
             self.writer.flush()
             # A kill within a sync can leave the results' file unreadable: HDF5 changes its tables in place
-            results = np.memmap(os.fspath(self.writer.path), np.uint8, "r")
+            results = np.memmap(str(self.writer.path), np.uint8, "r")
             self._facts.times[-1] = self.simulation.state.time
             write_snapshot(self.path, {**self.simulation.snapshot(), RESULTS: results}, self._facts)
             self._next = time.monotonic() + self._facts.every
@@ -216,7 +217,7 @@ class Checkpoints:
     def forget(self) -> None:
         """Remove the checkpoint and what unfinished writing left; a foreign file of its name stays."""
         if self.path is not None and not is_foreign(self.path):
-            for path in (Path(self.path), *abandoned(self.path), *abandoned(self.writer.path)):
+            for path in (Path(self.path), *abandoned(self.path), *abandoned(str(self.writer.path))):
                 with contextlib.suppress(OSError):
                     path.unlink()
 
@@ -276,7 +277,7 @@ def read_checkpoint(path: str) -> Checkpoint:
     return Checkpoint(saved, results, made_with, facts)
 
 
-def _attributes(path: str, content: AnyArray | None = None) -> dict[str, str]:
+def _attributes(path: str, content: Any = None) -> dict[str, str]:
     """Root attributes of results, as texts."""
     try:
         with netCDF4.Dataset(path, memory=content) as dataset:
