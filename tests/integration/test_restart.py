@@ -200,7 +200,7 @@ def test_another_scene_or_method_is_refused(tmp_path):
     simulation = Simulation(two_blocks("penalty"))
     simulation.save(tmp_path / "saved")
     other = Simulation(two_blocks("bardenhagen"))
-    with pytest.raises(NotSaved, match="^state/kept_arrays/bardenhagen/impulse was not saved"):
+    with pytest.raises(NotSaved, match=r"^state/kept_arrays/bardenhagen/impulse was not saved"):
         other.load(tmp_path / "saved")
 
 
