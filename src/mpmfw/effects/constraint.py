@@ -94,7 +94,7 @@ class Constraint:
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
         """Return the fixed and moving sides of all bodies."""
-        held, shape = list(setup.sides(loaded=False)), setup.shape_function
+        held, shape = setup.held_sides, setup.shape_function
         sides = tuple(_prescribed(setup, body, side) for body, side in held)
         calls = 2 if setup.scheme == "usf" else 1
         constraint = cls(sides, shape.boundary_degree, staggered=shape.staggered, calls=calls)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -154,16 +155,28 @@ class Settling:
 
     Parameters
     ----------
-    asked
-        The scene's table ``settle``.
-    state
-        Before the first step.
+    setup
+        Of a scene that settles, before the first step. Its plug-ins with a method ``while_settling`` are told
+        the scene's table now, and None at the end.
+
+    Attributes
+    ----------
+    damping
+        Plug-in to be registered until :meth:`finish` returns.
+    transfer
+        Between points and grid meanwhile.
     """
 
     history = ("ratios", "residual", "elapsed", "damping")
 
-    def __init__(self, asked: Settle, state: State) -> None:
-        self.limit, self.tolerance = longest_settling(asked, state.bodies), asked.tolerance
+    def __init__(self, setup: Setup) -> None:
+        asked = setup.scene.settle
+        assert asked is not None
+        self.limit, self.tolerance = longest_settling(asked, setup.bodies), asked.tolerance
+        self.transfer = replace(setup.exchange, flip=min(setup.flip, FLIP_SHARE))
+        self.others = [plugin for plugin in setup.plugins if hasattr(plugin, "while_settling")]
+        for plugin in self.others:
+            plugin.while_settling(asked)
         self.damping = LocalDamping()
         self.residual, self.elapsed = 1.0, 0.0
         self.ratios = np.ones(STEPS_OF_MEAN)  #: of residual to internal forces, of the last steps
@@ -210,3 +223,9 @@ class Settling:
             "settle_steps": state.steps,
             "settle_simulated_time": self.elapsed,
         }
+
+    def end(self, state: State) -> None:
+        """Stop all motion; loads and sides are the scene's own again."""
+        stop_motion(state)
+        for plugin in self.others:
+            plugin.while_settling(None)

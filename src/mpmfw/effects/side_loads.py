@@ -66,12 +66,12 @@ def from_setup(setup: Setup) -> Acts:
         No facet lies on one of them.
     """
     surface, loads = tracked(setup.state), []
-    for body, side in setup.sides(loaded=True):
+    for body, side in setup.loaded_sides:
         normal, place = face_of(setup, body, side)
         own, tolerance = surface.facets_of(body.index), FLAT * setup.cell_size
         loaded = facets_on_side(surface.position, surface.facets, own, normal, place, tolerance)
         if len(loaded) == 0:
             raise SceneError(f"bodies.{body.name}.sides: no surface facet lies on the side '{side.side}'")
         loads.append(SideLoad(body, side, loaded))
-    sides = ", ".join(f"{body.name} {side.side}" for body, side in setup.sides(loaded=True))
+    sides = ", ".join(f"{body.name} {side.side}" for body, side in setup.loaded_sides)
     return Acts(sides, loads)

@@ -123,7 +123,7 @@ class SurfaceTracker:
         """Make the surfaces, which a contact, a load or the least gap needs, and track them."""
         contact, state = (setup.whole or setup).contact, setup.state
         by_contact = contact is not None and contact.needs_surface
-        loaded = any(plugin.needs_surface for plugin in setup.named_plugins) or any(setup.sides(loaded=True))
+        loaded = setup.loaded_sides or any(plugin.needs_surface for plugin in setup.named_plugins)
         stage = "contact" if by_contact else "force" if loaded else "gap"
         state.surface = make_surface(state.bodies, state.grid.n_fields, stage)
         chosen = contact.surface_map if contact is not None and by_contact else "auto"

@@ -131,7 +131,7 @@ def declared_fields(answers: Iterable[tuple[Any, Iterable[Field]]]) -> tuple[Fie
                     f"{described(plugin)} and {owner} both declare a field '{field.name}'; expected another "
                     "name"
                 )
-    return tuple(field for _, field in owners.values())
+    return tuple([field for _, field in owners.values()])
 
 
 def of_points(method: str, material: Any, state: State, own: slice) -> FloatArray:

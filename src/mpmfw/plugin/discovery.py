@@ -129,7 +129,7 @@ def choices(kind: Kind) -> Available:
 
 def _search_path() -> tuple[tuple[str, int], ...]:
     """The folders that distributions are looked for in, with the times at which one came or went."""
-    return tuple((folder, os.stat(folder).st_mtime_ns) for folder in sys.path if os.path.isdir(folder))
+    return tuple([(folder, os.stat(folder).st_mtime_ns) for folder in sys.path if os.path.isdir(folder)])
 
 
 @functools.lru_cache(maxsize=16)

@@ -105,8 +105,8 @@ class BoundHooks:
     def __init__(self, manager: pluggy.PluginManager, clock: Clock, state: State | None = None) -> None:
         observers = [each for _, each in manager.list_name_plugin() if isinstance(each, Observer)]
         for name in self.__slots__:
-            own = [each for each in observers if name in each.observes]
             of_run = None if name in BEFORE_THE_RUN else state
+            own = [each for each in observers if name in each.observes] if observers else []
             setattr(self, name, _bind(getattr(manager.hook, name), clock, of_run, own))
 
     if TYPE_CHECKING:
@@ -121,14 +121,14 @@ def _nothing(**arguments: object) -> None:
 def _bind(
     caller: pluggy.HookCaller, clock: Clock, state: State | None, observers: Sequence[Observer]
 ) -> Callable[..., Any]:
-    implementations = list(reversed(caller.get_hookimpls()))  # pluggy calls the last registered first
+    implementations = caller.get_hookimpls()
     if not implementations and not observers:
         return _nothing
-    bound = _written_out(
-        caller, [impl for impl in implementations if not impl.wrapper], clock, state, observers
-    )
-    for impl in reversed([impl for impl in implementations if impl.wrapper]):
-        bound = _around(impl, caller.name, bound, state)
+    calls = [impl for impl in reversed(implementations) if not impl.wrapper]  # pluggy calls the last first
+    bound = _written_out(caller, calls, clock, state, observers)
+    for impl in implementations if len(calls) < len(implementations) else ():
+        if impl.wrapper:
+            bound = _around(impl, caller.name, bound, state)
     return bound
 
 
@@ -166,7 +166,8 @@ def _written_out(
     first_result = bool(caller.spec.opts.get("firstresult"))
     names: dict[str, Any] = {"clock": clock, "passed_on": (*PASSED_ON, OutsideGrid)}
     names["failed"] = lambda error, plugin: failure(error, plugin, name, state)
-    names |= {f"observer_{k}": observer for k, observer in enumerate(observers)}
+    for k, observer in enumerate(observers):
+        names[f"observer_{k}"] = observer
     told = functools.partial(_told, hook=name, given=given, observers=observers)
     before, after = (told("before", "plugin"), told("after", "plugin")) if observers else ([], [])
     lines = told("before", "None") if observers else []
@@ -207,7 +208,9 @@ def _written_out(
         "        raise failed(error, plugin) from error",
         *([] if first_result else ["    return results"]),
     ]
-    return _defined("\n".join(text), name, names)
+    exec(_compiled("\n".join(text), name), names)
+    bound: Callable[..., Any] = names[name]
+    return bound
 
 
 def _told(
@@ -225,13 +228,6 @@ def _told(
             "    clock(previous)",
         )
     ]
-
-
-def _defined(text: str, name: str, names: dict[str, Any]) -> Callable[..., Any]:
-    """Return the function ``name`` that ``text`` defines, with what its calls refer to."""
-    exec(_compiled(text, name), names)
-    made: Callable[..., Any] = names[name]
-    return made
 
 
 @functools.cache

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -73,7 +73,7 @@ class Setup:
     plugins: list[Any] = field(default_factory=list)  #: that act, in the order of their calls
     rotations: dict[str, str] = field(default_factory=dict)  #: how every body's inertia is treated
 
-    @property
+    @functools.cached_property
     def bodies(self) -> tuple[Body, ...]:
         """All bodies, in the scene's order."""
         return self.state.bodies
@@ -96,12 +96,12 @@ class Setup:
             return True
         return near.has_friction if near is not None else any(pair.mu > 0.0 for pair in self.pairs)
 
-    @property
+    @functools.cached_property
     def dim(self) -> int:
         """Number of space dimensions."""
         return self.state.grid.dim
 
-    @property
+    @functools.cached_property
     def cell_size(self) -> float:
         """Edge of a cell, h [m]."""
         return self.state.grid.cell_size
@@ -111,17 +111,24 @@ class Setup:
         """Whether every body has a velocity field of its own."""
         return self.state.grid.n_fields == len(self.bodies)
 
-    def sides(self, *, loaded: bool) -> Iterator[tuple[Body, Side]]:
-        """Bodies and their sides under a load, or those whose motion is prescribed."""
-        for body in self.bodies:
-            for side in self.scene.bodies[body.name].sides:
-                if side.is_loaded == loaded:
-                    yield body, side
+    @functools.cached_property
+    def held_sides(self) -> list[tuple[Body, Side]]:
+        """Bodies and their sides whose motion is prescribed."""
+        return [each for each in self._sides if not each[1].is_loaded]
+
+    @functools.cached_property
+    def loaded_sides(self) -> list[tuple[Body, Side]]:
+        """Bodies and their sides under a load."""
+        return [each for each in self._sides if each[1].is_loaded]
+
+    @property
+    def _sides(self) -> list[tuple[Body, Side]]:
+        return [(body, side) for body in self.bodies for side in self.scene.bodies[body.name].sides]
 
     def is_held(self, body: Body) -> bool:
         """Return whether the body has prescribed sides, or a boundary condition."""
         named = any(body in boundary.bodies for boundary in self.named["boundaries"].values())
-        return named or any(body is held for held, _ in self.sides(loaded=False))
+        return named or body in [held for held, _ in self.held_sides]
 
     @property
     def material_of_bodies(self) -> tuple[Material, ...]:
@@ -154,7 +161,7 @@ class Setup:
         contact, whole = self.contact, self.whole
         return [
             *([f"contact '{contact.name}'"] if contact is not None and contact.needs_surface else []),
-            *(["loads on sides"] if any(self.sides(loaded=True)) else []),
+            *(["loads on sides"] if self.loaded_sides else []),
             *(f"'{plugin.title}'" for plugin in self.named_plugins if plugin.needs_surface),
             *(["min_gap"] if self.scene.output.gap and len(self.bodies) > 1 else []),
             *(["all bodies"] if whole is not None and whole.state.surface is not None else []),

@@ -61,12 +61,12 @@ EFFECTS = (
     Entry(
         "prescribed sides",
         "mpmfw.effects.constraint:Constraint.from_setup",
-        lambda setup: "" if any(setup.sides(loaded=False)) else "no fixed or moving side",
+        lambda setup: "" if setup.held_sides else "no fixed or moving side",
     ),
     Entry(
         "loads on sides",
         "mpmfw.effects.side_loads:from_setup",
-        lambda setup: "" if any(setup.sides(loaded=True)) else "no side has a pressure, traction or force",
+        lambda setup: "" if setup.loaded_sides else "no side has a pressure, traction or force",
     ),
     Entry("", "mpmfw.plugin.named:from_setup"),
     Entry("", "mpmfw.effects.rotation:from_setup"),

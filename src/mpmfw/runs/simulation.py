@@ -7,10 +7,9 @@ import math
 import os
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from mpmfw.effects.settling import FLIP_SHARE, Settling, concern, is_settled_for_good, stop_motion
+from mpmfw.effects.settling import Settling, concern, is_settled_for_good
 from mpmfw.errors import Diverged, PluginError, SceneError, SimulationError
 from mpmfw.plugin.checks import bundled, declared_fields
 from mpmfw.plugin.hooks import HOOKS, BoundHooks, make_manager, register
@@ -37,7 +36,6 @@ from mpmfw.step.transfer import Transfer
 if TYPE_CHECKING:
     from mpmfw.runs.sleeping import Sleep
     from mpmfw.scene import Scene
-    from mpmfw.scene.tables import Settle
 
 #: One time step: state, hooks, transfer, clock, and what is asked for its length.
 Step = Callable[[State, Any, Transfer, Clock, Callable[[], float]], float]
@@ -115,9 +113,10 @@ class Simulation:
             count = min(threads, particles.count)
             particles.threads = Threads(count, rows_ascend=self.shape.rows_ascend)
         self.manager = make_manager()
-        names = _registered_names(setup)
+        groups: list[Mapping[str, Any]] = [setup.materials, *setup.named.values()]
+        named = {id(plugin): f"{plugin.name} {name}" for group in groups for name, plugin in group.items()}
         for plugin in reversed(setup.plugins):  # pluggy calls the last registered first
-            register(self.manager, plugin, names.get(id(plugin), str(plugin.name)))
+            register(self.manager, plugin, named.get(id(plugin), str(plugin.name)))
         self._bind_hooks()
         self._set_up(setup)
 
@@ -165,7 +164,6 @@ class Simulation:
         return [impl.plugin for impl in reversed(getattr(self.manager.hook, hook).get_hookimpls())]
 
     # -- what it is
-    # ---------------------------------------------------------------------------------------------------
 
     def hook_callers(self) -> dict[str, list[str]]:
         """Names of the plug-ins that implement each hook, in the order of the calls."""
@@ -201,7 +199,6 @@ class Simulation:
             ) from error
 
     # -- how it runs
-    # --------------------------------------------------------------------------------------------------
 
     def step(self, dt: float | None = None) -> None:
         """One time step of length ``dt`` [s]; without it the stable one, chosen when the step's contacts are
@@ -247,44 +244,30 @@ class Simulation:
             settling = self.begin_settling()
             with self.extra_plugin(settling.damping):
                 self._settled = settling.finish(self.state, self.step, after_step)
-            self._end_settling()
+            self._end_settling(settling)
         initial_velocity(self.scene, self.state, lambda: interpolate(self.state, self.hook, self.clock))
         self.started = True
         self.clock.restart()
 
     def begin_settling(self) -> Settling:
-        """Return the settling that the scene asks for; loads, sides and transfer are those of settling from
-        now on.
-        """
-        asked = self.scene.settle
-        assert asked is not None
+        """Return the settling that the scene asks for; loads, sides and transfer are its own from now on."""
         if self._settling is None:
-            self._settling = Settling(asked, self.state)
-            self._tell_settling(asked)
-            self.transfer = replace(self.transfer, flip=min(self.transfer.flip, FLIP_SHARE))
+            self._settling = Settling(self.setup)
+            self.transfer = self._settling.transfer
             self.clock.restart()
         return self._settling
 
-    def _end_settling(self) -> None:
-        """Loads, sides and transfer as the scene has them, no motion, and nothing recorded."""
+    def _end_settling(self, settling: Settling) -> None:
+        """Go back to the scene's own loads, sides and transfer, without motion and with nothing recorded."""
         self._settling, self.transfer = None, self.setup.exchange
-        stop_motion(self.state)
+        settling.end(self.state)
         self.clock.flush()
-        self._tell_settling(None)
         if self.contact is not None:
             self.contact.restart()
         self.state.time, self.state.steps = 0.0, 0
         cpu = {stage: self.clock.cpu[stage] for stage in STEP_STAGES}
         self._settled["settle_time"] = sum(cpu.values())
         self._settled |= {f"settle_cpu_{stage}": seconds for stage, seconds in cpu.items()}
-
-    def _tell_settling(self, asked: Settle | None) -> None:
-        """Tell effects that are different while a scene settles when it begins, and with None when it
-        ends.
-        """
-        for _, plugin in self.manager.list_name_plugin():
-            if hasattr(plugin, "while_settling"):
-                plugin.while_settling(asked)
 
     def advance(self, steps: int, write: Callable[[Frame], None] | None = None) -> None:
         """Run a number of stable steps; hand a frame to ``write``, if there is one, at first and after every
@@ -317,6 +300,13 @@ class Simulation:
         SimulationError
             The run failed; frames handed out so far are complete.
         """
+
+        def watch() -> None:
+            if progress is not None and self.state.steps % REPORT_EVERY == 0:
+                progress(self.state.time, self.state.steps)
+            if after_step is not None:
+                after_step()
+
         before = self.compile_time
         with CompileTimer(self.clock) as compiling:
             try:
@@ -324,7 +314,7 @@ class Simulation:
                     self.start(after_step)
                     self._output(write, 0.0)
                     self._next_output = 1
-                self._run_to_the_end(write, _Watch(self.state, progress, after_step))
+                self._run_to_the_end(write, watch)
             finally:
                 self.compile_time = before + compiling.seconds
                 self.clock.flush()
@@ -401,7 +391,6 @@ class Simulation:
             self._sleep.gather(self.state.time)
 
     # -- how it is kept
-    # -----------------------------------------------------------------------------------------------
 
     def snapshot(self) -> dict[str, AnyArray]:
         """All values that the next step, the next output or the end depend on, between two steps.
@@ -489,7 +478,6 @@ class Simulation:
         return {"state": self.state, **plugins, "simulation": self}
 
     # -- what it leaves
-    # -----------------------------------------------------------------------------------------------
 
     def header(self, attributes: Mapping[str, Any] | None = None) -> RunHeader:
         """What the results' file says before the first frame."""
@@ -553,32 +541,6 @@ class Simulation:
             **{f"cpu_{stage}": clock.cpu[stage] for stage in STAGES},
             **{f"wall_{stage}": clock.wall[stage] for stage in STAGES},
         }
-
-
-class _Watch:
-    """Called after every step: reports progress now and then, and hands on."""
-
-    def __init__(
-        self,
-        state: State,
-        progress: Callable[[float, int], None] | None,
-        after_step: Callable[[], None] | None,
-    ) -> None:
-        self.state, self.progress, self.after_step = state, progress, after_step
-
-    def __call__(self) -> None:
-        if self.progress is not None and self.state.steps % REPORT_EVERY == 0:
-            self.progress(self.state.time, self.state.steps)
-        if self.after_step is not None:
-            self.after_step()
-
-
-def _registered_names(setup: Setup) -> dict[int, str]:
-    """Return the unique names of materials, loads and the like, which the scene names, by the identity of the
-    plug-in.
-    """
-    groups: list[Mapping[str, Any]] = [setup.materials, *setup.named.values()]
-    return {id(plugin): f"{plugin.name} {name}" for group in groups for name, plugin in group.items()}
 
 
 def _outputs(end: float, interval: float) -> int:

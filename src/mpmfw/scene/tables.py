@@ -136,7 +136,7 @@ class Side(Table):
     @property
     def is_loaded(self) -> bool:
         """Whether the side has a load, and not a prescribed motion."""
-        return any(load is not None for load in (self.pressure, self.traction, self.force))
+        return self.pressure is not None or self.traction is not None or self.force is not None
 
     @property
     def is_constant(self) -> bool:

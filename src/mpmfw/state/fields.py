@@ -58,7 +58,7 @@ class Field:
 
     def allocate(self, sizes: Mapping[str, int]) -> AnyArray:
         """Return a zero array of shape ``[sizes[dim] for dim in dims]``."""
-        return np.zeros([sizes[dim] for dim in self.dims], dtype=self.dtype)
+        return np.zeros(tuple(map(sizes.__getitem__, self.dims)), dtype=self.dtype)
 
     @property
     def attributes(self) -> dict[str, str]:
