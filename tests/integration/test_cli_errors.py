@@ -133,11 +133,6 @@ def test_a_bad_argument_is_status_2(mpmfw, arguments, message):
     assert result.stderr.startswith(message)
 
 
-@pytest.mark.parametrize("arguments", [["run"], ["rum", "s.toml"], ["run", "s.toml", "--contcat", "none"]])
-def test_a_usage_error_is_status_2(mpmfw, arguments):
-    assert mpmfw(*arguments).exit_code == 2
-
-
 #: What takes longer to import than the help may take, or than ``import mpmfw`` may.
 HEAVY = (
     "numba",

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from test_verdict import Idle, Pump
 
 import mpmfw
-from mpmfw.api import ContactStrategy, hookimpl
 from mpmfw.effects import flutter, settling, verdict
 from mpmfw.effects.flutter import Flutter
 from mpmfw.kernels import sides
@@ -120,19 +120,6 @@ def test_flutter_is_noted_past_each_bound_alone(
     assert not flutters(**missed), name
 
 
-class Pump(ContactStrategy):
-    """A contact that speeds every body up by a rate [1/s], and does not keep bodies apart."""
-
-    name = "pump"
-    velocity_fields = "per_body"
-    rate = 0.0
-
-    @hookimpl
-    def after_momentum_update(self, grid: Any, dt: float) -> None:
-        """Add to the momentum."""
-        grid.momentum *= 1.0 + self.rate * dt
-
-
 def pumped(growth: float, speed: float) -> str:
     """Status of two blocks that part at a speed and whose kinetic energy grows by a share."""
     scene = two_blocks("separate", time__end=0.01, time__output_interval=2e-3, shape__method="linear")
@@ -155,13 +142,6 @@ def test_energy_below_rounding_is_nothing(monkeypatch: pytest.MonkeyPatch) -> No
     assert pumped(1.0, 1e-7) == "ok"
     monkeypatch.setattr(verdict, "NOTHING", 0.0)
     assert pumped(1.0, 1e-7).startswith("suspect: energy")
-
-
-class Idle(ContactStrategy):
-    """A contact that claims to keep bodies apart and does nothing."""
-
-    name = "idle"
-    velocity_fields = "per_body"
 
 
 def overlapping() -> str:

@@ -130,13 +130,6 @@ def with_step(step, **keys):
     return mapping
 
 
-def test_a_step_past_the_limit_is_refused_when_the_scene_is_built():
-    with pytest.raises(SceneError, match=r"time\.step.*stability limit.*allow_unstable"):
-        run_scene(with_step(1.1 * limit()))
-    with pytest.raises(SceneError, match=r"time\.step"):
-        run_scene({**with_step(0.9 * limit()), "contact": {"method": "penalty", "penalty": {"kappa": 10.0}}})
-
-
 def test_a_step_past_the_limit_of_the_meeting_nodes_is_refused_when_it_shows():
     """Surfaces that meet in the middle of a cell share its nodes, which lowers the limit after the build."""
     mapping = with_step(0.99 * limit())

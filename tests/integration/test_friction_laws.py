@@ -141,16 +141,6 @@ def test_options_of_a_law_that_does_not_run_are_refused() -> None:
         mpmfw.compare("sliding-block", ["penalty"], ["linear"], set={COHESION: 10.0}, vary=vary)
 
 
-@pytest.mark.filterwarnings("ignore:no error of .* is measured. reference.kind. 'sliding-block' does")
-def test_a_comparison_varies_friction_laws() -> None:
-    vary = {"contact.friction_law": ["coulomb", "mohr_coulomb"]}
-    short = {"time.end": 1e-3, "time.output_interval": 1e-3, COHESION: 10.0}
-    dataset = mpmfw.compare(
-        "sliding-block", contact=["penalty"], shape=["linear"], set=short, vary=vary, jobs=1
-    )
-    assert (dataset["status"] == "ok").all()
-
-
 class ByItself(Impulse):
     """Takes μ from the pairs, past what rows hold."""
 

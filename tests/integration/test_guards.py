@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import mpmfw
-from mpmfw.api import ContactStrategy, Grid, State, hookimpl
+from mpmfw.api import ContactStrategy, Grid, hookimpl
 from mpmfw.errors import ResultsWarning, SceneError, SimulationError
 from mpmfw.runs.simulation import Simulation
-from scenes_for_tests import ball, block, disc, two_blocks
+from scenes_for_tests import ball, disc, two_blocks
 
 LEAVES = disc(bodies__solid__velocity=[20.0, 0.0], time={"end": 0.1, "output_interval": 0.02})
 
@@ -117,25 +117,6 @@ def test_a_body_outside_the_grid_is_refused() -> None:
         Simulation(disc(grid__upper=[1.0, 2.0]))
 
 
-def test_exact_rotation_of_a_held_body_is_refused() -> None:
-    sides = [{"side": "bottom", "fixed": True}]
-    with pytest.raises(SceneError, match=r"solid.*rotation"):
-        Simulation(block(bodies__solid__sides=sides, bodies__solid__rotation="exact"))
-
-
-class Spring(ContactStrategy):
-    """A strategy of one's own: a constant force between two bodies."""
-
-    name = "spring"
-
-    @hookimpl
-    def add_nodal_force(self, grid: Grid, state: State) -> None:
-        """1 kN/m to the left on the first body, to the right on the second, shared out by mass."""
-        for body, force in zip(state.bodies, (-1e3, 1e3), strict=True):
-            own = grid.field_nodes(body.field)
-            grid.force[own, 0] += force * grid.mass[own] / grid.mass[own].sum()
-
-
 class Misspelt(ContactStrategy):
     """One hook's name is wrong."""
 
@@ -156,15 +137,6 @@ class WrongArgument(ContactStrategy):
         """There is no such argument."""
 
 
-def test_a_strategy_of_ones_own_runs() -> None:
-    scene = two_blocks("separate", output={"gap": False, "particles": False})
-    with pytest.warns(ResultsWarning, match="left-right: the bodies penetrate"):  # 1 kN/m does not stop them
-        tree = mpmfw.run(scene, contact=Spring())
-    assert tree.attrs["contact"] == "spring"
-    force = tree["series"]["linear_momentum"].sel(axis="x").diff("time").values[0] / 0.05
-    np.testing.assert_allclose(force, [-1e3, 1e3], rtol=1e-9)
-
-
 @pytest.mark.parametrize(("strategy", "named"), [(Misspelt, "add_nodal_forces"), (WrongArgument, "gird")])
 def test_a_misspelt_hook_is_an_error(strategy: Any, named: str) -> None:
     with pytest.raises(Exception, match=named):
@@ -182,10 +154,3 @@ def test_a_body_may_have_any_name_that_a_scene_accepts(name: str) -> None:
     tree = mpmfw.run(scene)
     assert tree["series"]["body"].values.tolist() == [name]
     assert list(tree["particles"].children) == [name]
-
-
-def test_options_of_a_contact_are_refused_where_nothing_can_touch() -> None:
-    contact = {"method": "penalty", "penalty": {"kappa": 3.0}}
-    with pytest.raises(SceneError, match=r"contact\.penalty\.kappa.*one body"):
-        Simulation(disc(contact=contact))
-    assert Simulation(disc(contact={"method": "penalty"})).contact is None

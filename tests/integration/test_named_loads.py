@@ -256,15 +256,6 @@ class Wind(SurfaceLoad):
         return -np.maximum(against, 0.0)[:, None] * facets.normal
 
 
-class Wrong(BodyLoad):
-    """Answers with another shape."""
-
-    name = "wrong"
-
-    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:  # noqa: ARG002
-        return np.zeros(3)
-
-
 class Writing(BodyLoad):
     """Changes what belongs to the step."""
 
@@ -286,7 +277,7 @@ def installed(monkeypatch: pytest.MonkeyPatch) -> None:
         return EntryPoint(name.lower(), f"{__name__}:{name}", "mpmfw.load")
 
     known = discovery.entry_points
-    extra = [entry(name) for name in ("Wind", "Wrong", "Writing")]
+    extra = [entry(name) for name in ("Wind", "Writing")]
     monkeypatch.setattr(
         discovery, "entry_points",
         lambda **select: [*known(**select), *(extra if select.get("group") == "mpmfw.load" else [])],
@@ -306,14 +297,6 @@ def test_a_strangers_traction_by_place_and_motion() -> None:
     moving.advance(1)
     np.testing.assert_allclose(momentum(moving) - before, [2.0e-4, 0.0], rtol=1e-6, atol=1e-10)
     assert any(effect.name == "surfaces" and "wind" in effect.reason for effect in sim.effects)
-
-
-@pytest.mark.usefixtures("installed")
-def test_a_load_that_answers_wrongly_ends_the_run_by_name() -> None:
-    with pytest.raises(
-        PluginError, match=r"'odd' \(wrong\) answered with an array of shape \(3,\); expected \(64, 2\)"
-    ):
-        mpmfw.run(block(loads={"odd": {"model": "wrong"}}))
 
 
 @pytest.mark.usefixtures("installed")

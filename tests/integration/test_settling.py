@@ -207,11 +207,3 @@ def test_a_scene_that_still_moves_at_its_first_output_warns(max_time: float | No
     sim = Simulation(column(gravity=gravity, settle={"max_time": max_time}, time=quarter_period))
     sim.run()
     assert any("still moved" in text for text in sim.concerns()) == warned
-
-
-def test_motion_that_the_scene_asks_for_is_no_concern() -> None:
-    scene = column(gravity={"table": [[0.0, 0.0, -G], [0.005, 0.0, 0.0]]}, settle={"tolerance": 0.9})
-    scene["bodies"]["column"]["velocity"] = [0.0, 1.0]
-    sim = Simulation(scene)
-    sim.run()
-    assert sim.concerns() == []
