@@ -5,9 +5,10 @@ from mpmfw.plots.costs import cost_bars, stages
 from mpmfw.plots.field_figure import field, side_by_side
 from mpmfw.plots.files import figures_of, plot_file, plot_files, write_figure
 from mpmfw.plots.histories import history
+from mpmfw.plots.outlines import positions
 from mpmfw.plots.plane_cut import plane_cut
 from mpmfw.plots.rendering import rendered
-from mpmfw.plots.rolling import contact_force, motion, positions
+from mpmfw.plots.rolling import contact_force, motion
 from mpmfw.plots.scene import gap_history
 from mpmfw.plots.study import front
 

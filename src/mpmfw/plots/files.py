@@ -14,7 +14,8 @@ from matplotlib.figure import Figure
 from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.plots.costs import cost_bars
 from mpmfw.plots.histories import history
-from mpmfw.plots.rolling import contact_force, motion, positions
+from mpmfw.plots.outlines import positions
+from mpmfw.plots.rolling import contact_force, motion
 from mpmfw.plots.scene import (
     body_motion,
     energies,
@@ -22,7 +23,6 @@ from mpmfw.plots.scene import (
     moving_bodies,
     near_pairs,
     pair_forces,
-    start_and_end,
     touching_pairs,
 )
 from mpmfw.plots.stability import stability_figures
@@ -99,7 +99,7 @@ def _any_scene(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
     figures = {}
     if "outline" in dataset and np.isfinite(at_last(dataset)["outline"].values).any():
         figures["positions"] = (
-            start_and_end(dataset),
+            positions(dataset),
             "Outlines at the first output (dashed) and at the last, at one scale; bodies that stand still "
             "are grey.",
         )

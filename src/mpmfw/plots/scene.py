@@ -6,27 +6,15 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from mpmfw.plots.histories import history
 from mpmfw.plots.style import (
-    PANEL,
     at_last,
-    combinations,
-    dress,
-    head,
-    journal_style,
-    legend_below,
-    new_figure,
 )
-from mpmfw.plots.units import length_scale, time_scale
 from mpmfw.results.references import cell_size
 
-#: Bodies by colour, in the scene's order; those that move no further than this part of what moves most are
-#: grey.
-_BODIES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+#: Bodies that move no further than this part of the largest motion stand still.
 _STILL = 1e-2
 #: Pairs and bodies of which a figure has a row; of more those with the largest forces, and that move
 #: furthest.
@@ -61,50 +49,6 @@ def near_pairs(dataset: xr.Dataset) -> list[str]:
     h, gap = cell_size(at_last(dataset)), at_last(dataset)["min_gap"]
     near = (gap < (LARGEST_GAP * h if h > 0.0 else np.inf)).any([dim for dim in gap.dims if dim != "pair"])
     return [str(name) for name in dataset["pair"].values[near.values]]
-
-
-@journal_style()
-def start_and_end(dataset: xr.Dataset) -> Figure:
-    """Outlines of all bodies at the first output (dashed) and at the last, one panel for each method, all at
-    one scale.
-
-    Parameters
-    ----------
-    dataset
-        Comparison with ``outline``.
-    """
-    runs = [one for one in combinations(dataset) if np.isfinite(one[2]["outline"].values).any()]
-    points = np.concatenate([run["outline"].values.reshape(-1, 2) for _, _, run in runs])
-    low, high = np.nanmin(points, axis=0), np.nanmax(points, axis=0)
-    margin = 0.04 * (high - low).max()
-    scale, unit = length_scale(float((high - low).max()))
-    ratio = float((high - low + 2.0 * margin)[1] / (high - low + 2.0 * margin)[0])
-    columns = 1 if len(runs) == 1 else 2
-    rows = -(-len(runs) // columns)
-    figure = new_figure(columns, rows, min(22.0 * PANEL * ratio, 110.0) + 17.0)
-    figure.set_layout_engine("compressed")
-    head(figure, dataset)
-    panels = figure.subplots(rows, columns, squeeze=False).ravel()
-    colours = _body_colours(dataset)
-    for axes, (contact, shape, run) in zip(panels, runs, strict=False):
-        for frame, style in (("last", "-"), ("first", (0, (3, 3)))):
-            for name, line in zip(
-                run["outlined_body"].values, run["outline"].sel(frame=frame).values, strict=True
-            ):
-                axes.plot(*(scale * line).T, color=colours[str(name)], linestyle=style, linewidth=0.9)
-        time, shown = time_scale(float(run["outline_time"].sel(frame="last")))
-        axes.set_aspect("equal")
-        axes.set_xlim(*(scale * (low[0] - margin), scale * (high[0] + margin)))
-        axes.set_ylim(*(scale * (low[1] - margin), scale * (high[1] + margin)))
-        last = f"{time * float(run['outline_time'].sel(frame='last')):.4g} {shown}"
-        dress(axes, f"x [{unit}]", f"y [{unit}]", f"{contact}, {shape}, {last}")
-        axes.grid(False)
-    for axes in panels[len(runs) :]:
-        axes.remove()
-    legend_below(
-        figure, [[*_key(colours), Line2D([], [], color="0.3", linestyle=(0, (3, 3)), label="start")]]
-    )
-    return figure
 
 
 def body_motion(dataset: xr.Dataset) -> Figure:
@@ -167,14 +111,3 @@ def _size(force: xr.DataArray, of: xr.DataArray) -> xr.DataArray:
     """Length of vectors, in the unit of ``of``."""
     size = (force**2).sum("axis", skipna=False) ** 0.5
     return size.assign_attrs(units=of.attrs.get("units", "N"))
-
-
-def _body_colours(dataset: xr.Dataset) -> dict[str, str]:
-    moving = set(moving_bodies(dataset))
-    names = [str(name) for name in dataset["body"].values]
-    turn = iter(_BODIES * (1 + len(names) // len(_BODIES)))
-    return {name: next(turn) if name in moving else "0.45" for name in names}
-
-
-def _key(colours: dict[str, str]) -> list[Artist]:
-    return [Line2D([], [], color=colour, linewidth=2.0, label=name) for name, colour in colours.items()]
