@@ -63,20 +63,30 @@ def figures_of(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
     if "time" not in dataset.dims or dataset.sizes["time"] < 2:
         return {}
     dataset = without_round_off(dataset)
+    if "status" not in dataset:
+        return {"series": (_overview(dataset), "Series of the bodies and pairs.")}
     reference = drawn_reference(dataset)
     figures: dict[str, tuple[Figure, str]] = {}
     if isinstance(reference, RollingReference):
-        figures |= _rolling(dataset)
-    elif isinstance(reference, RingsReference) and "contact_force" in dataset:
+        figures["motion"] = (
+            motion([dataset]),
+            "Displacement, velocity and spin of the cylinder against the closed form, and displacement less "
+            "the closed form, without the runs whose cylinder sticks.",
+        )
+    if isinstance(reference, RingsReference) and "contact_force" in dataset:
         figures["force"] = (
             contact_force(dataset),
             "Contact force on the right ring: as stored, averaged over 100 µs, and its impulse, beside the "
             "finite-element reference. The stored force is noisy in every method and not to be compared.",
         )
-    elif "status" in dataset:
+    elif "outline" in dataset and np.isfinite(at_last(dataset)["outline"].values).any():
+        figures["positions"] = (
+            positions(dataset),
+            "Outlines at the first output (dashed) and at the last, at one scale; bodies that stand still "
+            "are grey. Of a cylinder the contact at the end is enlarged, over the cells.",
+        )
+    if not isinstance(reference, RollingReference) and "force" not in figures:
         figures |= _any_scene(dataset)
-    else:
-        figures["series"] = (_overview(dataset), "Series of the bodies and pairs.")
     if "min_gap" in dataset and isinstance(reference, RollingReference | RingsReference):
         figures["gap"] = (
             gap_history(dataset),
@@ -95,14 +105,8 @@ def _overview(series: xr.Dataset) -> Figure:
 
 
 def _any_scene(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
-    """Draw a comparison without a closed form: outlines, motion, forces, gaps and energies."""
+    """Draw a comparison without a closed form: motion, forces, gaps and energies."""
     figures = {}
-    if "outline" in dataset and np.isfinite(at_last(dataset)["outline"].values).any():
-        figures["positions"] = (
-            positions(dataset),
-            "Outlines at the first output (dashed) and at the last, at one scale; bodies that stand still "
-            "are grey.",
-        )
     if "centre_of_mass" in dataset and moving_bodies(dataset):
         figures["motion"] = (
             body_motion(dataset),
@@ -121,23 +125,6 @@ def _any_scene(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
         )
     if {"kinetic_energy", "strain_energy"} <= set(dataset.data_vars):
         figures["energies"] = (energies(dataset), "Energies of all bodies, and what contact has dissipated.")
-    return figures
-
-
-def _rolling(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
-    figures = {
-        "motion": (
-            motion([dataset]),
-            "Displacement, velocity and spin of the cylinder against the closed form, and displacement less "
-            "the closed form, without the runs whose cylinder sticks.",
-        )
-    }
-    if "outline" in dataset and np.isfinite(at_last(dataset)["outline"].values).any():
-        figures["positions"] = (
-            positions(dataset),
-            "First (dashed) and last position of the outlines; beside them the contact at the end, over the "
-            "cells.",
-        )
     return figures
 
 
