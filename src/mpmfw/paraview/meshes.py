@@ -30,18 +30,12 @@ class Mesh:
     units: Mapping[str, str]
 
 
-def mesh_library() -> Any:
-    """Import pyvista.
-
-    Raises
-    ------
-    SceneError
-        It is not installed.
-    """
+def mesh_library(user: str = "export", instead: str = "") -> Any:
+    """Import pyvista; where it is not installed, a SceneError says what needs it and what works instead."""
     try:
         import pyvista
     except ImportError as error:
-        raise SceneError("export needs pyvista: pip install 'mpmfw[render]'") from error
+        raise SceneError(f"{user} needs pyvista: pip install 'mpmfw[render]'{instead}") from error
     return pyvista
 
 

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from mpmfw.errors import SceneError
 from mpmfw.plots.style import journal_style
 from mpmfw.plots.units import in_brackets, with_prefix
-from mpmfw.results.domains import triangles_of
+from mpmfw.results.domains import surface_in_space
 from mpmfw.results.point_fields import point_field
 from mpmfw.results.selection import Results, bodies_of, frame_at, frame_of, opened_run, times_of
 from mpmfw.state.fields import FloatArray, IntArray
@@ -89,12 +89,9 @@ def plane_cut(
                 "m"
             )
         lines = [
-            cut_lines(
-                np.asarray(frame_of(tree, f"surface/{body}", frame)["position"].values), facets, across, place
-            )[:, :, shown]
+            cut_lines(*surface, across, place)[:, :, shown]
             for body in own
-            if "surface" in tree.children and body in tree["surface"].children
-            if (facets := triangles_of(tree, body)) is not None
+            if (surface := surface_in_space(tree, body, frame)) is not None
         ]
         colour = with_prefix(unit, float(np.abs(values[met]).max()))
         label = in_brackets(drawn.attrs["long_name"], colour[1])

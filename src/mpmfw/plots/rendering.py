@@ -15,9 +15,10 @@ from matplotlib.figure import Figure
 from scipy.spatial import cKDTree
 
 from mpmfw.errors import SceneError
+from mpmfw.paraview.meshes import mesh_library
 from mpmfw.plots.style import PANEL, journal_style
 from mpmfw.plots.units import in_brackets, with_prefix
-from mpmfw.results.domains import triangles_of
+from mpmfw.results.domains import surface_in_space
 from mpmfw.results.point_fields import point_field
 from mpmfw.results.selection import Results, bodies_of, frame_at, frame_of, opened_run, times_of
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
@@ -63,7 +64,7 @@ def rendered(
         pyvista is not installed, the run is in the plane, has no such field, body or time, or keeps no
         material points.
     """
-    vista = _pyvista()
+    vista = mesh_library("rendered", "; plane_cut draws without it")
     with opened_run(results) as tree:
         if len(tree.coords["axis"]) != 3:
             raise SceneError("rendered draws runs in three dimensions; field draws those in two")
@@ -71,7 +72,7 @@ def rendered(
         own = bodies_of(tree, bodies)
         points = {body: frame_of(tree, f"particles/{body}", frame) for body in own}
         fields = {body: point_field(points[body], name) for body in own}
-        surfaces = {body: _surface(tree, body, frame) for body in own}
+        surfaces = {body: surface_in_space(tree, body, frame) for body in own}
         moment = f"t = {times_of(tree)[frame]:.4g} s"
     every = np.concatenate([field.values for field in fields.values()])
     about = fields[own[0]].attrs
@@ -89,25 +90,6 @@ def rendered(
     picture = plotter.screenshot(None, return_img=True)
     plotter.close()
     return _framed(picture, scale, in_brackets(about["long_name"], unit), moment)
-
-
-def _pyvista() -> Any:
-    try:
-        import pyvista
-    except ImportError as error:
-        raise SceneError(
-            "rendered needs pyvista: pip install 'mpmfw[render]'; plane_cut draws without it"
-        ) from error
-    return pyvista
-
-
-def _surface(tree: xr.DataTree, body: str, frame: int) -> tuple[FloatArray, IntArray] | None:
-    """Nodes (n, 3) [m] and triangles (k, 3) of a body's surface, if it is stored."""
-    stored = "surface" in tree.children and body in tree["surface"].children
-    facets = triangles_of(tree, body) if stored else None
-    if facets is None:
-        return None
-    return np.asarray(frame_of(tree, f"surface/{body}", frame)["position"].values, dtype=float), facets
 
 
 def _mesh(

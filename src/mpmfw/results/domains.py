@@ -14,6 +14,7 @@ from mpmfw.geometry.base import context_of_cells
 from mpmfw.geometry.layout import parallelogram_corners
 from mpmfw.geometry.solid import joined
 from mpmfw.results.references import cell_size_of, scene_of
+from mpmfw.results.selection import frame_of
 from mpmfw.scene.content import code_in
 from mpmfw.scene.tables import Body
 from mpmfw.state.fields import FloatArray, IntArray
@@ -94,6 +95,15 @@ def triangles_of(tree: xr.DataTree, body: str) -> IntArray | None:
     except (KeyError, TypeError, ValueError, OSError, ValidationError, MpmfwError):
         return None
     return joined(made)[1]
+
+
+def surface_in_space(tree: xr.DataTree, body: str, frame: int) -> tuple[FloatArray, IntArray] | None:
+    """Return nodes (n, 3) [m] and triangles (k, 3) of a body's surface at one output, if it is stored."""
+    stored = "surface" in tree.children and body in tree["surface"].children
+    facets = triangles_of(tree, body) if stored else None
+    if facets is None:
+        return None
+    return np.asarray(frame_of(tree, f"surface/{body}", frame)["position"].values, dtype=float), facets
 
 
 def loops(following: IntArray) -> list[IntArray]:
