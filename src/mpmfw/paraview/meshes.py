@@ -171,11 +171,6 @@ def surfaces_of(tree: xr.DataTree) -> list[str]:
 def facets_of(tree: xr.DataTree, body: str) -> IntArray:
     """Segments (k, 2) of a stored surface, or triangles (k, 3), made again from the scene as the run made
     them.
-
-    Raises
-    ------
-    MpmfwError
-        The scene in the file does not give the stored surface back.
     """
     surface = tree[f"surface/{body}"].to_dataset()
     if "next" in surface:

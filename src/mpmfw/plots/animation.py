@@ -126,13 +126,7 @@ def animate(
 
 
 def check_movie(path: Path) -> str | None:
-    """The ffmpeg that writes a file of this ending, None for one that needs none.
-
-    Raises
-    ------
-    SceneError
-        The ending is another than ``.gif`` and ``.mp4``, or ffmpeg is needed and not there.
-    """
+    """The ffmpeg that writes a file of this ending, None for one that needs none."""
     if path.suffix == ".gif":
         return None
     if path.suffix != ".mp4":

@@ -62,11 +62,6 @@ class FieldPanel:
         Of the field, see :func:`mpmfw.results.point_fields.point_field`.
     bodies
         Only these bodies.
-
-    Raises
-    ------
-    SceneError
-        The run is in 3D, stored no material points, or has no such field or body.
     """
 
     def __init__(self, tree: xr.DataTree, name: str, bodies: Sequence[str] | None = None) -> None:
@@ -105,13 +100,7 @@ class FieldPanel:
         return limits, (float(x0), float(x1), float(y0), float(y1))
 
     def largest_force(self, frames: Iterable[int]) -> float:
-        """Largest contact force on a surface node over some outputs [N/m]; 0 if there is none.
-
-        Raises
-        ------
-        SceneError
-            The run stored no forces on surface nodes.
-        """
+        """Largest contact force on a surface node over some outputs [N/m]; 0 if there is none."""
         self._check_forces()
         sizes = [
             np.linalg.norm(frame_of(self.tree, f"surface/{body}", frame)["force"].values, axis=1).max()

@@ -281,13 +281,7 @@ def _compared(
 def _curves(
     series: Sequence[xr.Dataset], names: str | Sequence[str], selection: Mapping[str, str | None]
 ) -> list[Curve]:
-    """Return every curve of the series that the selection leaves.
-
-    Raises
-    ------
-    SceneError
-        A name is unknown, or a choice is of nothing that the series have.
-    """
+    """Return every curve of the series that the selection leaves."""
     names = [names] if isinstance(names, str) else names
     if not names:
         raise SceneError("no series named")

@@ -93,13 +93,7 @@ def output_times(tree: xr.DataTree) -> xr.DataArray:
 
 
 def read(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree | xr.Dataset:
-    """Return the same as :func:`open`, without a warning of results that are not complete.
-
-    Raises
-    ------
-    MpmfwError
-        The file does not exist, is no results' file, or was cut short.
-    """
+    """Return the same as :func:`open`, without a warning of results that are not complete."""
     name = os.fspath(path)
     try:
         dataset = netCDF4.Dataset(name)
@@ -123,13 +117,7 @@ def read(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree | x
 
 
 def read_run(path: str | os.PathLike[str]) -> xr.DataTree:
-    """Return the tree of a run's file, as :func:`read` does.
-
-    Raises
-    ------
-    MpmfwError
-        The file does not exist, is no run's file, or was cut short.
-    """
+    """Return the tree of a run's file, as :func:`read` does."""
     import xarray as xr
 
     tree = read(path)
@@ -158,13 +146,7 @@ def _how_to_go_on(name: str) -> str:
 
 
 def check_results(path: str | os.PathLike[str]) -> None:
-    """Check that a file is a results' file.
-
-    Raises
-    ------
-    SceneError
-        It is none.
-    """
+    """Check that a file is a results' file."""
     try:
         netCDF4.Dataset(os.fspath(path)).close()
     except OSError as error:
@@ -174,13 +156,7 @@ def check_results(path: str | os.PathLike[str]) -> None:
 
 
 def tree_of(dataset: netCDF4.Dataset, *, load: bool = True) -> xr.DataTree:
-    """Return the groups of an open file as a tree, without outputs that are not complete.
-
-    Raises
-    ------
-    MpmfwError
-        The file is damaged.
-    """
+    """Return the groups of an open file as a tree, without outputs that are not complete."""
     import xarray as xr
 
     try:

@@ -434,13 +434,7 @@ def _si(value: object, unit: str) -> float:
 
 @functools.cache
 def rings_table(name: str) -> dict[str, FloatArray]:
-    """Columns of a shipped reference table, ``force`` or ``energy``; ``time`` in s added.
-
-    Raises
-    ------
-    FileNotFoundError
-        There is no such table.
-    """
+    """Columns of a shipped reference table, ``force`` or ``energy``; ``time`` in s added."""
     text = files("mpmfw").joinpath("reference", f"rings_fem_{name}.csv").read_text(encoding="utf-8")
     table = np.genfromtxt(StringIO(text), delimiter=",", names=True)
     return {**{column: table[column] for column in table.dtype.names or ()}, "time": 1e-3 * table["time_ms"]}

@@ -31,11 +31,6 @@ def check_room(path: str, size: int) -> None:
     """Check that the disk of a file has room for ``size`` bytes and a margin.
 
     A NetCDF file whose writing fails half-way cannot be opened again, and all frames before are lost.
-
-    Raises
-    ------
-    OSError
-        It has not.
     """
     if shutil.disk_usage(os.path.dirname(path) or ".").free < size + _MARGIN:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
@@ -51,13 +46,6 @@ def check_replaceable(path: str | os.PathLike[str], kind: str, what: str) -> Non
         Of the file.
     kind, what
         The attribute ``kind`` of such files, and what they are called.
-
-    Raises
-    ------
-    SceneError
-        There is another file, or NetCDF cannot write a file of this name.
-    MpmfwError
-        No file can be written there.
     """
     try:
         os.fspath(path).encode()
@@ -79,11 +67,6 @@ def check_replaceable(path: str | os.PathLike[str], kind: str, what: str) -> Non
 def check_new(path: Path, force: bool = False) -> Path:
     """Return the path of a figure, a page or an export, if no file is lost there: none exists, or ``force``
     is true.
-
-    Raises
-    ------
-    SceneError
-        There is a file that is not empty.
     """
     if not force and path.is_file() and path.stat().st_size:
         raise SceneError(f"{path}: is there already; give another name, or --force to replace it")
@@ -124,11 +107,6 @@ def replacement(path: str | os.PathLike[str]) -> Iterator[Path]:
 
     Readers see the old file or the new one, whole. After any error the old file is there and the new one is
     not.
-
-    Raises
-    ------
-    MpmfwError
-        The file cannot be written.
     """
     growing = unfinished(path)
     try:
@@ -144,13 +122,7 @@ def replacement(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def replace_bytes(content: bytes | memoryview, path: str | os.PathLike[str]) -> None:
-    """Write bytes as :func:`replacement` does, with the rights that the umask leaves.
-
-    Raises
-    ------
-    MpmfwError
-        They cannot be written.
-    """
+    """Write bytes as :func:`replacement` does, with the rights that the umask leaves."""
     with replacement(path) as growing, open(growing, "xb") as file:
         file.write(content)
 
@@ -160,11 +132,6 @@ def replace_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
 
     The file is built in memory and written when it is closed: HDF5 keeps a file open that finds no room on
     its disk. A file made by ``netCDF4.Dataset(memory=…)`` could not be opened again for writing.
-
-    Raises
-    ------
-    MpmfwError
-        It cannot be written.
     """
     from xarray.backends import NetCDF4DataStore
 

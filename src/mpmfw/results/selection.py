@@ -26,13 +26,7 @@ Results = xr.DataTree | xr.Dataset | str | os.PathLike[str]
 
 @contextmanager
 def opened(results: Results) -> Iterator[xr.DataTree | xr.Dataset]:
-    """Context with results; arrays of a file are read when they are used, and the file is closed at the end.
-
-    Raises
-    ------
-    MpmfwError
-        The file cannot be read.
-    """
+    """Context with results; arrays of a file are read when they are used, and it is closed at the end."""
     if isinstance(results, xr.DataTree | xr.Dataset):
         yield results
         return
@@ -45,15 +39,7 @@ def opened(results: Results) -> Iterator[xr.DataTree | xr.Dataset]:
 
 @contextmanager
 def opened_run(results: Results) -> Iterator[xr.DataTree]:
-    """Context with the tree of one run, as :func:`opened` gives it.
-
-    Raises
-    ------
-    SceneError
-        The results are those of a comparison, a study or a stability map, which keep no frames.
-    MpmfwError
-        The file cannot be read.
-    """
+    """Context with the tree of one run, as :func:`opened` gives it."""
     with opened(results) as found:
         if not isinstance(found, xr.DataTree):
             where = f"{os.fspath(results)}: " if isinstance(results, str | os.PathLike) else ""
@@ -73,26 +59,14 @@ def series_of(results: Results) -> xr.Dataset:
 
 
 def checked_name(kind: str, name: str, valid: Sequence[str]) -> str:
-    """Return the name if it is among the valid ones.
-
-    Raises
-    ------
-    SceneError
-        It is not; the message lists the names or the nearest.
-    """
+    """Return the name if it is among the valid ones."""
     if name not in valid:
         raise SceneError(f"no {kind} '{name}'; {did_you_mean(name, valid) if valid else 'there is none'}")
     return name
 
 
 def bodies_of(tree: xr.DataTree, selection: str | Sequence[str] | None = None) -> list[str]:
-    """Return the bodies whose material points are stored, in the scene's order: all, or those selected.
-
-    Raises
-    ------
-    SceneError
-        The run stored no material points, or there is no such body, or none is chosen.
-    """
+    """Return the bodies whose material points are stored, in the scene's order: all, or those selected."""
     groups = tree["particles"].children if "particles" in tree.children else {}
     order = tree.coords["body"].values.tolist() if "body" in tree.coords else list(groups)
     present = [str(name) for name in order if name in groups and groups[name].data_vars]
@@ -120,11 +94,6 @@ def times_of(tree: xr.DataTree) -> FloatArray:
 def frame_at(tree: xr.DataTree, time: float | None = None) -> int:
     """Return the index of the output nearest to ``time`` [s], the last by default, among those that hold
     material points.
-
-    Raises
-    ------
-    SceneError
-        The run has no output, or ``time`` is outside of them by more than half an interval.
     """
     times = times_of(tree)
     if len(times) == 0:
@@ -157,13 +126,7 @@ def frame_of(tree: xr.DataTree, place: str, index: int) -> xr.Dataset:
 
 
 def chosen_frames(tree: xr.DataTree, every: int) -> range:
-    """Return the indices of the first output that holds material points and of each ``every``-th after it.
-
-    Raises
-    ------
-    SceneError
-        ``every`` is below 1 or not a whole number, or the run has no output.
-    """
+    """Return the indices of the first output that holds material points and of each ``every``-th after it."""
     try:
         every = operator.index(every)
     except TypeError:
@@ -242,11 +205,6 @@ def runs_of(
         that contact and its own other choices.
     contact
         Only the runs with this contact.
-
-    Raises
-    ------
-    SceneError
-        There is no such contact, or no fields were kept or joined.
     """
     if "particle_position" not in comparison:
         why = "the comparison keeps no fields; run it with --set output.particles=true"

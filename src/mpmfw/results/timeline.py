@@ -74,13 +74,7 @@ class Timeline:
         return len(self._times)
 
     def add(self, time: float, arrays: Mapping[str, tuple[Field, AnyArray]]) -> None:
-        """Take one frame: arrays by name, each with its declaration.
-
-        Raises
-        ------
-        MpmfwError
-            An array does not have the declared shape.
-        """
+        """Take one frame: arrays by name, each with its declaration."""
         for field, values in arrays.values():
             self._put(field, values)
         self._times.append(time)

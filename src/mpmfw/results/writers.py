@@ -30,13 +30,6 @@ def claim(path: str) -> int | None:
     Returns
     -------
     What :func:`release` takes; None where there are no locks.
-
-    Raises
-    ------
-    MpmfwError
-        Another writer has it.
-    OSError
-        The file cannot be created.
     """
     if fcntl is None:
         return None
