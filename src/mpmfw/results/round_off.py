@@ -16,7 +16,7 @@ def without_round_off(series: xr.Dataset) -> xr.Dataset:
 
     The scale of a series is the largest magnitude of all series of its unit. Positions have that of the
     displacement from the start counted, against the largest coordinate L; velocities have L over the time T
-    at least, spins 1/T.
+    at least, spins one turn over T.
     """
     if "time" not in series.dims or series.sizes["time"] < 2:
         return series
@@ -31,7 +31,7 @@ def without_round_off(series: xr.Dataset) -> xr.Dataset:
         scales[unit] = max(scales.get(unit, 0.0), _largest(array.values))
     time = float(series["time"].values[-1] - series["time"].values[0])
     length = _largest(known["centre_of_mass"].values) if "centre_of_mass" in known else 0.0
-    for name, scale in (("mean_velocity", length / time), ("angular_velocity", 1.0 / time)):
+    for name, scale in (("mean_velocity", length / time), ("angular_velocity", 2.0 * np.pi / time)):
         if name in known:
             unit = str(known[name].attrs.get("units", "1"))
             scales[unit] = max(scales[unit], scale)
