@@ -68,16 +68,10 @@ class InProcess:
 
 
 class Pool:
-    """Processes of one thread each, started afresh; one that dies takes nothing with it but what it was
-    doing.
+    """Processes of one thread each, started afresh; one that dies takes no other run with it.
 
-    Parameters
-    ----------
-    jobs
-        Processes at a time; None is one for each core that this process may use.
-    fresh
-        Whether each task has a process of its own, else a process goes on with the next one.
-    """
+    ``jobs`` are the processes at a time, by default one for each core that may be used. If ``fresh``,
+    each task has a process of its own."""
 
     def __init__(self, jobs: int | None = None, fresh: bool = False) -> None:
         self.jobs, self.fresh = jobs or cores(), fresh

@@ -90,6 +90,12 @@ def _made(kind: Literal["measure", "reference"], name: str, base: type[Any]) -> 
     return plugin()
 
 
+def outputs_for(measure: Measure) -> dict[str, bool]:
+    """Return overrides with which a scene records nothing that a measure does not need."""
+    unused = dict.fromkeys(("output.surface", "output.gap", "output.ledger"), False)
+    return {"output.particles": measure.particles, **unused}
+
+
 def names_of_measures() -> list[str]:
     """Names of all measures, announced ones included, which are not imported."""
     return sorted({*MEASURES, *available("measure")})

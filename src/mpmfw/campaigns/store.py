@@ -152,13 +152,15 @@ class Store:
                 )
             known = {key for path in own if (key := key_in(path, "json"))}
             keep = self._current(known, takes, days)
-            freed = sum(_removed(path) for path in own if _is_past(path, known, keep))
+            past = {path: path.stat().st_size for path in own if _is_past(path, known, keep)}
+            for path in past:
+                path.unlink(missing_ok=True)
         except OSError as error:
             raise MpmfwError(
                 f"cannot prune '{error.filename or self.folder}': {error.strerror or error}"
             ) from error
         self._known.clear()
-        return len(known - keep), len(keep), freed
+        return len(known - keep), len(keep), sum(past.values())
 
     def _current(
         self, keys: set[str], takes: Callable[[Mapping[str, str]], bool], days: float | None
@@ -186,13 +188,6 @@ def _is_past(path: Path, known: set[str], keep: set[str]) -> bool:
     if key in known:
         return key not in keep
     return time.time() - path.stat().st_mtime > _ABANDONED
-
-
-def _removed(path: Path) -> int:
-    """Remove a file that is still there; its bytes."""
-    size = path.stat().st_size
-    path.unlink(missing_ok=True)
-    return size
 
 
 def store_of(output: str | os.PathLike[str] | None) -> Path | None:

@@ -72,9 +72,8 @@ def _output(scene: Tables) -> Iterator[Problem]:
 def _grid(scene: Tables) -> Iterator[Problem]:
     grid = scene.grid
     if len(grid.lower) != len(grid.upper):
-        yield Problem(
-            ("grid", "upper"), f"has {len(grid.upper)} entries, but grid.lower has {len(grid.lower)}"
-        )
+        message = f"has {len(grid.upper)} entries, but grid.lower has {len(grid.lower)}"
+        yield Problem(("grid", "upper"), message)
     elif any(a + grid.cell_size > b for a, b in zip(grid.lower, grid.upper, strict=True)):
         yield Problem(("grid", "upper"), "must lie at least one cell above grid.lower in every direction")
     farthest = max(map(abs, (*grid.lower, *grid.upper)))
@@ -197,10 +196,9 @@ def _named(
 
 
 def _gravity(gravity: ConstantGravity, path: Path, dim: int) -> Iterator[Problem]:
-    given = set(gravity.model_fields_set)
-    forms = [{"vector"}, {"magnitude", "tilt"}, {"table"}][
-        : 3 if "table" in type(gravity).model_fields else 2
-    ]
+    given, forms = set(gravity.model_fields_set), [{"vector"}, {"magnitude", "tilt"}]
+    if "table" in type(gravity).model_fields:
+        forms.append({"table"})
     if given not in forms:
         allowed = ", or ".join(" and ".join(sorted(form)) for form in forms)
         message = f"has {' and '.join(sorted(given)) or 'no key'}; expected exactly one of: {allowed}"
@@ -242,10 +240,8 @@ def _body(scene: Tables, path: Path, body: Body) -> Iterator[Problem]:
 def _surface_mesh(scene: Tables, path: Path, geometry: SurfaceMesh) -> Iterator[Problem]:
     """Check lengths of a surface file against the grid: its unit, and triangles far below a cell."""
     grid = scene.grid
-    room, extent = (
-        float(np.subtract(grid.upper, grid.lower).max()),
-        float(np.ptp(geometry.bounds, axis=0).max()),
-    )
+    room = float(np.subtract(grid.upper, grid.lower).max())
+    extent = float(np.ptp(geometry.bounds, axis=0).max())
     for wrong, factor, relation in ((extent > room, 1e-3, "less"), (extent < grid.cell_size, 1e3, "more")):
         if wrong and 2.0 * grid.cell_size < extent * factor < room:
             usual = {"m": "millimetres, unit = 'mm'", "mm": "metres, unit = 'm'"}
@@ -283,13 +279,11 @@ def _side(body: Body, path: Path, index: int, dim: int) -> Iterator[Problem]:
         has = " and ".join(given) or "none of them"
         yield Problem(path, f"has {has}; expected exactly one of: {', '.join(conditions)}", keys=(*given,))
     if dim == 2 and side.side in ("back", "front"):
-        yield Problem(
-            (*path, "side"), f"'{side.side}' is a side in 3D; expected one of left, right, bottom, top"
-        )
+        message = f"'{side.side}' is a side in 3D; expected one of left, right, bottom, top"
+        yield Problem((*path, "side"), message)
     if body.geometry.type in ROUND:
-        yield Problem(
-            (*path, "side"), f"a {body.geometry.type} has no plane side; expected a body that has one"
-        )
+        message = f"a {body.geometry.type} has no plane side; expected a body that has one"
+        yield Problem((*path, "side"), message)
     if isinstance(side.fixed, tuple) and "z" in side.fixed and dim == 2:
         yield Problem((*path, "fixed"), "'z' is a component in 3D; expected x or y")
     if isinstance(side.fixed, tuple) and len(set(side.fixed)) != len(side.fixed):
@@ -300,10 +294,6 @@ def _side(body: Body, path: Path, index: int, dim: int) -> Iterator[Problem]:
         yield from _in_time(getattr(side, key), (*path, key), components)
     if side.velocity is not None and all(component == "free" for component in side.velocity):
         yield Problem((*path, "velocity"), "has no effect: every component is free")
-    same = [
-        other
-        for other in body.sides[:index]
-        if other.side == side.side and other.model_fields_set & set(given)
-    ]
-    if same and given != ["fixed"]:
+    before = [other.model_fields_set for other in body.sides[:index] if other.side == side.side]
+    if given != ["fixed"] and any(fields & set(given) for fields in before):
         yield Problem(path, f"a second {' and '.join(given)} for side '{side.side}'", keys=(*given,))

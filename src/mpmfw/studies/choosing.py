@@ -17,7 +17,7 @@ from mpmfw.campaigns.execution import Execution, Running
 from mpmfw.campaigns.grid import make_grid
 from mpmfw.campaigns.grid_runs import GridRuns
 from mpmfw.campaigns.judging import ErrorTable, Judge, check_names
-from mpmfw.campaigns.measures import MEASURES, exact_of, measure_of, names_of_measures
+from mpmfw.campaigns.measures import MEASURES, exact_of, measure_of, names_of_measures, outputs_for
 from mpmfw.errors import SceneError
 from mpmfw.plugin.measure import About, Measure
 from mpmfw.results.provenance import provenance
@@ -106,10 +106,13 @@ def choose(
     loaded = load_scene(scene, set=shared)
     check_names(about, loaded, _error_at)
     chosen, kind = _known(loaded, measure, about)
-    base = _base(loaded, chosen)
+    base = loaded.with_overrides(outputs_for(chosen))
     _check_lengths(base)
     sizes = _sizes(float(base.grid.cell_size), coarsest, finest)
-    vary = {"contact": _contacts(base, contact), "shape": list(shape or SHAPES), "cell_size": sizes}
+    if base.contact is None and contact:
+        raise SceneError("contact: the scene has none, so that there is none to choose")
+    contacts = ["none"] if base.contact is None else list(contact or CONTACTS)
+    vary = {"contact": contacts, "shape": list(shape or SHAPES), "cell_size": sizes}
     grid = make_grid({"": base}, vary, {})
     if all(one.scene is None for one in grid.combinations.values()):
         raise SceneError(next(iter(grid.combinations.values())).why)
@@ -182,24 +185,11 @@ def _known(scene: Scene, name: str | None, about: About) -> tuple[Measure, str]:
     )
 
 
-def _base(scene: Scene, measure: Measure) -> Scene:
-    """The scene with nothing recorded that the error does not need."""
-    outputs = dict.fromkeys(["output.surface", "output.gap", "output.ledger"], False)
-    return scene.with_overrides({"output.particles": measure.particles} | outputs)
-
-
-def _contacts(scene: Scene, given: Sequence[Any] | None) -> list[Any]:
-    if scene.contact is None:
-        if given:
-            raise SceneError("contact: the scene has none, so that there is none to choose")
-        return ["none"]
-    return list(given or CONTACTS)
-
-
 def _sizes(own: float, coarsest: Any, finest: Any) -> list[float]:
     """Return the cell sizes of the ladder, each half of the one before, so that grid lines stay."""
-    first = 2.0 * own if coarsest is None else _length("coarsest", coarsest)
-    last = 0.25 * own if finest is None else _length("finest", finest)
+    example = "a cell size such as 0.4 or '4 mm'"
+    first = 2.0 * own if coarsest is None else positive("coarsest", coarsest, "m", example)
+    last = 0.25 * own if finest is None else positive("finest", finest, "m", example)
     count = int(np.floor(np.log2(first / last) + 1e-9)) + 1
     if count < 2:
         raise SceneError(f"finest {last:g} m: must be at most half of the coarsest cell, {first:g} m")
@@ -220,10 +210,5 @@ def _check_lengths(scene: Scene) -> None:
             if size is not None and size == of_twin:
                 raise SceneError(
                     f"bodies.{name}.{key}: is {size:g} m at every cell size, so that finer cells would be "
-                    "another "
-                    f'discretisation; expected cells, such as "{size / own:g} cells"'
+                    f'another discretisation; expected cells, such as "{size / own:g} cells"'
                 )
-
-
-def _length(name: str, given: float | str) -> float:
-    return positive(name, given, "m", "a cell size such as 0.4 or '4 mm'")

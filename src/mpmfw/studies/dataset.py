@@ -19,7 +19,6 @@ from mpmfw.campaigns.store import COSTS, Cost
 from mpmfw.plugin.discovery import load
 from mpmfw.results.concatenation import STEPPING
 from mpmfw.results.provenance import provenance
-from mpmfw.scene import Scene
 from mpmfw.state.fields import FloatArray
 from mpmfw.studies.loading import Study
 
@@ -70,7 +69,7 @@ def assemble(study: Study, judge: Judge, runs: GridRuns) -> xr.Dataset:
 def _methods(grid: RunGrid) -> dict[str, Any]:
     """Contact and shape where they are not varied, if all scenes have the same."""
     methods = {
-        "contact": {_contact(scene) for scene in grid.scenes.values()},
+        "contact": {s.contact.method if s.contact else "none" for s in grid.scenes.values()},
         "shape": {scene.shape.method for scene in grid.scenes.values()},
     }
     return {
@@ -92,10 +91,6 @@ def _stepping(grid: RunGrid) -> dict[str, xr.DataArray]:
         for k, (name, meaning) in enumerate(STEPPING)
         if name not in grid.coords
     }
-
-
-def _contact(scene: Scene) -> str:
-    return scene.contact.method if scene.contact is not None else "none"
 
 
 def _errors(judge: Judge, runs: GridRuns) -> dict[str, xr.DataArray]:

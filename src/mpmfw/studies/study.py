@@ -16,7 +16,7 @@ from mpmfw.campaigns.grid import make_grid as make_points
 from mpmfw.campaigns.grid_runs import GridRuns
 from mpmfw.campaigns.judging import Judge
 from mpmfw.campaigns.keys import overrides_of
-from mpmfw.campaigns.measures import measure_of
+from mpmfw.campaigns.measures import measure_of, outputs_for
 from mpmfw.errors import Interrupted, NoSuchFileError, SceneError, SceneProblem
 from mpmfw.results.replacing import check_replaceable, replace_dataset
 from mpmfw.scene import Scene, load_scene
@@ -160,10 +160,7 @@ def make_grid(study: Study) -> RunGrid:
 def _base(study: Study, label: str, chosen: Any) -> Scene:
     """Return a scene with what all runs share; it records what the error or the study needs."""
     tables = study.tables
-    particles = measure_of(tables.error.quantity).particles
-    shared = {"output.particles": particles} | dict.fromkeys(
-        ["output.surface", "output.gap", "output.ledger"], False
-    )
+    shared: dict[str, Any] = dict(outputs_for(measure_of(tables.error.quantity)))
     try:
         scene = load_scene(chosen, trust=study.trust)
     except NoSuchFileError as error:
