@@ -36,38 +36,21 @@ At = Callable[[tuple[str, ...], str], SceneError]
 
 
 class ErrorTable(Table):
-    """Which error is measured, and against what.
+    """Which error is measured, and against what: a closed form, a reference, or the study's finest run.
 
-    Attributes
-    ----------
-    quantity
-        Name of a measure, see :data:`mpmfw.campaigns.measures.MEASURES`.
-    kind
-        ``closed-form``: what the scene's own closed form says; ``reference``: a file, a value, or the
-        solution that ships with mpmfw for the scene; ``finest``: the finest run of the study.
-    body, pair, axis
-        What the quantity is of; the motion decides where they are left out.
-    norm
-        Of the difference of two curves or fields: ``largest`` or ``l2``; the measure decides where it is left
-        out.
-    file, column
-        CSV file with a column ``time`` [s] and one of the quantity [SI]: by name, or the only other one.
-    value
-        The quantity itself, where it is a number.
-    finest
-        Labels that choose the finest run; a numeric dimension that is not named takes its finest value, one
-        of names its own.
-    """
+    A reference is a file, a value, or the solution that ships with mpmfw for the scene."""
 
-    quantity: str
+    quantity: str  #: name of a measure, see :data:`mpmfw.campaigns.measures.MEASURES`
     kind: Literal["closed-form", "reference", "finest"] = "closed-form"
-    body: str | None = None
+    body: str | None = None  #: what the quantity is of; if left out, the motion decides, as for the next two
     pair: str | None = None
     axis: Axis | None = None
+    #: of the difference of two curves or fields; if left out, the measure decides
     norm: Literal["largest", "l2"] | None = None
-    file: str | None = None
-    column: str | None = None
-    value: Number | None = None
+    file: str | None = None  #: CSV file with a column ``time`` [s] and one of the quantity [SI]
+    column: str | None = None  #: name of the latter, where there are several
+    value: Number | None = None  #: the quantity itself, where it is a number
+    #: labels that choose the finest run; a dimension of numbers takes its finest, one of names its own
     finest: dict[str, Any] = Field(default={})
 
 

@@ -33,43 +33,24 @@ SceneChoice = str | dict[str, Any]
 
 
 class CostTable(Table):
-    """How the cost is measured.
+    """How the cost is measured."""
 
-    Attributes
-    ----------
-    repeats
-        Runs of each combination; the least of their CPU times is the cost.
-    settling
-        Whether settling counts: it is the whole work of a scene that ends at rest.
-    """
-
-    repeats: Annotated[int, Field(ge=1)] = 3
-    settling: bool = False
+    repeats: Annotated[int, Field(ge=1)] = 3  #: runs of each combination; the least CPU time is the cost
+    settling: bool = False  #: whether settling counts, the whole work of a scene that ends at rest
 
 
 class StudyTables(Table):
-    """All tables of a study.
-
-    Attributes
-    ----------
-    scene, scenes
-        The one scene, or several by label, which become the dimension ``scene``.
-    vary
-        Values by short name or dotted key, a dimension each.
-    set
-        Values that all runs share.
-    under
-        Relative error below which the cheapest combination is named.
-    """
+    """All tables of a study."""
 
     title: str = ""
     scene: SceneChoice | None = None
-    scenes: dict[str, SceneChoice] = Field(default={})
+    scenes: dict[str, SceneChoice] = Field(default={})  #: several by label, the dimension ``scene``
+    #: values by short name or dotted key, a dimension each
     vary: Annotated[dict[str, Values], Field(min_length=1)]
-    set: dict[str, Any] = Field(default={})
+    set: dict[str, Any] = Field(default={})  #: values that all runs share
     error: ErrorTable
     cost: CostTable = CostTable()
-    under: Annotated[Number, Field(gt=0)] = 0.01
+    under: Annotated[Number, Field(gt=0)] = 0.01  #: relative error below which the cheapest is named
 
 
 @dataclass(frozen=True)
