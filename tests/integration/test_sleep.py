@@ -65,8 +65,8 @@ def stack(**changes: Any) -> dict[str, Any]:
 class Watch:
     """Runs a scene and keeps who slept when, and the series of the outputs."""
 
-    def __init__(self, given: dict[str, Any]) -> None:
-        self.simulation = Simulation(given)
+    def __init__(self, given: dict[str, Any], threads: int = 1) -> None:
+        self.simulation = Simulation(given, threads=threads)
         self.changes: list[tuple[float, set[str]]] = []
         self.series: list[dict[str, Any]] = []
         self.simulation.run(
@@ -77,7 +77,7 @@ class Watch:
     def look(self) -> None:
         sleep, state = self.simulation._sleep, self.simulation.state
         if sleep is not None and self.simulation.started:
-            asleep = {body.name for body in state.bodies if sleep.asleep[body.index]}
+            asleep = {body.name for body in state.bodies if sleep.inactive[body.index]}
             if asleep != (self.changes[-1][1] if self.changes else set()):
                 self.changes.append((state.time, asleep))
 
@@ -95,6 +95,15 @@ def test_a_hit_wakes_those_that_touch_and_nothing_else_changes(contact: str) -> 
             assert np.abs(one[name] - other[name]).max() <= 1e-6 * scale
     before, after = (slept.series[k]["linear_momentum"].sum(axis=0) for k in (0, -1))
     np.testing.assert_allclose(after, before, rtol=1e-12)
+
+
+def test_several_threads_give_the_same_bits() -> None:
+    """Bodies fall asleep and wake in a run on two threads as in one on a single thread."""
+    alone, shared = (Watch(hit(**SLEEP), threads) for threads in (1, 2))
+    assert [names for _, names in shared.changes] == [{"first", "second", "behind"}, {"behind"}]
+    for one, other in zip(alone.series, shared.series, strict=True):
+        for name in one:
+            np.testing.assert_array_equal(one[name], other[name], err_msg=name)
 
 
 def test_a_stack_at_rest_sleeps_and_bears_its_weight() -> None:

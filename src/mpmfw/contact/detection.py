@@ -14,7 +14,7 @@ from mpmfw.state.fields import AnyArray, Field, FloatArray, IntArray
 from mpmfw.state.structs import Body, Grid, Particles, State, Stencil
 
 if TYPE_CHECKING:
-    from mpmfw.state.numbers import Numbers
+    from mpmfw.state.index_map import IndexMap
 
 
 #: Relative difference of wave moduli K + 4 G / 3 up to which two bodies are equally stiff, and of sizes that
@@ -46,8 +46,8 @@ class Detection(PlugIn):
     adds_mass: bool = False
     #: Whether rows have an area, which forces and cohesion are made of.
     measures_area: bool = True
-    #: Whether bodies at rest may be left out for a while: :meth:`take_over` hands over what it remembers, and
-    #: rows renumber it.
+    #: Whether bodies at rest may be left out for a while: :meth:`copy_history` copies its history, and rows
+    #: renumber theirs.
     leaves_bodies_out: bool = False
     #: Gap up to which the law acts [m], known once both are prepared.
     law_range: float = 0.0
@@ -109,7 +109,7 @@ class Detection(PlugIn):
     def end_step(self) -> None:
         """Note what the next step needs of this one; nothing by default."""
 
-    def take_over(self, other: Any, numbers: Numbers) -> None:
+    def copy_history(self, other: Any, index_map: IndexMap) -> None:
         """Know of bodies, by other ``numbers``, what ``other`` of the same class remembers of them; nothing
         by default."""
 

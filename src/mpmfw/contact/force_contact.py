@@ -18,7 +18,7 @@ from mpmfw.state.history import check_indices
 from mpmfw.state.structs import Grid, Particles, State, Stencil
 
 if TYPE_CHECKING:
-    from mpmfw.state.numbers import Numbers
+    from mpmfw.state.index_map import IndexMap
 
 
 class ForceLaw(ContactLaw):
@@ -165,10 +165,10 @@ class ForceContact(RowContact):
         self.detection.end_step()
         self.rows, self.old = self.old, rows
 
-    def take_over(self, other: RowContact, numbers: Numbers) -> None:
+    def copy_history(self, other: RowContact, index_map: IndexMap) -> None:
         """Those, and the rows of the last step that ``other`` has, by ``numbers``."""
-        super().take_over(other, numbers)
-        self.old.take_over(other.last_rows, numbers)
+        super().copy_history(other, index_map)
+        self.old.copy_history(other.last_rows, index_map)
 
     @property
     def last_rows(self) -> ContactRows:

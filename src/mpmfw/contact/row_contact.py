@@ -24,7 +24,7 @@ from mpmfw.state.fields import AnyArray, Field, FloatArray
 from mpmfw.state.structs import Grid, Pair, Particles, State, Stencil
 
 if TYPE_CHECKING:
-    from mpmfw.state.numbers import Numbers
+    from mpmfw.state.index_map import IndexMap
 
 #: What a law may need of a detection, as messages name it.
 NEEDS = {
@@ -280,10 +280,10 @@ class RowContact(ContactStrategy):
             self.node_sum = np.zeros(len(grid.mass))
         return self.node_sum
 
-    def take_over(self, other: RowContact, numbers: Numbers) -> None:
+    def copy_history(self, other: RowContact, index_map: IndexMap) -> None:
         """Know of bodies, by other ``numbers``, what ``other`` knows of them from step to step; records are
         declared arrays."""
-        self.detection.take_over(other.detection, numbers)
+        self.detection.copy_history(other.detection, index_map)
 
     def restart(self) -> None:
         """Forget impulse and work of the settling; contacts stay loaded."""

@@ -14,7 +14,7 @@ from mpmfw.state.history import NotSaved, check_indices
 from mpmfw.state.structs import Grid
 
 if TYPE_CHECKING:
-    from mpmfw.state.numbers import Numbers
+    from mpmfw.state.index_map import IndexMap
 
 #: Which arrays have a vector in every row, which are of integers, and which have rows for the entries of B.
 _VECTORS = ("normal", "motion", "force", "couple", "tilt")
@@ -90,17 +90,17 @@ class ContactRows(Rows):
         whole = self.members() | self.own.members()
         return {name: array for name, array in whole.items() if len(array)}
 
-    def take_over(self, other: ContactRows, numbers: Numbers) -> None:
+    def copy_history(self, other: ContactRows, index_map: IndexMap) -> None:
         """Rows of the last step that ``other`` has of bodies by other ``numbers``, in place of those of the
         same pairs.
 
         B is not taken: it belongs to nodes that lie elsewhere.
         """
-        kept = np.flatnonzero(~np.isin(self.pair[: self.count], numbers.pair))
-        taken = np.flatnonzero(numbers.pair[other.pair[: other.count]] >= 0)
+        kept = np.flatnonzero(~np.isin(self.pair[: self.count], index_map.pair))
+        taken = np.flatnonzero(index_map.pair[other.pair[: other.count]] >= 0)
         ours = {name: array[kept].copy() for name, array in self.of_rows().items() if len(array)}
         theirs = {name: array[taken].copy() for name, array in other.of_rows().items() if len(array)}
-        other.renumber(theirs, self, numbers)
+        other.renumber(theirs, self, index_map)
         order = np.argsort(np.concatenate([ours["identity"], theirs["identity"]]), kind="stable")
         if len(order) > len(self.pair):
             self.make_room(2 * len(order), len(self.dof))
@@ -139,10 +139,10 @@ class ContactRows(Rows):
         self,
         history: dict[str, AnyArray],
         own: ContactRows,  # noqa: ARG002
-        numbers: Numbers,
+        index_map: IndexMap,
     ) -> None:
         """Let ``history`` speak of pairs by the ``numbers`` that they have in ``own``."""
-        history["pair"] = numbers.pair[history["pair"]]
+        history["pair"] = index_map.pair[history["pair"]]
 
     def momentary_velocity(self, grid: Grid, out: FloatArray) -> None:
         """B v of the grid's present momentum, into ``out`` (n, dim) [m/s]."""

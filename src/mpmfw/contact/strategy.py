@@ -32,7 +32,7 @@ class ContactStrategy(PlugIn):
     #: Whether that friction is what the scene's ``contact.friction_law`` says, and not Coulomb's alone.
     takes_friction_law: ClassVar[bool] = False
     #: Whether bodies at rest may be left out for a while (``[sleep]``): what the strategy knows from step to
-    #: step is in declared arrays, or handed over by ``take_over``.
+    #: step is in declared arrays, or handed over by ``copy_history``.
     leaves_bodies_out: bool = False
     #: Dotted key of the scene that makes the strategy softer, for advice; None where nothing does.
     softer_by: str | None = None

@@ -18,7 +18,7 @@ from mpmfw.state.structs import Body, Grid
 
 if TYPE_CHECKING:
     from mpmfw.scene.tables import Settle, Side
-    from mpmfw.state.numbers import Numbers
+    from mpmfw.state.index_map import IndexMap
 
 #: Largest number of passes over rows that share nodes; two sides may ask for different velocities at their
 #: corner.
@@ -116,11 +116,11 @@ class Constraint:
         self.velocity = np.array([side.velocity for side in self.sides])
         self.agreed = AGREED * max(side.body.wave_speed for side in self.sides)
 
-    def take_over(self, other: Constraint, numbers: Numbers) -> None:
+    def copy_history(self, other: Constraint, index_map: IndexMap) -> None:
         """Take the places of sides, by other ``numbers``, and the work."""
         self.work, other.work = self.work + other.work, 0.0
-        theirs = [k for k, side in enumerate(other.sides) if numbers.body[side.body.index] >= 0]
-        known = {int(numbers.body[other.sides[k].body.index]) for k in theirs}
+        theirs = [k for k, side in enumerate(other.sides) if index_map.body[side.body.index] >= 0]
+        known = {int(index_map.body[other.sides[k].body.index]) for k in theirs}
         ours = [k for k, side in enumerate(self.sides) if side.body.index in known]
         self.planes.place[ours] = other.planes.place[theirs]
 

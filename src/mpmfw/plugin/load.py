@@ -18,7 +18,7 @@ from mpmfw.state.fields import FloatArray, IntArray
 from mpmfw.state.structs import Grid, Particles, State, Stencil, Surface
 
 if TYPE_CHECKING:
-    from mpmfw.state.numbers import Numbers
+    from mpmfw.state.index_map import IndexMap
 
 
 @kernel
@@ -86,7 +86,7 @@ class Load(NamedPlugIn):
         """Term of the energy ledger, and what does the work."""
         return "external", f"load '{self.title}'"
 
-    def take_over(self, other: Load, numbers: Numbers) -> None:  # noqa: ARG002
+    def copy_history(self, other: Load, index_map: IndexMap) -> None:  # noqa: ARG002
         """Take the work that the same load has done in another simulation of its bodies."""
         self.work, other.work = self.work + other.work, 0.0
 

@@ -1,9 +1,9 @@
-"""Bodies at rest sleep: the steps are those of the bodies awake, a simulation of their own, until something
-disturbs the others.
+"""Bodies at rest sleep: the steps are those of the active simulation, which has the other bodies, until
+something disturbs the inactive ones.
 
-Whoever is near sleeps and wakes together, so that what sleeps acts on nobody: near are bodies whose windows
-of the grid share a node, as between two layings of the windows nobody leaves its own. A body asleep stays as
-it is, its velocity and its springs included, and goes on from there: nothing is lost when it wakes."""
+Bodies that are near each other sleep and wake together, so that inactive bodies act on none of the others.
+Near are bodies whose windows of the grid share a node: until windows are laid anew, no body leaves its own.
+An inactive body keeps its velocity and its springs and goes on from there: nothing is lost when it wakes."""
 
 from __future__ import annotations
 
@@ -20,22 +20,22 @@ from mpmfw.runs.build import build_some
 from mpmfw.state.clock import Clock
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 from mpmfw.state.history import NotSaved
-from mpmfw.state.numbers import Numbers, take_over
+from mpmfw.state.index_map import IndexMap, copy_history
 from mpmfw.state.pairs import list_near, overlapping
 from mpmfw.state.structs import Body, State
 from mpmfw.state.windows import lay_windows, set_windows, windows_round
 from mpmfw.step import SCHEMES
 from mpmfw.step.transfer import Transfer
 
-#: Steps between two looks at who is at rest.
+#: Steps between two looks for bodies at rest.
 LOOK_EVERY = 20
 
-#: Times that a body which nothing holds takes to fall past the bound, after which it is at rest: one at the
-#: top of its flight is slower than the bound for two of them.
+#: Times that a free body takes to fall past the speed bound, after which it is at rest: one at the top of its
+#: flight is slower than the bound for two of them.
 FALLS = 4.0
 
-#: How many times the nodes that windows have now those of a saved part may have: bodies may have drawn
-#: together since.
+#: How many times the nodes of today's windows those of a saved active simulation may have: bodies may have
+#: drawn together since.
 SPARE = 16.0
 
 #: Records of pairs that grow with time while bodies rest on each other.
@@ -43,314 +43,245 @@ IMPULSES = ("impulse", "friction_impulse")
 
 
 def from_setup(setup: Setup) -> Acts:
-    """Return when bodies fall asleep; refuse effects that bodies cannot sleep beside.
+    """Return when bodies fall asleep; refuse a scene with something that needs all bodies in every step.
 
     Raises
     ------
     SceneError
-        There is some of it.
+        The scene has such a thing.
     """
-    contact, output = setup.contact, setup.scene.output
+    settings, contact, output = setup.scene.sleep, setup.contact, setup.scene.output
+    assert settings is not None
+    measured = [key for key in ("ledger", "stability", "contact_moment") if getattr(output, key)]
+    foreign = [plugin for plugin in setup.plugins if not bundled(type(plugin))]
     if contact is None or contact.velocity_fields != "per_body":
-        raise SceneError(
-            "sleep: expected a contact with a velocity field for each body, in which one of them can be left "
-            "out"
+        problem = (
+            "expected a contact with a velocity field for each body, in which one of them can be left out"
         )
-    if not contact.leaves_bodies_out:
-        raise SceneError(
-            f"sleep: contact '{contact.label}' cannot leave bodies out; expected one that can, such as "
-            "bardenhagen, or penalty "
-            "without master and interface_thickness"
+    elif not contact.leaves_bodies_out:
+        problem = (
+            f"contact '{contact.label}' cannot leave bodies out; expected one that can, such as bardenhagen, "
+            "or penalty without master and interface_thickness"
         )
-    for key in ("ledger", "stability"):
-        if getattr(output, key):
-            raise SceneError(f"sleep: output.{key} measures all bodies in every step; expected {key} = false")
-    if output.contact_moment is not None:
-        raise SceneError("sleep: output.contact_moment measures all bodies in every step; expected none")
-    if setup.named["boundaries"]:
-        raise SceneError("sleep: the motion of [boundaries] is not known beforehand; expected sides")
-    for plugin in setup.plugins:
-        if not bundled(type(plugin)):
-            raise SceneError(f"sleep: {described(plugin)} would not know who is awake; expected bundled ones")
-    asked = setup.scene.sleep
-    assert asked is not None
-    return Acts(f"[sleep]: below {asked.strain:g} of the wave speed for {asked.crossings:g} crossings")
+    elif measured:
+        problem = f"output.{measured[0]} measures all bodies in every step; expected a scene without it"
+    elif setup.named["boundaries"]:
+        problem = "the motion of [boundaries] is not known beforehand; expected sides"
+    elif foreign:
+        problem = f"{described(foreign[0])} does not support inactive bodies; expected bundled plug-ins"
+    else:
+        when = f"below {settings.strain:g} of the wave speed for {settings.crossings:g} crossings"
+        return Acts(f"[sleep]: {when}")
+    raise SceneError(f"sleep: {problem}")
 
 
 class Sleep:
-    """Who sleeps, and the steps of all others.
+    """Which bodies are inactive, and the steps of all others.
 
     Parameters
     ----------
-    whole
+    full
         The simulation of all bodies, before its first step.
     setup
-        Of all bodies.
+        Its setup.
     """
 
-    def __init__(self, whole: Any, setup: Setup) -> None:
-        asked = setup.scene.sleep
-        assert asked is not None
-        self.whole, self.setup = whole, setup
-        self.part: Any = None  #: simulation of the bodies awake; None if these are all or none
-        self.scheme = SCHEMES[setup.scheme]
-        bodies = setup.state.bodies
+    history = (
+        "moved", "slept", "inactive", "lower", "upper", "counted", "rates", "looked", "impulses", "windows",
+    )  # fmt: skip
+
+    def __init__(self, full: Any, setup: Setup) -> None:
+        settings, bodies, dim = setup.scene.sleep, setup.state.bodies, setup.scene.dim
+        assert settings is not None
+        assert setup.contact is not None
+        self.full, self.setup, self.scheme = full, setup, SCHEMES[setup.scheme]
+        self.active: Any = None  #: simulation of the bodies that move, if these are some and not all
         waves = np.array([body.wave_speed for body in bodies])
         longest = np.array([np.subtract(body.upper, body.lower).max() for body in bodies])
-        self.bound: FloatArray = asked.strain * waves  #: (n_bodies,) [m/s]
-        self.patience: FloatArray = asked.crossings * longest / waves  #: (n_bodies,) [s]
-        self.moved = np.zeros(len(bodies))  #: last time at which a body was seen to move [s]
-        self.asleep, self.sleepers = np.zeros(len(bodies), dtype=bool), 0
+        self.bound: FloatArray = settings.strain * waves  #: (n_bodies,) [m/s]
+        self.patience: FloatArray = settings.crossings * longest / waves  #: (n_bodies,) [s]
+        self.moved, self.slept = np.zeros((2, len(bodies)))  #: when bodies last moved, and fell asleep [s]
+        self.inactive = np.zeros(len(bodies), dtype=bool)
         self.lower, self.upper = (np.zeros_like(setup.state.grid.window_lower) for _ in range(2))
-        self.pulls: dict[int, list[AnyArray]] = {}  #: gravity and loads under which a body fell asleep
-        self.rates = {name: np.zeros((0, setup.scene.dim)) for name in IMPULSES}
-        self.counted = 0.0  #: time up to which impulses of pairs asleep are counted [s]
-        self.slept = np.zeros(len(bodies))  #: when a body fell asleep [s]
-        self.seen: tuple[float, dict[str, FloatArray]] | None = None  #: time and impulses of the last look
-        self.frame = 0  #: of the windows that were compared last
-        self._loads = [
-            plugin
-            for _, plugin in whole.manager.list_name_plugin()
-            if isinstance(plugin, BodyLoad | SurfaceLoad)
-        ]
-        self._gravity = whole.manager.get_plugin("gravity")
-        self._gravity_changes = self._gravity is not None and len(self._gravity.table.times) > 1
-        self._contact = "" if setup.contact is None else setup.contact.name
-
-    # -- the steps
-    # ---------------------------------------------------------------------------------------------------
+        self.rates = {name: np.zeros((0, dim)) for name in IMPULSES}  #: forces between inactive bodies [N]
+        self.counted = 0.0  #: time up to which impulses of inactive pairs are counted [s]
+        self.looked = np.nan  #: time of the last look [s], and the running simulation's impulses then
+        self.impulses = {name: np.zeros((0, dim)) for name in IMPULSES}
+        self.frame = -1  #: of the windows that were compared last
+        self._records = {name: f"{setup.contact.name}/{name}" for name in IMPULSES}
+        plugins = [plugin for _, plugin in full.manager.list_name_plugin()]
+        self._loads = [plugin for plugin in plugins if isinstance(plugin, BodyLoad | SurfaceLoad)]
+        self._gravity = full.manager.get_plugin("gravity")
+        self._forces_change = bool(self._loads)
+        if self._gravity is not None:
+            self._forces_change |= len(self._gravity.table.times) > 1
 
     @property
     def running(self) -> Any:
         """The simulation that takes the steps."""
-        return self.whole if self.part is None else self.part
+        return self.full if self.active is None else self.active
 
     def step(
         self, state: State, hook: Any, transfer: Transfer, clock: Clock, length: Callable[[], float]
     ) -> float:
-        """One time step of the bodies awake, called as those of :data:`mpmfw.step.SCHEMES`; of all while the
-        scene settles."""
-        if not self.whole.started:
+        """Take one time step of the active bodies, of all while the scene settles; called as those of
+        :data:`mpmfw.step.SCHEMES`."""
+        if not self.full.started:
             return self.scheme(state, hook, transfer, clock, length)
-        if self.sleepers:
+        if self.inactive.any():
             self._wake(state.time)
-        if self.sleepers == len(self.asleep):
+        if self.inactive.all():
             return length()
-        running = self.running
-        own = running.state
-        own.time, own.steps, own.dt = state.time, state.steps, state.dt
-        dt = own.dt = self.scheme(own, running.hook, transfer, clock, length)
+        running = self.running.state
+        running.time, running.steps, running.dt = state.time, state.steps, state.dt
+        dt = running.dt = self.scheme(running, self.running.hook, transfer, clock, length)
         if state.steps % LOOK_EVERY == 0:
             self._look(state.time + dt)
         return dt
 
     def _look(self, time: float) -> None:
-        """Who has been at rest for long enough falls asleep, unless somebody near has not."""
-        state = self.running.state
-        awake = np.flatnonzero(~self.asleep)
+        """Let bodies sleep that have been at rest for long enough and are near none that has not."""
+        running = self.running
+        state, awake = running.state, np.flatnonzero(~self.inactive)
         v = state.particles.velocity
         square = np.maximum.reduceat(np.einsum("pd,pd->p", v, v), state.particles.first[:-1])
         self.moved[awake[square > self.bound[awake] ** 2]] = time
-        last, self.seen = self.seen, (time, self._impulses())
+        since, before, none = time - self.looked, self.impulses, np.zeros((0, state.grid.dim))
+        self.looked = time
+        self.impulses = {name: state.arrays.get(key, none).copy() for name, key in self._records.items()}
         rested = time - self.moved[awake] >= self.patience[awake]
-        if last is None or not rested.any():
+        if np.isnan(since) or not rested.any():
             return
         self.gather(time)
-        rested[rested] = [self._would_have_moved(body, time) for body in awake[rested].tolist()]
-        lower, upper = self._windows_now()
-        sleepy = ~_reached(~rested, *overlapping(lower, upper))
-        if sleepy.any():
-            which = awake[sleepy]
-            self.lower[which], self.upper[which] = lower[sleepy], upper[sleepy]
-            self._fall_asleep(which, time, last)
-
-    def _would_have_moved(self, body: int, time: float) -> bool:
-        """Whether gravity and loads had the time to move a body past the bound if nothing held it, or there
-        are none.
-        """
-        acceleration = self._pull(body, time)[1]
-        rest = time - self.moved[body]
-        return bool(acceleration == 0.0 or rest * acceleration >= FALLS * self.bound[body])
-
-    def _windows_now(self) -> tuple[IntArray, IntArray]:
-        """First and last node of the windows of the bodies awake, if they were laid now."""
-        state, hook = self.running.state, self.running.hook
-        reach = hook.particle_reach(particles=state.particles)
+        for k in np.flatnonzero(rested):  # a body that gravity or a load turns back is slow for a while
+            body = int(awake[k])
+            free = self._pull(body, time)[1] * (time - self.moved[body])
+            rested[k] = free == 0.0 or free >= FALLS * self.bound[body]
+        reach = running.hook.particle_reach(particles=state.particles)
         lower, shape = windows_round(state.grid, state.particles, reach, state.surface)
-        return lower, lower + shape - 1
-
-    # -- falling asleep and waking
-    # -------------------------------------------------------------------------------------
-
-    def _fall_asleep(self, which: IntArray, time: float, last: tuple[float, dict[str, FloatArray]]) -> None:
-        """Leave bodies out from now on; ``last`` are impulses some steps ago, from which their forces on each
-        other follow.
-        """
-        whole, now = self.whole.state, self._impulses()
-        number = Numbers.between(self.running.state, whole).pair
-        self.asleep[which] = True
-        for name in self.rates:
-            rate, before = np.zeros((len(whole.pairs), whole.grid.dim)), np.zeros_like(now[name])
+        upper = lower + shape - 1
+        sleepy = ~_reached(~rested, *overlapping(lower, upper))
+        if not sleepy.any():
+            return
+        fallen = awake[sleepy]
+        self.lower[fallen], self.upper[fallen] = lower[sleepy], upper[sleepy]
+        self.inactive[fallen], self.slept[fallen] = True, time
+        pairs = IndexMap.between(state, self.full.state).pair
+        for name, impulse in self.impulses.items():
+            rate = np.zeros((len(self.full.state.pairs), state.grid.dim))
             rate[: len(self.rates[name])] = self.rates[name]
-            before[: len(last[1][name])] = last[1][name]
-            rate[number] = (now[name] - before) / (time - last[0])
-            self.rates[name] = self._between_sleepers(rate)
-        self.slept[which] = time
-        self._remember_pulls()
+            gained = impulse.copy()
+            gained[: len(before[name])] -= before[name]
+            rate[pairs] = gained / since
+            self.rates[name] = rate
         self._divide()
 
-    def _remember_pulls(self) -> None:
-        """What acted on every body when it fell asleep: it has not moved since."""
-        self.pulls = {b: self._pull(b, float(self.slept[b]))[0] for b in np.flatnonzero(self.asleep).tolist()}
-
-    def _between_sleepers(self, rate: FloatArray) -> FloatArray:
-        """The rates (n_pairs, dim), zero but for pairs of which both sleep."""
-        pairs = self.whole.state.pairs[: len(rate)]
-        both = np.array([self.asleep[pair.first] and self.asleep[pair.second] for pair in pairs], dtype=bool)
-        return np.where(both[:, None], rate, 0.0)
-
     def _wake(self, time: float) -> None:
-        """Wake who is disturbed, and all that are near them."""
-        woken = np.zeros_like(self.asleep)
-        if self._loads or self._gravity_changes:
-            for body, before in self.pulls.items():
-                now, _ = self._pull(body, time)
-                woken[body] = not all(np.array_equal(*each) for each in zip(before, now, strict=True))
+        """Wake bodies that are disturbed, and all that are near them."""
+        woken, sleepers = np.zeros_like(self.inactive), np.flatnonzero(self.inactive)
+        for body in sleepers.tolist() if self._forces_change else ():
+            then, now = (self._pull(body, at)[0] for at in (float(self.slept[body]), time))
+            woken[body] = not all(np.array_equal(*each) for each in zip(then, now, strict=True))
         grid = self.running.state.grid
-        if self.part is not None and grid.frame != self.frame:
+        if self.active is not None and grid.frame != self.frame:
             self.frame = grid.frame
             for lower, shape in zip(grid.window_lower, grid.window_shape, strict=True):
                 apart = (self.lower >= lower + shape) | (lower > self.upper)
-                woken |= self.asleep & ~apart.any(axis=1)
-        if not woken.any():
-            return
-        sleepers = np.flatnonzero(self.asleep)
-        woken[sleepers] = _reached(woken[sleepers], *overlapping(self.lower[sleepers], self.upper[sleepers]))
-        self.gather(time)
-        self.asleep[woken], self.moved[woken] = False, time
-        self._remember_pulls()
-        self.rates = {name: self._between_sleepers(rate) for name, rate in self.rates.items()}
-        self._divide()
+                woken |= self.inactive & ~apart.any(axis=1)
+        if woken.any():
+            near = overlapping(self.lower[sleepers], self.upper[sleepers])
+            woken[sleepers] = _reached(woken[sleepers], *near)
+            self.gather(time)
+            self.inactive[woken], self.moved[woken] = False, time
+            self._divide()
 
     def _pull(self, body: int, time: float) -> tuple[list[AnyArray], float]:
         """Gravity [m/s²] and every load's forces [N] or tractions [Pa] on a body, and the acceleration of all
         of them [m/s²].
         """
-        state = self.whole.state
+        state = self.full.state
         own = state.bodies[body]
         mass = float(state.particles.mass[own.particles].sum())
-        found, total = [], np.zeros(state.grid.dim)
-        if self._gravity is not None:
-            found.append(self._gravity.at(time))
-            total += mass * found[0]
+        values: list[AnyArray] = [] if self._gravity is None else [self._gravity.at(time)]
+        total = mass * sum(values, np.zeros(state.grid.dim))
         for load in self._loads:
             if own in load.bodies:
-                values, force = _force_of(load, state, own, time)
-                found.append(values)
+                value, force = _force_of(load, state, own, time)
+                values.append(value)
                 total += force
-        return found, float(np.linalg.norm(total)) / mass
-
-    # -- the whole and its part
-    # ----------------------------------------------------------------------------------------
+        return values, float(np.linalg.norm(total)) / mass
 
     def gather(self, time: float) -> None:
-        """Let the simulation of all bodies know where they are at ``time`` [s], and what has acted between
-        them.
+        """Copy the active bodies' state back to the full simulation, and add the impulses of the others up to
+        ``time`` [s].
         """
-        whole = self.whole.state
+        full = self.full.state
         for name, rate in self.rates.items():
-            self.whole.state.arrays[f"{self._contact}/{name}"][: len(rate)] += (time - self.counted) * rate
+            full.arrays[self._records[name]][: len(rate)] += (time - self.counted) * rate
         self.counted = time
-        if self.part is None:
+        if self.active is None:
             return
-        if whole.near is not None:
-            index = {body.name: body.index for body in whole.bodies}
-            ours = self.part.state
-            ends = [
-                [index[ours.bodies[getattr(pair, end)].name] for pair in ours.pairs]
-                for end in ("first", "second")
-            ]
-            if whole.near.add(whole, *(np.array(end, dtype=np.int64) for end in ends)):
-                self.whole.hook.add_pairs(state=whole)
-        _hand_over(self.part, self.whole)
+        if full.near is not None:
+            index = {body.name: body.index for body in full.bodies}
+            bodies, pairs = self.active.state.bodies, self.active.state.pairs
+            ends = ([index[bodies[getattr(p, end)].name] for p in pairs] for end in ("first", "second"))
+            if full.near.add(full, *(np.array(end, dtype=np.int64) for end in ends)):
+                self.full.hook.add_pairs(state=full)
+        _hand_over(self.active, self.full)
 
-    def _divide(self, windows: tuple[IntArray, IntArray] | None = None) -> None:
-        """Make the simulation of the bodies awake; ``windows`` are those that it is to have, where it had
-        them before.
+    def _divide(self) -> None:
+        """Build the active simulation anew, and keep forces only of pairs of which both bodies sleep."""
+        ends = np.array([(p.first, p.second) for p in self.full.state.pairs], dtype=np.int64).reshape(-1, 2)
+        asleep = self.inactive[ends].all(axis=1)
+        self.rates = {name: np.where(asleep[: len(r), None], r, 0.0) for name, r in self.rates.items()}
+        self.looked = np.nan
+        self._build(None)
+
+    def _build(self, windows: dict[str, IntArray] | None) -> None:
+        """Build the active simulation, unless it has all bodies or none, with these windows or those that fit
+        the bodies now.
         """
-        whole = self.whole
-        awake = np.flatnonzero(~self.asleep)
-        self.part, self.seen, self.sleepers = None, None, len(self.asleep) - len(awake)
-        if 0 < len(awake) < len(self.asleep):
-            self.part = type(whole).of(build_some(self.setup, awake.tolist()), whole.clock, whole.threads)
-            self.part.started = True
-            _hand_over(whole, self.part)
-        running = self.running
-        grid, reach = running.state.grid, running.hook.particle_reach(particles=running.state.particles)
+        full, awake = self.full, np.flatnonzero(~self.inactive).tolist()
+        self.active, self.frame = None, -1
+        if 0 < len(awake) < len(self.inactive):
+            self.active = type(full).of(build_some(self.setup, awake), full.clock, full.threads)
+            self.active.started = True
+            _hand_over(full, self.active)
+        state, hook = self.running.state, self.running.hook
+        reach = hook.particle_reach(particles=state.particles)
         if windows is None:
-            lay_windows(grid, running.state.particles, reach, running.state.surface)
-        else:
-            _, shape = windows_round(grid, running.state.particles, reach, running.state.surface)
-            set_windows(grid, *windows, most=SPARE * float(np.prod(shape, axis=1).sum()))
-        list_near(running.state, running.hook)
-        if self.part is not None:
-            _hand_over(whole, self.part)  # once more: now it lists the pairs
-        self.frame = grid.frame
-
-    def _impulses(self) -> dict[str, FloatArray]:
-        """Those of the pairs of the simulation that runs, up to now; one body alone has none."""
-        state = self.running.state
-        none = np.zeros((0, state.grid.dim))
-        return {name: state.arrays.get(f"{self._contact}/{name}", none).copy() for name in IMPULSES}
-
-    # -- how it is kept
-    # -----------------------------------------------------------------------------------------------
-
-    history = ("moved", "slept", "asleep", "lower", "upper", "counted", "rates", "of_part")
+            lay_windows(state.grid, state.particles, reach, state.surface)
+        elif self.active is not None:
+            _, shape = windows_round(state.grid, state.particles, reach, state.surface)
+            most = SPARE * float(np.prod(shape, axis=1).sum())
+            set_windows(state.grid, windows["lower"], windows["shape"], most)
+        list_near(state, hook)
+        if self.active is not None:
+            _hand_over(full, self.active)  # once more: now it lists the pairs
 
     @property
-    def of_part(self) -> dict[str, AnyArray]:
-        """What is known of the part beside the values of its bodies, which are the whole's once they are
-        gathered.
-        """
+    def windows(self) -> dict[str, IntArray]:
+        """Those of the active simulation."""
         grid = self.running.state.grid
-        fields = grid.n_fields if self.part is not None else 0
-        time, impulses = self.seen or (None, {name: np.zeros((0, grid.dim)) for name in IMPULSES})
-        return {
-            "window_lower": grid.window_lower[:fields],
-            "window_shape": grid.window_shape[:fields],
-            "compared": np.full(min(fields, 1), grid.frame == self.frame),
-            "seen": np.array([] if time is None else [time]),
-            **impulses,
-        }
+        count = 0 if self.active is None else grid.n_fields
+        return {"lower": grid.window_lower[:count], "shape": grid.window_shape[:count]}
 
-    @of_part.setter
-    def of_part(self, values: dict[str, AnyArray]) -> None:
-        self._saved = values
+    @windows.setter
+    def windows(self, saved: dict[str, IntArray]) -> None:
+        self._saved = saved
 
     def restored(self) -> None:
-        """Make the part as it was, after the values of the whole were restored.
+        """Build the active simulation as it was, after the values of all bodies were restored.
 
         Raises
         ------
         NotSaved
             The values are not those of the bodies.
         """
-        self.sleepers = int(np.count_nonzero(self.asleep))
-        self._remember_pulls()
-        saved = self._saved
-        if any(len(rate) > len(self.whole.state.pairs) for rate in self.rates.values()):
+        if any(len(rate) > len(self.full.state.pairs) for rate in self.rates.values()):
             raise NotSaved("more pairs slept than there are")
-        if not len(saved["compared"]):
-            self.seen = self._seen_in(saved)
-            return
-        self._divide((saved["window_lower"], saved["window_shape"]))
-        self.seen = self._seen_in(saved)
-        self.frame -= not saved["compared"][0]
-
-    def _seen_in(self, saved: dict[str, AnyArray]) -> tuple[float, dict[str, FloatArray]] | None:
-        """Time and impulses of the last look."""
-        return (float(saved["seen"][0]), {n: saved[n] for n in IMPULSES}) if len(saved["seen"]) else None
+        if self.inactive.any() and not self.inactive.all():
+            self._build(self._saved)
 
 
 def _reached(start: AnyArray, first: IntArray, second: IntArray) -> AnyArray:
@@ -378,10 +309,10 @@ def _force_of(load: Any, state: State, body: Body, time: float) -> tuple[AnyArra
 
 
 def _hand_over(giver: Any, taker: Any) -> None:
-    """Let one simulation know what the other does of the bodies that they share."""
-    numbers = Numbers.between(giver.state, taker.state)
-    take_over(taker.state, giver.state, numbers)
+    """Copy the state of the bodies that both simulations have from one to the other."""
+    index_map = IndexMap.between(giver.state, taker.state)
+    copy_history(taker.state, giver.state, index_map)
     for name, plugin in taker.manager.list_name_plugin():
         other = giver.manager.get_plugin(name)
-        if other is not None and hasattr(plugin, "take_over"):
-            plugin.take_over(other, numbers)
+        if other is not None and hasattr(plugin, "copy_history"):
+            plugin.copy_history(other, index_map)

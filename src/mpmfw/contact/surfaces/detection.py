@@ -251,17 +251,17 @@ class Surfaces(Detection):
                 c.inside.fill(-1)
             self.was_inside = self.count > 0
 
-    def take_over(self, other: Surfaces, numbers: Any) -> None:
+    def copy_history(self, other: Surfaces, index_map: Any) -> None:
         """Which nodes were inside which bodies."""
-        nodes, theirs, ours = numbers.surface_node, other.candidates, self.candidates
+        nodes, theirs, ours = index_map.surface_node, other.candidates, self.candidates
         known = np.flatnonzero(nodes >= 0)
         inside, facet = theirs.inside[known], theirs.inside_facet[known]
-        inside = np.where(inside >= 0, numbers.body[inside], -1)
+        inside = np.where(inside >= 0, index_map.body[inside], -1)
         slots = min(inside.shape[1], ours.inside.shape[1])
         first = np.argsort(inside < 0, axis=1, kind="stable")[:, :slots]  # of bodies that are here
         ours.inside[nodes[known]] = ours.inside_facet[nodes[known]] = -1
         ours.inside[nodes[known], :slots] = np.take_along_axis(inside, first, axis=1)
-        facet = np.where(inside >= 0, numbers.facet[facet], -1)
+        facet = np.where(inside >= 0, index_map.facet[facet], -1)
         ours.inside_facet[nodes[known], :slots] = np.take_along_axis(facet, first, axis=1)
         self.was_inside = bool((ours.inside >= 0).any())
         self.near.forget()
@@ -295,14 +295,14 @@ class SurfaceRows(ContactRows):
         """Those, and the places as ``at/NAME``."""
         return super().of_rows() | {f"at/{name}": array for name, array in self.places.members().items()}
 
-    def renumber(self, history: dict[str, AnyArray], own: ContactRows, numbers: Any) -> None:
+    def renumber(self, history: dict[str, AnyArray], own: ContactRows, index_map: Any) -> None:
         """Nodes and facets too, and the identity that is made of node and body."""
-        super().renumber(history, own, numbers)
+        super().renumber(history, own, index_map)
         assert isinstance(own, SurfaceRows)
         node, body = np.divmod(history["identity"], self.n_bodies)
-        history["identity"] = numbers.surface_node[node] * own.n_bodies + numbers.body[body]
-        history["at/slave"] = numbers.surface_node[history["at/slave"]]
-        history["at/facet"] = numbers.facet[history["at/facet"]]
+        history["identity"] = index_map.surface_node[node] * own.n_bodies + index_map.body[body]
+        history["at/slave"] = index_map.surface_node[history["at/slave"]]
+        history["at/facet"] = index_map.facet[history["at/facet"]]
 
 
 def _ranks(
