@@ -11,7 +11,6 @@ import numpy as np
 import spring
 
 from mpmfw.runs.simulation import Simulation
-from mpmfw.state.fields import FloatArray
 from mpmfw.validation import SHAPES, Case, methods
 
 #: Energy gained in the worst phase by the two numbers of :func:`spring.exact_gain`, by steps per contact.
@@ -56,36 +55,24 @@ def judge_limit(case: Case) -> None:
     case.show("limit that the strategy gives, over the exact", said, reference="≤ 1", method="penalty, cpdi")
 
 
-def judge_impacts(case: Case) -> dict[int, FloatArray]:
-    """Gain by phase of the first touch (phase, exact, measured) for each number of steps."""
+def judge_impacts(case: Case) -> None:
+    """Show the gain over the phase of the first touch beside the closed form, by steps per contact."""
     phases = np.linspace(0.002, 0.998, 7 if case.quick else 40)
-    gains = {}
+    method = "penalty, cpdi"
     for steps, stated in STATED.items():
         with case.timed():
             events = [spring.impact(steps, phase) for phase in phases]
         measured = np.array([event.gain for event in events])
         exact = np.array([spring.exact_gain(steps, phase) for phase in phases])
-        gains[steps] = np.array([phases, exact, measured])
-        at = f"{steps} steps per contact"
-        case.show(
-            f"energy gain, worst phase, {at}",
-            100.0 * measured.max(),
-            unit="%",
-            reference=round(100.0 * worst(steps), 3),
-            method="penalty, cpdi",
-        )
-        case.show(
-            f"largest error of it over the phases, {at}",
-            100.0 * float(np.abs(measured - exact).max()),
-            unit="%",
-            reference=0.0,
-            method="penalty, cpdi",
-        )
-        touching = np.mean([event.touching for event in events])
-        case.show(f"steps with a force, mean, {at}", float(touching), reference=steps, method="penalty, cpdi")
+        at, most = f"{steps} steps per contact", 100.0 * measured.max()
+        off = 100.0 * float(np.abs(measured - exact).max())
+        reference = round(100.0 * worst(steps), 3)
+        case.show(f"energy gain, worst phase, {at}", most, reference, unit="%", method=method)
+        case.show(f"largest error of it over the phases, {at}", off, 0.0, unit="%", method=method)
+        touching = float(np.mean([event.touching for event in events]))
+        case.show(f"steps with a force, mean, {at}", touching, steps, method=method)
         if not math.isclose(worst(steps), stated, rel_tol=0.05):
             raise ValueError(f"the closed form gives {worst(steps)} at {at} where {stated} is stated")
-    return gains
 
 
 def worst(steps: float) -> float:

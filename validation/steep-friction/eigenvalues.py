@@ -17,7 +17,7 @@ VISCOSITY = 6e-4
 QUANTITY = "growth of the lowest mode, mu = 0.3"
 
 
-def check_modes(case: Case) -> dict[tuple[str, float], np.ndarray]:
+def check_modes(case: Case) -> None:
     """Record the growth rate of the lowest mode that flutters, over friction."""
     sizes = (0.1, 0.05) if case.quick else (0.1, 0.05, 1.0 / 30.0)
     rates: dict[tuple[str, float], np.ndarray] = {}
@@ -39,7 +39,6 @@ def check_modes(case: Case) -> dict[tuple[str, float], np.ndarray]:
     _check_limit(case, rates, *sizes[-2:])
     if not case.quick:
         _show_damping(case)
-    return rates
 
 
 def _check_limit(case: Case, rates: dict[tuple[str, float], np.ndarray], coarse: float, fine: float) -> None:
