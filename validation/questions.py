@@ -63,6 +63,13 @@ def of_rings(tree: xr.DataTree) -> dict[str, float]:
     return {**measures_of(tree), "noise": rings_noise(tree), **costs_of(tree)}
 
 
+#: The rings with a quarter of the material points, without points and ledger among the outputs.
+FEW_POINTS = {
+    "output.particles": False,
+    "output.ledger": False,
+    "bodies.left.particles.size": "0.5 cells",
+    "bodies.right.particles.size": "0.5 cells",
+}
 #: Of a roll and of the rings: quantity, measure, reference and unit.
 ROLL = (
     ("displacement, error", "displacement", 0.0, "%"),

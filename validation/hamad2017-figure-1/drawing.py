@@ -32,21 +32,6 @@ _PUBLISHED = [("none", ""), *((contact, "") for contact in CLASSICAL), ("penalty
 _DEPARTURES = ((-1.0, 0.3), (-2.2, 2.2))
 
 
-def published(runs: Sequence[CaseRun]) -> Figure:
-    """Displacement and velocity."""
-    return as_published(_motions(runs))
-
-
-def spins(runs: Sequence[CaseRun]) -> Figure:
-    """Spin, and displacement less the closed form."""
-    return spin_and_departure(_motions(runs))
-
-
-def shapes(runs: Sequence[CaseRun]) -> Figure:
-    """Every shape function."""
-    return all_shapes(_motions(runs))
-
-
 def _motions(runs: Sequence[CaseRun]) -> Motions:
     return {
         roll: {run.method: motion_of(run.results) for run in runs if run.runs == roll.name}
@@ -54,8 +39,9 @@ def _motions(runs: Sequence[CaseRun]) -> Motions:
     }
 
 
-def as_published(motions: Motions) -> Figure:
+def as_published(every: Sequence[CaseRun]) -> Figure:
     """[H17] fig. 1: displacement and velocity, slip above and no slip below."""
+    motions = _motions(every)
     figure = new_figure(2, 2)
     panels = figure.subplots(2, 2, sharex="row")
     for (left, right), (roll, runs) in zip(panels, motions.items(), strict=True):
@@ -75,8 +61,9 @@ def as_published(motions: Motions) -> Figure:
     return figure
 
 
-def spin_and_departure(motions: Motions) -> Figure:
+def spin_and_departure(every: Sequence[CaseRun]) -> Figure:
     """Draw angular velocity, and displacement less the closed form."""
+    motions = _motions(every)
     figure = new_figure(2, 2)
     panels = figure.subplots(2, 2, sharex="row")
     for (left, right), (roll, runs), room in zip(panels, motions.items(), _DEPARTURES, strict=True):
@@ -97,10 +84,11 @@ def spin_and_departure(motions: Motions) -> Figure:
     return figure
 
 
-def all_shapes(motions: Motions) -> Figure:
+def all_shapes(every: Sequence[CaseRun]) -> Figure:
     """Draw displacement less the closed form with every shape function, by contact."""
     contacts = ["penalty", *CLASSICAL]
     look = Look(xr.Dataset(coords={"contact": contacts, "shape": list(SHAPES)}))
+    motions = _motions(every)
     figure = new_figure(3, 2)
     panels = figure.subplots(2, 3, sharex="row")
     for row, (roll, runs) in zip(panels, motions.items(), strict=True):

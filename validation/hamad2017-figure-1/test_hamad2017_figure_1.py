@@ -101,7 +101,7 @@ def as_published(run, roll):
 
 @together(slip, no_slip)
 def test_figure(case, runs):
-    case.figure("", drawing.published(runs))
-    case.figure("spin", drawing.spins(runs))
+    case.figure("", drawing.as_published(runs))
+    case.figure("spin", drawing.spin_and_departure(runs))
     if not case.quick:
-        case.figure("shapes", drawing.shapes(runs))
+        case.figure("shapes", drawing.all_shapes(runs))

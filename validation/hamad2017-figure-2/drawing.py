@@ -1,8 +1,8 @@
-"""Domains and surfaces of the cylinder at the start and at the end."""
+"""Domains and surfaces of the cylinder at the start and at the end, counted and drawn."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from rolling import BODY, motion_of
 
 from mpmfw.plots.style import dress, legend_below, new_figure
 from mpmfw.state.fields import FloatArray
-from mpmfw.validation import CLASSICAL, Method
+from mpmfw.validation import CLASSICAL, CaseRun, Method
 
 _COLOURS = {"penalty": "#0072B2", **dict(zip(CLASSICAL, ("#D55E00", "#117733"), strict=True))}
 _GREY = {"plane": "0.85", BODY: "0.93"}
@@ -26,8 +26,28 @@ _TOP = 0.8  #: of the plane [m]
 _CELLS: dict[str, Any] = {"color": "#117733", "linewidth": 0.7, "linestyle": (0, (4, 3)), "zorder": 1.5}
 
 
-def positions(runs: Mapping[Method, xr.DataTree]) -> Figure:
-    """One column for each method: the whole plane, and where the bodies meet at the start and at the end."""
+def counted(runs: Sequence[CaseRun]) -> dict[str, float]:
+    """``segments`` of both surfaces; of each body its material ``points`` and the longest ``edge`` of a
+    domain [m].
+    """
+    tree = next(run.results for run in runs if run.method.recommended)
+    found = {
+        "segments": float(sum(group.sizes["surface_node"] for group in tree["surface"].children.values()))
+    }
+    for body, group in tree["particles"].children.items():
+        corners = np.asarray(group["corners"].isel(time=0))
+        found |= {f"points {body}": float(len(corners)), f"edge {body}": _longest_edge(corners)}
+    return found
+
+
+def _longest_edge(corners: FloatArray) -> float:
+    """Longest edge of quadrilaterals (n, 4, 2) [m]."""
+    return float(np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max())
+
+
+def draw(every: Sequence[CaseRun]) -> Figure:
+    """Draw a column for each method: the plane, and where the bodies meet at the start and at the end."""
+    runs = {run.method: run.results for run in every if not run.method.label}
     figure = new_figure(len(runs), 1, sum(_HEIGHTS))
     panels = figure.subplots(3, len(runs), squeeze=False, height_ratios=_HEIGHTS)
     for column, (method, tree) in zip(panels.T, runs.items(), strict=True):

@@ -6,7 +6,7 @@ more, so that their number is a multiple of four; gravity stretches edges by a t
 """
 # cost: 40
 
-import domains
+import drawing
 import rolling
 from classical import POSITION
 
@@ -38,13 +38,13 @@ def test_slip(run):
 
 @together(slip)
 def test_discretisation(case, runs):
-    case.gate("segments of both surfaces", runs.of(domains.counted, "segments"), "[H17]: 517", (517, 520))
+    case.gate("segments of both surfaces", runs.of(drawing.counted, "segments"), "[H17]: 517", (517, 520))
     for body in ("cylinder", "plane"):
-        points, edge = (runs.of(domains.counted, f"{key} {body}") for key in ("points", "edge"))
+        points, edge = (runs.of(drawing.counted, f"{key} {body}") for key in ("points", "edge"))
         case.gate(f"material points of the {body}", points)
         case.gate(f"longest edge of a domain of the {body}", edge, 0.2, (0.0, 0.2 * 1.005), "m")
 
 
 @together(slip)
 def test_figure(case, runs):
-    case.figure("", domains.draw(runs))
+    case.figure("", drawing.draw(runs))

@@ -1,30 +1,52 @@
-"""The figures of the case."""
+"""Finite elements of the resolution of [H17], and the figures of the case."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import functools
+import sys
+from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import xarray as xr
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from rings_fem import Collision
-from rings_fem.figures import draw_von_mises
-from stresses import TIMES, Stresses, reference_stresses
+from stresses import TIMES, Stresses, reference_stresses, stresses_of
 
 from mpmfw.plots.style import Look, dress, legend_below, new_figure
-from mpmfw.validation import CONTACTS, SHAPES, Method
+from mpmfw.validation import CONTACTS, SHAPES, CaseRun
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "finite-elements"))
+from rings_fem import Collision, collide
+from rings_fem.figures import draw_von_mises
 
 MOST = 20e6  #: end of the colour scale of [H17] [Pa]
 
 
-def beside_finite_elements(stresses: Stresses, elements: Collision) -> Figure:
+@functools.cache
+def collision() -> Collision:
+    """Return rings of four-node quadrilaterals of 2 mm."""
+    return collide(2e-3, end=TIMES[-1], times=TIMES)
+
+
+def stresses() -> dict[str, float]:
+    """Return the 95th percentile and the mean of the elements' von Mises stress [Pa]."""
+    found = {}
+    for snapshot in collision().snapshots[1:]:
+        at = f"{1e3 * snapshot.time:.1f} ms"
+        found |= {f"p95 {at}": snapshot.percentile(95.0), f"mean {at}": snapshot.mean}
+    return found
+
+
+def beside_finite_elements(runs: Sequence[CaseRun]) -> Figure:
     """[H17] fig. 3: material points left, finite elements right, one row for each time."""
+    recommended = next(run for run in runs if run.method.recommended)
+    points, elements = stresses_of(recommended.results), collision()
     figure = new_figure(2, 4, 60.0)
     panels = figure.subplots(4, 2, sharex=True, sharey=True)
     for k, ((left, right), time) in enumerate(zip(panels, TIMES, strict=True)):
-        _draw_points(left, stresses, k)
+        _draw_points(left, points, k)
         drawn = draw_von_mises(right, elements.snapshots[k], elements.mesh, MOST)
         dress(left, "x [mm]", "y [mm]", f"{1e3 * time:.1f} ms: CPDI, points of 0.5 mm")
         dress(right, "x [mm]", "y [mm]", f"{1e3 * time:.1f} ms: finite elements of 2 mm")
@@ -50,12 +72,12 @@ def _draw_points(axes: Any, stresses: Stresses, k: int) -> None:
     axes.set_aspect("equal")
 
 
-def histories(found: Mapping[Method, Stresses]) -> Figure:
+def histories(runs: Sequence[CaseRun]) -> Figure:
     """95th percentile and mean of every method over the fine finite elements' at each time."""
     figure = new_figure(2, 1)
     panels = figure.subplots(1, 2)
     look = Look(xr.Dataset(coords={"contact": list(CONTACTS), "shape": list(SHAPES)}))
-    chosen = {method: stresses for method, stresses in found.items() if not method.label}
+    chosen = {run.method: stresses_of(run.results) for run in runs if not run.method.label}
     for axes, name, part, words in zip(
         panels, ("p95", "mean"), (0.10, 0.15), ("(a) 95th percentile", "(b) mean"), strict=True
     ):

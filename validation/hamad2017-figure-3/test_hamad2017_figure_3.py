@@ -1,7 +1,7 @@
 """Colliding rings, figure 3 of [H17]: von Mises stress beside that of fine finite elements."""
 # cost: 160
 
-import elements
+import drawing
 import stresses
 from classical import POSITION
 
@@ -47,17 +47,17 @@ def test_rings(run):
 def test_elements(case):
     for quantity, key, reference, share in STRESSES:
         with case.timed():
-            value = 1e-06 * elements.stresses()[key]
+            value = 1e-06 * drawing.stresses()[key]
         method = "finite elements, 4-node, 2 mm"
         case.gate(quantity, value, reference, around(reference, share), "MPa", method, binds=False)
 
 
 @together(rings)
 def test_figure(case, runs):
-    case.figure("", elements.beside(runs))
+    case.figure("", drawing.beside_finite_elements(runs))
 
 
 @full
 @together(rings)
 def test_figure_methods(case, runs):
-    case.figure("methods", elements.over_time(runs))
+    case.figure("methods", drawing.histories(runs))

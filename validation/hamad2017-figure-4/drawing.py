@@ -1,9 +1,12 @@
-"""The figures of the case."""
+"""Finite elements of the resolution of [H17], and the figures of the case."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import functools
+import sys
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,13 +14,15 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from rings import force_of, reference_impulse, series_of
-from rings_fem import Collision
 
 from mpmfw.plots.style import Look, dress, legend_below, new_figure
 from mpmfw.results.analysis import averaged, impulse
 from mpmfw.results.references import rings_table
 from mpmfw.state.fields import FloatArray
-from mpmfw.validation import CONTACTS, SHAPES, Method
+from mpmfw.validation import CONTACTS, SHAPES, CaseRun, Method
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "finite-elements"))
+from rings_fem import Collision, distance, regenerate
 
 INTERVAL = 5e-6  #: over which every force that is called raw is a mean: the runs' outputs [s]
 FINE: dict[str, Any] = {"color": "black", "linewidth": 1.3}
@@ -52,11 +57,23 @@ def curves_of(tree: xr.DataTree) -> Curves:
     return Curves(time, force, series["kinetic_energy"].sum("body").values)
 
 
-def forces(curves: Mapping[Method, Curves], elements: Collision) -> Figure:
+@functools.cache
+def collision() -> Collision:
+    """Return rings of four-node quadrilaterals of 2 mm."""
+    return regenerate()
+
+
+def apart() -> dict[str, float]:
+    """Return distances from the fine elements: ``total``, ``impulse``, ``force`` and ``kinetic``."""
+    found = distance(collision())
+    return {name: float(getattr(found, name)) for name in ("total", "impulse", "force", "kinetic")}
+
+
+def forces(every: Sequence[CaseRun]) -> Figure:
     """[H17] fig. 4: the force as it comes, and averaged over 50, 100 and 200 µs."""
     figure = new_figure(2, 2, 55.0)
     panels = figure.subplots(2, 2, sharex=True)
-    runs = _of_penalty(curves)
+    runs, elements = _of_penalty(_curves(every)), collision()
     for axes, window, name in zip(
         panels.flat, (INTERVAL, 50e-6, 100e-6, 200e-6), ("(a) raw,", "(b)", "(c)", "(d)"), strict=True
     ):
@@ -76,11 +93,11 @@ def forces(curves: Mapping[Method, Curves], elements: Collision) -> Figure:
     return figure
 
 
-def impulse_and_energy(curves: Mapping[Method, Curves], elements: Collision) -> Figure:
+def impulse_and_energy(every: Sequence[CaseRun]) -> Figure:
     """Draw impulse and kinetic energy, and their departures from the fine finite elements."""
     figure = new_figure(2, 2, 55.0)
     (left, right), (below_left, below_right) = figure.subplots(2, 2, sharex=True)
-    runs, energy = _of_penalty(curves), rings_table("energy")
+    runs, energy, elements = _of_penalty(_curves(every)), rings_table("energy"), collision()
     time = next(iter(runs.values())).time
     exact = reference_impulse(time)
     kinetic = np.interp(time, energy["time"], energy["fine_kinetic_J_per_m"])
@@ -106,8 +123,9 @@ def impulse_and_energy(curves: Mapping[Method, Curves], elements: Collision) -> 
     return figure
 
 
-def methods_compared(curves: Mapping[Method, Curves]) -> Figure:
+def methods_compared(every: Sequence[CaseRun]) -> Figure:
     """Draw force over 100 µs and impulse: all contacts with CPDI, all shapes with penalty."""
+    curves = _curves(every)
     figure = new_figure(2, 2, 55.0)
     panels = figure.subplots(2, 2, sharex=True, sharey="row")
     look = Look(xr.Dataset(coords={"contact": list(CONTACTS), "shape": list(SHAPES)}))
@@ -134,6 +152,10 @@ def methods_compared(curves: Mapping[Method, Curves]) -> Figure:
     colours, styles = look.key()
     legend_below(figure, [[_line(FINE, "finite elements, 0.5 mm"), *colours], [position], styles])
     return figure
+
+
+def _curves(runs: Sequence[CaseRun]) -> dict[Method, Curves]:
+    return {run.method: curves_of(run.results) for run in runs}
 
 
 def _of_penalty(curves: Mapping[Method, Curves]) -> dict[str, Curves]:

@@ -5,7 +5,7 @@ only. [H17] with the stiffness that the scene has for the penalty contact.
 """
 # cost: 290
 
-import elements
+import drawing
 import rings
 from classical import LITERAL, POSITION, specified
 
@@ -112,14 +112,14 @@ def test_elements(case):
     names = ("total", "impulse", "force", "kinetic")
     for name, (quantity, _, _, tolerance, unit) in zip(names, IMPULSE, strict=True):
         with case.timed():
-            value = (100.0 if unit else 1.0) * elements.apart()[name]
+            value = (100.0 if unit else 1.0) * drawing.apart()[name]
         method = "finite elements, 4-node, 2 mm"
         case.gate(quantity, value, "", tolerance, unit, method, binds=False)
 
 
 @together(bound, others)
 def test_figure(case, runs):
-    case.figure("", elements.raw_and_averaged(runs))
-    case.figure("impulse-energy", elements.integrals(runs))
+    case.figure("", drawing.forces(runs))
+    case.figure("impulse-energy", drawing.impulse_and_energy(runs))
     if not case.quick:
-        case.figure("methods", elements.every_method(runs))
+        case.figure("methods", drawing.methods_compared(runs))

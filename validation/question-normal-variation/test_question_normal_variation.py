@@ -7,6 +7,7 @@ A shorter time step should change nothing: what it changes is the scatter of a r
 import differences
 import rings
 import rolling
+from questions import FEW_POINTS
 
 from mpmfw.validation import Runs, full, methods, together
 
@@ -27,18 +28,7 @@ no_slip = Runs(
     quick={"grid.cell_size": 0.8},
 )
 slip = Runs("slip", "rolling-cylinder-slip", methods(settings=SETTINGS), set=rolling.SERIES_ONLY, when="full")
-impact = Runs(
-    "rings",
-    "colliding-rings",
-    methods(settings=SETTINGS),
-    set={
-        "output.particles": False,
-        "output.ledger": False,
-        "bodies.left.particles.size": "0.5 cells",
-        "bodies.right.particles.size": "0.5 cells",
-    },
-    when="full",
-)
+impact = Runs("rings", "colliding-rings", methods(settings=SETTINGS), set=FEW_POINTS, when="full")
 
 
 @no_slip

@@ -28,18 +28,7 @@ at_rest = Runs(
     set={"output.stability": True},
 )
 rolling = Runs("rolling", "rolling-cylinder-no-slip", stiffnesses(DECADES), set=SERIES_ONLY, when="full")
-rings = Runs(
-    "rings",
-    "colliding-rings",
-    stiffnesses(DECADES),
-    set={
-        "output.particles": False,
-        "output.ledger": False,
-        "bodies.left.particles.size": "0.5 cells",
-        "bodies.right.particles.size": "0.5 cells",
-    },
-    when="full",
-)
+rings = Runs("rings", "colliding-rings", stiffnesses(DECADES), set=questions.FEW_POINTS, when="full")
 
 
 @at_rest

@@ -24,8 +24,6 @@ def segments(bodies, lengths=POWERS, when=""):
 
 
 BLOCKS, ROLL, RINGS = ("lower", "upper"), ("cylinder", "plane"), ("left", "right")
-HALF_CELLS = {f"bodies.{ring}.particles.size": "0.5 cells" for ring in RINGS}
-OUTPUT = {"output.particles": False, "output.ledger": False}
 
 blocks = Runs(
     "blocks",
@@ -43,13 +41,13 @@ rolling = Runs(
     set={**SERIES_ONLY, "time.output_interval": 0.002},
     quick={"grid.cell_size": 0.8},
 )
-rings = Runs("rings", "colliding-rings", segments(RINGS), set={**OUTPUT, **HALF_CELLS}, when="full")
+rings = Runs("rings", "colliding-rings", segments(RINGS), set=questions.FEW_POINTS, when="full")
 #: κ = 1 instead of the shipped 0.25: whether long segments or stiff springs make the noise.
 stiff_rings = Runs(
     "stiff rings",
     "colliding-rings",
     segments(RINGS),
-    set={**OUTPUT, **HALF_CELLS, "contact.penalty.kappa": 1.0},
+    set={**questions.FEW_POINTS, "contact.penalty.kappa": 1.0},
     when="full",
 )
 

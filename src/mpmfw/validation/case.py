@@ -163,12 +163,18 @@ class Runs:
             _fits("", patterns, names)
 
     def __call__(self, function: Callable[..., Any]) -> Any:
-        return pytest.mark.runs(self)(function)
+        params = []
+        for place, version, method in itertools.product(self.places, self.versions, self.methods):
+            point = (self, place, version, method)
+            name = " | ".join(filter(None, (place.at, version.at, str(method))))
+            marks = [getattr(pytest.mark, one.when) for one in point if one.when]
+            params.append(pytest.param(point, id=name, marks=marks))
+        return pytest.mark.parametrize("run", params, indirect=True)(function)
 
-    def points(self, now: str) -> list[tuple[Place, Version, Method]]:
-        """Return what runs in the ``full`` or ``quick`` version of the case."""
-        product = itertools.product(self.places, self.versions, self.methods)
-        return [point for point in product if all(one.when in ("", now) for one in (self, *point))]
+    def count(self, now: str) -> int:
+        """Return how many run in the ``full`` or ``quick`` version of the case."""
+        product = itertools.product([self], self.places, self.versions, self.methods)
+        return sum(all(one.when in ("", now) for one in point) for point in product)
 
     def scene_at(self, case: Case, place: Place, version: Version, method: Method | None) -> Scene:
         """Return the scene of a place in a version, with the method."""

@@ -26,24 +26,11 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_configure(config: pytest.Config) -> None:
     """Announce the marks of cases, and leave out tests of the other version."""
-    other = "full" if _version(config) == "quick" else "quick"
+    other = "full" if config.getoption("--quick") else "quick"
     asked = config.option.markexpr
     config.option.markexpr = f"({asked}) and not {other}" if asked else f"not {other}"
-    for mark in ("full", "quick", "runs(runs)", "together(runs, ...)", "known_red(method, quantity, reason)"):
+    for mark in ("full", "quick", "together(runs, ...)", "known_red(method, quantity, reason)"):
         config.addinivalue_line("markers", mark)
-
-
-def _version(config: pytest.Config) -> str:
-    return "quick" if config.getoption("--quick") else "full"
-
-
-def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
-    """Make a test of each run."""
-    mark = metafunc.definition.get_closest_marker("runs")
-    if mark is not None:
-        points = mark.args[0].points(_version(metafunc.config))
-        names = [" | ".join(filter(None, (p.at, v.at, str(m)))) for p, v, m in points]
-        metafunc.parametrize("run", points, indirect=True, ids=names)
 
 
 @pytest.fixture(scope="module")
@@ -56,8 +43,8 @@ def case(request: pytest.FixtureRequest) -> Case:
 @pytest.fixture
 def run(request: pytest.FixtureRequest, case: Case) -> CaseRun:
     """Run one point of the test's runs; one that fails keeps its row, red if a gate binds it."""
-    runs: Runs = request.node.get_closest_marker("runs").args[0]
-    place, version, method = request.param
+    runs: Runs
+    runs, place, version, method = request.param
     try:
         return runs.start(case, place, version, method)
     except (SimulationError, SceneError) as error:
@@ -73,7 +60,7 @@ def runs(request: pytest.FixtureRequest, case: Case) -> RunSet:
     """Return all runs that the test takes together; it is skipped if some were deselected."""
     taken = request.node.get_closest_marker("together").args
     now = "quick" if case.quick else "full"
-    if any(runs.started < len(runs.points(now)) for runs in taken):
+    if any(runs.started < runs.count(now) for runs in taken):
         pytest.skip("some of its runs were deselected")
     return RunSet(run for runs in taken for run in runs.done)
 

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from mpmfw.errors import ResultsWarning, SceneError, SimulationError
 from mpmfw.runs.run import run as run_scene
@@ -81,16 +81,6 @@ class Row:
         return f"{self.method}, {self.quantity}: {value} ({self.least:g} … {self.most:g}){cured}"
 
 
-class Bound(Protocol):
-    """A method, as a gate sees it."""
-
-    @property
-    def recommended(self) -> bool: ...
-
-
-M = TypeVar("M", bound=Bound)
-
-
 @dataclass
 class Case:
     """A case while it is checked: folder, version, and what was recorded."""
@@ -128,8 +118,8 @@ class Case:
         return tree
 
     def runs(
-        self, methods: Iterable[M], scene: str = "scene.toml", set: Mapping[str, Any] | None = None
-    ) -> Iterator[tuple[M, xr.DataTree]]:
+        self, methods: Iterable[Any], scene: str = "scene.toml", set: Mapping[str, Any] | None = None
+    ) -> Iterator[tuple[Any, xr.DataTree]]:
         """Run a scene with each method; one that fails keeps its row and is not yielded."""
         for method in methods:
             try:
@@ -148,7 +138,7 @@ class Case:
         reference: float | str = "",
         tolerance: Tolerance = None,
         unit: str = "",
-        method: Bound | str = "",
+        method: Any = "",
         binds: bool | None = None,
     ) -> None:
         """Record a value beside its reference; None has no row.
@@ -170,7 +160,7 @@ class Case:
             Row(name, str(method), quantity, value, reference, unit, least, most, binds, self._seconds)
         )
 
-    def failed(self, method: Bound | str, why: str, binds: bool | None = None, at: str = "") -> None:
+    def failed(self, method: Any, why: str, binds: bool | None = None, at: str = "") -> None:
         """Record why a method got no result at a place; red of the recommended, or as ``binds`` says."""
         quantity = f"{at}: run" if at else "run"
         binds = not isinstance(method, str) and method.recommended if binds is None else binds

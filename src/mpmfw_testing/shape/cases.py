@@ -104,14 +104,30 @@ def search_dimensions(
         search(given, one, examples=examples, most=8 * examples)
 
 
+def searched(
+    cases: Callable[[int], dict[str, Any]] = points, only: tuple[int, ...] = (2, 3), examples: int = 15
+) -> Callable[[Callable[[Subject, int, dict[str, Any]], None]], Callable[[Subject], None]]:
+    """Make a check of a trial, by :func:`search_dimensions`; the trial takes the subject as well."""
+
+    def check_of(trial: Callable[[Subject, int, dict[str, Any]], None]) -> Callable[[Subject], None]:
+        @functools.wraps(trial)
+        def check(subject: Subject) -> None:
+            search_dimensions(subject, cases, functools.partial(trial, subject), only=only, examples=examples)
+
+        return check
+
+    return check_of
+
+
 def of_one_point(look: Callable[[Placement], None]) -> Callable[[Subject], None]:
     """Make a check of a function that looks at point 1 of a placement."""
 
+    @searched()
     @functools.wraps(look)
-    def check(subject: Subject) -> None:
-        search_dimensions(subject, points, lambda dim, case: look(one_point(subject, case, dim)))
+    def trial(subject: Subject, dim: int, case: dict[str, Any]) -> None:
+        look(one_point(subject, case, dim))
 
-    return check
+    return trial
 
 
 def search_motions(

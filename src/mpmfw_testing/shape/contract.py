@@ -16,7 +16,13 @@ from mpmfw_testing.check import Picture, Violation
 from mpmfw_testing.check import within as within_bound
 from mpmfw_testing.generic import unchanged
 from mpmfw_testing.searching import hypothesis
-from mpmfw_testing.shape.cases import CELLS, MIDDLE, dimensions_of, points, search_dimensions, within
+from mpmfw_testing.shape.cases import (
+    CELLS,
+    MIDDLE,
+    dimensions_of,
+    searched,
+    within,
+)
 from mpmfw_testing.shape.picture import picture_of
 from mpmfw_testing.shape.placement import Placement, boxes, place
 from mpmfw_testing.subject import Subject
@@ -27,20 +33,18 @@ GROWTH = 400
 WARM, FILLINGS = 20, 40
 
 
-def runs(subject: Subject) -> None:
+@searched(examples=1)
+def runs(subject: Subject, dim: int, case: dict[str, Any]) -> None:
     """A table is filled for the points of a body. One filling, in the plane, of the simplest case comes to
     its end.
 
     It is the plainest thing that a shape function does: what breaks it breaks most other checks as well.
     """
-
-    def trial(dim: int, case: dict[str, Any]) -> None:
-        _one_among_three(subject, dim, case).table()
-
-    search_dimensions(subject, points, trial, examples=1)
+    _one_among_three(subject, dim, case).table()
 
 
-def structure(subject: Subject) -> None:
+@searched(examples=4)
+def structure(subject: Subject, dim: int, case: dict[str, Any]) -> None:
     """The table has the layout that compiled kernels read. ``row`` counts up from 0 to at most the number of
     entries; int64, int32 and contiguous float64; all finite; the nodes of a row ascend, if ``rows_ascend``
     says so.
@@ -48,123 +52,106 @@ def structure(subject: Subject) -> None:
     Compiled kernels read the table without asking: a wrong type compiles them anew or crashes, a wrong row
     reads another point's entries.
     """
-
-    def trial(dim: int, case: dict[str, Any]) -> None:
-        placed = _one_among_three(subject, dim, case)
-        table = placed.table()
-        _require_table(table, placed.particles.count, dim, True, placed)
-        falls = np.flatnonzero(np.diff(table.nodes[: table.row[-1]].astype(np.int64)) < 0) + 1
-        if subject.make().rows_ascend and not np.isin(falls, table.row).all():
-            raise Violation("the nodes of a row do not ascend, as rows_ascend = True says")
-        if dim == 2:
-            position = placed.particles.position[1:].copy()
-            surface = placed.surface_table(position)
-            if surface.gradient.shape != (0, dim):
-                raise Violation(
-                    f"a surface table has no gradients: expected shape (0, {dim}), found "
-                    f"{surface.gradient.shape}"
-                )
-            _require_table(surface, len(position), dim, False, placed)
-
-    search_dimensions(subject, points, trial, examples=4)
+    placed = _one_among_three(subject, dim, case)
+    table = placed.table()
+    _require_table(table, placed.particles.count, dim, True, placed)
+    falls = np.flatnonzero(np.diff(table.nodes[: table.row[-1]].astype(np.int64)) < 0) + 1
+    if subject.make().rows_ascend and not np.isin(falls, table.row).all():
+        raise Violation("the nodes of a row do not ascend, as rows_ascend = True says")
+    if dim == 2:
+        position = placed.particles.position[1:].copy()
+        surface = placed.surface_table(position)
+        if surface.gradient.shape != (0, dim):
+            raise Violation(
+                f"a surface table has no gradients: expected shape (0, {dim}), found {surface.gradient.shape}"
+            )
+        _require_table(surface, len(position), dim, False, placed)
 
 
-def repeatable(subject: Subject) -> None:
+@searched(examples=6)
+def repeatable(subject: Subject, dim: int, case: dict[str, Any]) -> None:
     """The same points give the same table, bit by bit. Filled again, and by a fresh object."""
-
-    def trial(dim: int, case: dict[str, Any]) -> None:
-        placed = _one_among_three(subject, dim, case)
-        first = _copied(placed.table())
-        again = _copied(placed.fill())
-        start = placed.particles.position.copy()
-        other = _one_among_three(subject, dim, {**case, "x [cells]": 0.4})
-        other.table()
-        fresh = _copied(_one_among_three(subject, dim, case).table())
-        for name, table in (("filled again", again), ("from a fresh object", fresh)):
-            if not all(np.array_equal(a, b) for a, b in zip(first, table, strict=True)):
-                raise Violation(
-                    f"the table differs when {name}", {"points [m]": start.tolist()}, picture_of(placed, 2)
-                )
-
-    search_dimensions(subject, points, trial, examples=6)
+    placed = _one_among_three(subject, dim, case)
+    first = _copied(placed.table())
+    again = _copied(placed.fill())
+    start = placed.particles.position.copy()
+    other = _one_among_three(subject, dim, {**case, "x [cells]": 0.4})
+    other.table()
+    fresh = _copied(_one_among_three(subject, dim, case).table())
+    for name, table in (("filled again", again), ("from a fresh object", fresh)):
+        if not all(np.array_equal(a, b) for a, b in zip(first, table, strict=True)):
+            raise Violation(
+                f"the table differs when {name}", {"points [m]": start.tolist()}, picture_of(placed, 2)
+            )
 
 
-def saved(subject: Subject) -> None:
+@searched(examples=3)
+def saved(subject: Subject, dim: int, case: dict[str, Any]) -> None:
     """A motion that is saved in the middle and loaded goes on to the same bits. Values that are taken in the
     middle of a motion and put into a fresh object go on with the same bits.
 
     Taken is what its class names in ``history``, and declared arrays of points and bodies.
     """
-
-    def trial(dim: int, case: dict[str, Any]) -> None:
-        turn = 0.02 * (np.eye(dim) + np.diag(np.ones(dim - 1), 1))
-        placed, anew = _one_among_three(subject, dim, case), _one_among_three(subject, dim, case)
-        centre = placed.particles.position.mean(axis=0)
-        placed.deform(turn, centre, steps=2)
-        grid = placed.state.grid
-        try:
-            set_windows(anew.state.grid, grid.window_lower, grid.window_shape)
-            put(
-                take({"shape": placed.shape, "state": placed.state}),
-                {"shape": anew.shape, "state": anew.state},
-            )
-        except NotSaved as error:
-            raise Violation(str(error)) from error
-        tables = []
-        for each in (anew, placed):
-            each.deform(turn, centre, steps=2)
-            tables.append(_copied(each.table()))
-        if not all(np.array_equal(a, b) for a, b in zip(*tables, strict=True)):
-            raise Violation(
-                "what was saved and loaded goes on otherwise: history does not name all that is kept",
-                {"points [m]": placed.particles.position.tolist()},
-                picture_of(placed, 2),
-            )
-
-    search_dimensions(subject, points, trial, examples=3)
+    turn = 0.02 * (np.eye(dim) + np.diag(np.ones(dim - 1), 1))
+    placed, anew = _one_among_three(subject, dim, case), _one_among_three(subject, dim, case)
+    centre = placed.particles.position.mean(axis=0)
+    placed.deform(turn, centre, steps=2)
+    grid = placed.state.grid
+    try:
+        set_windows(anew.state.grid, grid.window_lower, grid.window_shape)
+        put(
+            take({"shape": placed.shape, "state": placed.state}),
+            {"shape": anew.shape, "state": anew.state},
+        )
+    except NotSaved as error:
+        raise Violation(str(error)) from error
+    tables = []
+    for each in (anew, placed):
+        each.deform(turn, centre, steps=2)
+        tables.append(_copied(each.table()))
+    if not all(np.array_equal(a, b) for a, b in zip(*tables, strict=True)):
+        raise Violation(
+            "what was saved and loaded goes on otherwise: history does not name all that is kept",
+            {"points [m]": placed.particles.position.tolist()},
+            picture_of(placed, 2),
+        )
 
 
-def changes_nothing_else(subject: Subject) -> None:
+@searched(examples=4)
+def changes_nothing_else(subject: Subject, dim: int, case: dict[str, Any]) -> None:
     """Filling the table changes nothing but the table."""
-
-    def trial(dim: int, case: dict[str, Any]) -> None:
-        placed = _one_among_three(subject, dim, case)
-        placed.lay()
-        position = placed.particles.position.copy()
-        with unchanged("filling the table", placed.particles, placed.grid):
-            placed.hook.particle_reach(particles=placed.particles)
-            placed.fill()
-            if dim == 2:
-                placed.surface_table(position)
-
-    search_dimensions(subject, points, trial, examples=4)
+    placed = _one_among_three(subject, dim, case)
+    placed.lay()
+    position = placed.particles.position.copy()
+    with unchanged("filling the table", placed.particles, placed.grid):
+        placed.hook.particle_reach(particles=placed.particles)
+        placed.fill()
+        if dim == 2:
+            placed.surface_table(position)
 
 
-def no_growth(subject: Subject) -> None:
+@searched(lambda _dim: {"points": hypothesis().strategies.just(200)}, examples=1)
+def no_growth(subject: Subject, dim: int, _case: dict[str, Any]) -> None:
     """Filling the table again and again needs no more memory. A filling of 200 points adds at most 400 bytes
     to memory, on the mean of 40: a run fills a million times.
 
     A table of them has more than 10 kB. What is let through is Python's own small change.
     """
+    rng = np.random.default_rng(0)
+    many = MIDDLE + rng.uniform(-2.0, 2.0, (200, dim))
+    placed = place(subject, [boxes(many, 0.5)], CELLS)
+    placed.lay()
+    position = placed.particles.position.copy()
 
-    def trial(dim: int, _case: dict[str, Any]) -> None:
-        rng = np.random.default_rng(0)
-        many = MIDDLE + rng.uniform(-2.0, 2.0, (200, dim))
-        placed = place(subject, [boxes(many, 0.5)], CELLS)
-        placed.lay()
-        position = placed.particles.position.copy()
+    def fill() -> None:
+        placed.fill()
+        if dim == 2:
+            placed.surface_table(position)
 
-        def fill() -> None:
-            placed.fill()
-            if dim == 2:
-                placed.surface_table(position)
-
-        held = memory_kept(fill, FILLINGS, WARM)
-        grown = float(held[-1] - held[0]) / FILLINGS
-        message = f"fillings of the table keep memory: bytes a filling, on the mean of {FILLINGS}"
-        within_bound(grown, GROWTH, message, None, _memory_picture(held))
-
-    search_dimensions(subject, lambda _dim: {"points": hypothesis().strategies.just(200)}, trial, examples=1)
+    held = memory_kept(fill, FILLINGS, WARM)
+    grown = float(held[-1] - held[0]) / FILLINGS
+    message = f"fillings of the table keep memory: bytes a filling, on the mean of {FILLINGS}"
+    within_bound(grown, GROWTH, message, None, _memory_picture(held))
 
 
 def _memory_picture(held: FloatArray) -> Picture:

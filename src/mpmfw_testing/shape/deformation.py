@@ -20,6 +20,7 @@ from mpmfw_testing.shape.cases import (
     require,
     search_dimensions,
     search_motions,
+    searched,
     two_points,
     velocity_gradient,
 )
@@ -30,6 +31,14 @@ from mpmfw_testing.subject import Subject
 
 #: Edge of the domains of a block, which is the distance of its points [cells].
 EDGES = (0.5, 0.45, 0.35)
+
+
+def _shifts(dim: int) -> dict[str, Any]:
+    return {f"shifted along {axis} [cells]": ladder(0.0, 0.75, 7) for axis in "xyz"[:dim]}
+
+
+def _shift(case: dict[str, Any], dim: int) -> FloatArray:
+    return np.array([case[f"shifted along {axis} [cells]"] for axis in "xyz"[:dim]])
 
 
 def deformed_sums(subject: Subject) -> None:
@@ -49,24 +58,21 @@ def deformed_sums(subject: Subject) -> None:
     search_motions(subject, points, trial, examples=3)
 
 
-def irregular_domains(subject: Subject) -> None:
+@searched(_shifts, only=(2,), examples=6)
+def irregular_domains(subject: Subject, dim: int, case: dict[str, Any]) -> None:
     """Weights and gradients of irregular domains reproduce constant and linear fields (2D). The sums of
     ``deformed-sums``, to the same bounds, for every point of a disc with a fitted layout.
 
     Its domains are quadrilaterals of different shapes and sizes; parallelograms of the same centre and area
     stand for them in CPDI. Points are where the plug-in left them in ``setup``: at the centroids.
     """
-
-    def trial(dim: int, case: dict[str, Any]) -> None:
-        origin = np.array(ORIGIN[:dim])
-        centre = origin + CELL * (MIDDLE + _shift(case, dim))
-        disc = Disc(centre=tuple(centre.tolist()), radius=1.6 * CELL).fitted(0.5 * CELL)
-        placed = place(subject, [disc], 2 * MIDDLE)
-        table = placed.table()
-        for point, position in enumerate(placed.particles.position):
-            _require_sums(placed, table, point, position)
-
-    search_dimensions(subject, _shifts, trial, only=(2,), examples=6)
+    origin = np.array(ORIGIN[:dim])
+    centre = origin + CELL * (MIDDLE + _shift(case, dim))
+    disc = Disc(centre=tuple(centre.tolist()), radius=1.6 * CELL).fitted(0.5 * CELL)
+    placed = place(subject, [disc], 2 * MIDDLE)
+    table = placed.table()
+    for point, position in enumerate(placed.particles.position):
+        _require_sums(placed, table, point, position)
 
 
 def constant_stress(subject: Subject) -> None:
@@ -131,14 +137,6 @@ def _has_extent(subject: Subject) -> bool:
     dim = dimensions_of(subject)[0]
     placed = two_points(subject, np.full(dim, MIDDLE + 0.3), 0.5)
     return bool(np.any(placed.hook.particle_reach(particles=placed.particles)))
-
-
-def _shifts(dim: int) -> dict[str, Any]:
-    return {f"shifted along {axis} [cells]": ladder(0.0, 0.75, 7) for axis in "xyz"[:dim]}
-
-
-def _shift(case: dict[str, Any], dim: int) -> FloatArray:
-    return np.array([case[f"shifted along {axis} [cells]"] for axis in "xyz"[:dim]])
 
 
 def _block(subject: Subject, dim: int, size: float, shift: FloatArray, edge: float = EDGES[0]) -> Placement:

@@ -20,6 +20,7 @@ from mpmfw_testing.shape.cases import (
     points,
     require,
     search_dimensions,
+    searched,
     within,
 )
 from mpmfw_testing.shape.picture import picture_of
@@ -43,21 +44,18 @@ ROOMY = 64
 REACHING, LONGEST = (0.5, 4.0, 0.25, 1.0), 16.0
 
 
-def own_field(subject: Subject) -> None:
+@searched()
+def own_field(subject: Subject, dim: int, case: dict[str, Any]) -> None:
     """A point's entries are nodes of its own body's velocity field. No entry is a node of another body's
     velocity field; the two bodies lie in the same place, one larger."""
-
-    def trial(dim: int, case: dict[str, Any]) -> None:
-        centre = MIDDLE + within(case, dim)
-        many = centre + np.array([[-2.5], [0.0], [1.5]])
-        edge = float(case["edge [cells]"])
-        placed = place(subject, [boxes(many, edge), boxes(centre[None], edge)], CELLS)
-        table = placed.table()
-        for point, field in ((0, 0), (2, 0), (3, 1)):
-            nodes = table.nodes[entries_of(table, point)]
-            _require_own(nodes, placed, point, field)
-
-    search_dimensions(subject, points, trial)
+    centre = MIDDLE + within(case, dim)
+    many = centre + np.array([[-2.5], [0.0], [1.5]])
+    edge = float(case["edge [cells]"])
+    placed = place(subject, [boxes(many, edge), boxes(centre[None], edge)], CELLS)
+    table = placed.table()
+    for point, field in ((0, 0), (2, 0), (3, 1)):
+        nodes = table.nodes[entries_of(table, point)]
+        _require_own(nodes, placed, point, field)
 
 
 def support_inside(subject: Subject) -> None:
@@ -167,22 +165,19 @@ def reach(subject: Subject) -> None:
     search_dimensions(subject, cases, trial)
 
 
-def independence(subject: Subject) -> None:
+@searched()
+def independence(subject: Subject, dim: int, case: dict[str, Any]) -> None:
     """A point's table does not depend on the other points. To 1e-14, alone or among five."""
-
-    def trial(dim: int, case: dict[str, Any]) -> None:
-        centre = MIDDLE + within(case, dim)
-        others = centre + np.array([[-1.3], [0.4], [2.1], [0.0]]) * np.linspace(1.0, 0.5, dim)
-        edge = float(case["edge [cells]"])
-        tables = []
-        for bodies in ([centre[None]], [others[:2], np.concatenate([others[2:], centre[None]])]):
-            placed = place(subject, [boxes(body, edge) for body in bodies], CELLS)
-            tables.append(dense(placed.table(), placed.particles.count - 1, placed.grid))
-        error = max(float(np.abs(a - b).max()) for a, b in zip(*tables, strict=True))
-        last = placed.particles.count - 1
-        require(error, 1e-14, "the table of a point depends on the other points", placed, last)
-
-    search_dimensions(subject, points, trial)
+    centre = MIDDLE + within(case, dim)
+    others = centre + np.array([[-1.3], [0.4], [2.1], [0.0]]) * np.linspace(1.0, 0.5, dim)
+    edge = float(case["edge [cells]"])
+    tables = []
+    for bodies in ([centre[None]], [others[:2], np.concatenate([others[2:], centre[None]])]):
+        placed = place(subject, [boxes(body, edge) for body in bodies], CELLS)
+        tables.append(dense(placed.table(), placed.particles.count - 1, placed.grid))
+    error = max(float(np.abs(a - b).max()) for a, b in zip(*tables, strict=True))
+    last = placed.particles.count - 1
+    require(error, 1e-14, "the table of a point depends on the other points", placed, last)
 
 
 def _move(placed: Placement, motion: FloatArray) -> None:

@@ -9,7 +9,15 @@ import numpy as np
 from mpmfw.state.fields import FloatArray
 from mpmfw_testing.check import Inapplicable, Violation
 from mpmfw_testing.searching import ladder
-from mpmfw_testing.shape.cases import MIDDLE, coordinates, require, search_dimensions, two_points, within
+from mpmfw_testing.shape.cases import (
+    MIDDLE,
+    coordinates,
+    require,
+    search_dimensions,
+    searched,
+    two_points,
+    within,
+)
 from mpmfw_testing.shape.picture import picture_of
 from mpmfw_testing.shape.placement import CELL, ORIGIN, Placement, boxes, place
 from mpmfw_testing.shape.sums import at_nodes, gradient_at_nodes, linear_error, owners, unity_error
@@ -21,28 +29,30 @@ BLOCK, PER_CELL, GRID = 4, 4, 16
 QUADRATURE = 200
 
 
-def surface_sums(subject: Subject) -> None:
+def _shifts(_dim: int) -> dict[str, Any]:
+    return {f"shifted along {axis} [cells]": ladder(0.0, 0.875, 8) for axis in "xy"}
+
+
+@searched(coordinates, only=(2,))
+def surface_sums(subject: Subject, dim: int, case: dict[str, Any]) -> None:
     """At a surface point Σ N = 1 and Σ N x_i = x_s (2D). |Σ N − 1| ≤ 1e-12 and |Σ N x_i − x_s| ≤ 1e-12 h:
     rounding alone.
 
     The first keeps contact forces when they are mapped to the grid, the second their moments, and both make
     the surface move with its body.
     """
-
-    def trial(dim: int, case: dict[str, Any]) -> None:
-        placed = two_points(subject, MIDDLE + within(case, dim), 0.5)
-        placed.lay()
-        position = placed.particles.position[1:].copy()
-        table = placed.surface_table(position)
-        message = "the weights of a surface point do not add up to 1: |Σ N − 1|"
-        require(unity_error(table, 0), 1e-12, message, placed, 1)
-        message = "the weights' centroid is not the surface point: |Σ N x_i − x_s| in cells"
-        require(linear_error(table, 0, position[0], placed.grid), 1e-12, message, placed, 1)
-
-    search_dimensions(subject, coordinates, trial, only=(2,))
+    placed = two_points(subject, MIDDLE + within(case, dim), 0.5)
+    placed.lay()
+    position = placed.particles.position[1:].copy()
+    table = placed.surface_table(position)
+    message = "the weights of a surface point do not add up to 1: |Σ N − 1|"
+    require(unity_error(table, 0), 1e-12, message, placed, 1)
+    message = "the weights' centroid is not the surface point: |Σ N x_i − x_s| in cells"
+    require(linear_error(table, 0, position[0], placed.grid), 1e-12, message, placed, 1)
 
 
-def divergence_theorem(subject: Subject) -> None:
+@searched(_shifts, only=(2,), examples=10)
+def divergence_theorem(subject: Subject, _dim: int, case: dict[str, Any]) -> None:
     """Σ V ∇φ = ∮ N n dS to the quadrature's error: the surface's functions match the points' (2D). Σ_i |Σ_p V
     ∇φ_i − ∮ N_i n dS| ≤ 0.05 Σ_i |∮ N_i n dS| for a square of 16 by 16 points anywhere on the grid.
 
@@ -53,25 +63,21 @@ def divergence_theorem(subject: Subject) -> None:
     The wrong partner leaves more, and denser points do not help: 0.16 and more for B-splines of another
     order, 0.49 for splines with linear functions.
     """
-
-    def trial(_dim: int, case: dict[str, Any]) -> None:
-        placed, corner = _square(subject, case, PER_CELL)
-        inside = gradient_at_nodes(placed.table(), placed.particles.volume, placed.grid)
-        position, normal = _outline(corner)
-        outside = at_nodes(placed.surface_table(position), normal, placed.grid)
-        measured = float(np.abs(inside - outside).sum() / np.abs(outside).sum())
-        if not measured <= 0.05:
-            worst = placed.grid.position[np.abs(inside - outside).max(axis=1).argmax()]
-            nearest = int(np.linalg.norm(placed.particles.position - worst, axis=1).argmin())
-            raise Violation(
-                "Σ V ∇φ is not ∮ N n dS: the surface's functions do not match the points'",
-                {"worst node [cells]": np.rint((worst - placed.grid.lower) / CELL).astype(int).tolist()},
-                picture_of(placed, nearest),
-                measured=measured,
-                bound=0.05,
-            )
-
-    search_dimensions(subject, _shifts, trial, only=(2,), examples=10)
+    placed, corner = _square(subject, case, PER_CELL)
+    inside = gradient_at_nodes(placed.table(), placed.particles.volume, placed.grid)
+    position, normal = _outline(corner)
+    outside = at_nodes(placed.surface_table(position), normal, placed.grid)
+    measured = float(np.abs(inside - outside).sum() / np.abs(outside).sum())
+    if not measured <= 0.05:
+        worst = placed.grid.position[np.abs(inside - outside).max(axis=1).argmax()]
+        nearest = int(np.linalg.norm(placed.particles.position - worst, axis=1).argmin())
+        raise Violation(
+            "Σ V ∇φ is not ∮ N n dS: the surface's functions do not match the points'",
+            {"worst node [cells]": np.rint((worst - placed.grid.lower) / CELL).astype(int).tolist()},
+            picture_of(placed, nearest),
+            measured=measured,
+            bound=0.05,
+        )
 
 
 def boundary_mass(subject: Subject) -> None:
@@ -99,10 +105,6 @@ def boundary_mass(subject: Subject) -> None:
         require(float(lost.max()), 0.1, message, placed, nearest)
 
     search_dimensions(subject, _shifts, trial, only=(2,), examples=10)
-
-
-def _shifts(_dim: int) -> dict[str, Any]:
-    return {f"shifted along {axis} [cells]": ladder(0.0, 0.875, 8) for axis in "xy"}
 
 
 def _square(subject: Subject, case: dict[str, Any], per_cell: int) -> tuple[Placement, FloatArray]:
