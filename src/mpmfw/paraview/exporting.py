@@ -16,7 +16,7 @@ import xarray as xr
 
 from mpmfw.errors import MpmfwError, ResultsWarning
 from mpmfw.paraview.meshes import Mesh, mesh_library, points_mesh, skipped_fields, surface_mesh, surfaces_of
-from mpmfw.results.domains import domains_of
+from mpmfw.results.domains import corners_of
 from mpmfw.results.replacing import check_new, replace_bytes, replacement
 from mpmfw.results.selection import Results, bodies_of, chosen_frames, opened_run, times_of
 
@@ -88,7 +88,7 @@ def _export(
     """Write all files; their names begin with ``target``."""
     chosen, frames = bodies_of(tree, selection), chosen_frames(tree, every)
     indices = {body: k for k, body in enumerate(bodies_of(tree)) if body in chosen}
-    domains = {body: domains_of(tree, body) for body in indices}
+    corners = {body: corners_of(tree, body) for body in indices}
     if names := skipped_fields(tree, chosen):
         warnings.warn(
             f"not exported, being no scalar, vector or tensor of a point: {', '.join(names)}",
@@ -96,7 +96,7 @@ def _export(
             stacklevel=3,
         )
     kinds: dict[str, Callable[[int], Mesh]] = {
-        "points": lambda frame: points_mesh(tree, indices, domains, frame)
+        "points": lambda frame: points_mesh(tree, indices, corners, frame)
     }
     if set(surfaces_of(tree)) & set(chosen):
         kinds["surfaces"] = lambda frame: surface_mesh(tree, indices, frame)

@@ -11,7 +11,7 @@ import xarray as xr
 
 from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.paraview.distances import distances_in_plane, distances_in_space
-from mpmfw.results.domains import Domains, triangles_of
+from mpmfw.results.domains import Corners, triangles_of
 from mpmfw.results.selection import frame_of
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 
@@ -40,28 +40,27 @@ def mesh_library(user: str = "export", instead: str = "") -> Any:
 
 
 def points_mesh(
-    tree: xr.DataTree, bodies: Mapping[str, int], domains: Mapping[str, Domains | None], frame: int
+    tree: xr.DataTree, bodies: Mapping[str, int], corners: Mapping[str, Corners | None], frame: int
 ) -> Mesh:
-    """Material points of the bodies at one output.
+    """Return material points of the bodies at one output.
 
     Parameters
     ----------
     bodies
         Index in the scene by name; the index becomes the array ``body``.
-    domains
-        By body; with domains a material point is a quadrilateral and its fields are cell data, without them
-        it is a vertex and they are point data.
+    corners
+        Of the domains, by body. With domains a material point is a quadrilateral and its fields are cell
+        data; without them it is a vertex and they are point data.
     """
     frames = {body: frame_of(tree, f"particles/{body}", frame) for body in bodies}
     points = _joined(frames, bodies, "particle")
     fields = _fields(points)
-    kinds, drawn = mesh_library().CellType, [domains[body] for body in bodies]
-    if all(one is not None for one in drawn):
-        corners = np.concatenate(
-            [one.corners(data) for one, data in zip(drawn, frames.values(), strict=True) if one is not None]
-        )
-        quads = np.arange(4 * len(corners)).reshape(-1, 4)
-        grid = _grid(corners.reshape(-1, 2), kinds.QUAD, quads)
+    kinds = mesh_library().CellType
+    drawn = [of(frames[body]) for body in bodies if (of := corners[body]) is not None]
+    if len(drawn) == len(bodies):
+        nodes = np.concatenate(drawn)
+        quads = np.arange(4 * len(nodes)).reshape(-1, 4)
+        grid = _grid(nodes.reshape(-1, 2), kinds.QUAD, quads)
         grid.cell_data.update(fields)
     else:
         position = fields.pop("position")

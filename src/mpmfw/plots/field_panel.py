@@ -15,7 +15,7 @@ from matplotlib.colors import Normalize
 from mpmfw.errors import SceneError
 from mpmfw.plots.style import on_lines
 from mpmfw.plots.units import time_scale
-from mpmfw.results.domains import Domains, domains_of, loops
+from mpmfw.results.domains import Corners, corners_of, loops
 from mpmfw.results.point_fields import point_field
 from mpmfw.results.selection import bodies_of, frame_of, times_of
 from mpmfw.state.fields import FloatArray
@@ -75,7 +75,7 @@ class FieldPanel:
         points = tree[f"particles/{self.bodies[0]}"].to_dataset()
         #: ``long_name`` and ``units`` of the field.
         self.about = point_field(points.isel(time=slice(0), missing_dims="ignore"), name).attrs
-        self.domains: dict[str, Domains | None] = {body: domains_of(tree, body) for body in self.bodies}
+        self.corners: dict[str, Corners | None] = {body: corners_of(tree, body) for body in self.bodies}
         outlined = tree["surface"].children if "surface" in tree.children else {}
         self.outlined = [body for body in self.bodies if body in outlined]
         self._drawn: list[Any] = []
@@ -146,9 +146,9 @@ class FieldPanel:
 
     def _places(self, body: str, data: xr.Dataset) -> tuple[FloatArray, float]:
         """Corners of the domains, or centres and half the largest point's size [m]."""
-        domains = self.domains[body]
-        if domains is not None:
-            return domains.corners(data), 0.0
+        corners = self.corners[body]
+        if corners is not None:
+            return corners(data), 0.0
         return data["position"].values, 0.5 * float(np.sqrt(data["volume"].max()))
 
     def _shapes(

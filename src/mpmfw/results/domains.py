@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -19,49 +20,20 @@ from mpmfw.scene.content import code_in
 from mpmfw.scene.tables import Body
 from mpmfw.state.fields import FloatArray, IntArray
 
+#: Function from a body's material points at one output to the corners of their domains, (n, 4, 2) [m],
+#: counter-clockwise.
+Corners = Callable[[xr.Dataset], FloatArray]
 
-class Domains:
-    """Corners of the domains of one body's material points, counter-clockwise.
+
+def corners_of(tree: xr.DataTree, body: str) -> Corners | None:
+    """Return a function that gives the corners of the domains of a body's material points.
 
     CPDI2 stores its corners. Those of CPDI are x_p + F R_0 ξ: x_p and F are stored, and the half-edges R_0 at
     the start follow from the scene, which the file carries, by the same discretisation as that of the run.
 
-    Parameters
-    ----------
-    half_edges
-        R_0, (n, 2, 2) [m]; None where the corners are stored.
-    """
-
-    def __init__(self, half_edges: FloatArray | None) -> None:
-        self.half_edges = half_edges
-
-    def corners(self, frame: xr.Dataset) -> FloatArray:
-        """Corners (n, 4, 2) [m] at one output.
-
-        Parameters
-        ----------
-        frame
-            The body's material points at that output.
-        """
-        if self.half_edges is None:
-            return np.asarray(frame["corners"].values, dtype=float)
-        deformed = np.asarray(frame["deformation_gradient"].values @ self.half_edges)
-        return parallelogram_corners(np.asarray(frame["position"].values, dtype=float), deformed)
-
-
-def domains_of(tree: xr.DataTree, body: str) -> Domains | None:
-    """Domains of a body's material points, or None where they have none or it is not known.
-
-    Parameters
-    ----------
-    tree
-        Results of a run.
-    body
-        Its name.
-
     Returns
     -------
-    Domains or None
+    Corners or None
         None in 3D, with other shape functions than CPDI and CPDI2, and where the scene in the file does not
         give the stored points back: their masses over the initial areas must be one density, to 1e-9.
     """
@@ -69,7 +41,7 @@ def domains_of(tree: xr.DataTree, body: str) -> Domains | None:
     if points.sizes.get("axis") != 2:
         return None
     if "corners" in points and points["corners"].sizes.get("corner") == 4:
-        return Domains(None)
+        return lambda frame: np.asarray(frame["corners"].values, dtype=float)
     needed = {"position", "deformation_gradient", "mass"}
     if not str(tree.attrs.get("shape", "")).startswith("cpdi") or not needed <= set(points.data_vars):
         return None
@@ -77,8 +49,14 @@ def domains_of(tree: xr.DataTree, body: str) -> Domains | None:
     mass = np.asarray(points["mass"].values, dtype=float)
     if half_edges is None or len(area) != len(mass):
         return None
-    density = mass / area
-    return Domains(half_edges) if np.allclose(density, density[0], rtol=1e-9, atol=0.0) else None
+    if not np.allclose(mass / area, mass[0] / area[0], rtol=1e-9, atol=0.0):
+        return None
+
+    def corners(frame: xr.Dataset) -> FloatArray:
+        deformed = np.asarray(frame["deformation_gradient"].values @ half_edges)
+        return parallelogram_corners(np.asarray(frame["position"].values, dtype=float), deformed)
+
+    return corners
 
 
 def triangles_of(tree: xr.DataTree, body: str) -> IntArray | None:
