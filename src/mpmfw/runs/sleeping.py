@@ -232,7 +232,7 @@ class Sleep:
     def _divide(self) -> None:
         """Build the active simulation anew, and keep forces only of pairs of which both bodies sleep."""
         ends = np.array([(p.first, p.second) for p in self.full.state.pairs], dtype=np.int64).reshape(-1, 2)
-        asleep = self.inactive[ends].all(axis=1)
+        asleep = self.inactive[ends[:, 0]] & self.inactive[ends[:, 1]]
         self.rates = {name: np.where(asleep[: len(r), None], r, 0.0) for name, r in self.rates.items()}
         self.looked = np.nan
         self._build(None)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -107,115 +108,67 @@ SURFACE_FIELDS: tuple[Field, ...] = (
     ),
 )
 
+_series = partial(Field, group="series", output=True)
+
 _B = ("body",)
 _BA = ("body", "axis")
 _BR = ("body", "rotation")
 
 SERIES_FIELDS: tuple[Field, ...] = (
-    Field("centre_of_mass", _BA, "m", "centre of mass of the material points", "series", output=True),
-    Field("mean_velocity", _BA, "m s-1", "linear momentum over mass", "series", output=True),
-    Field(
+    _series("centre_of_mass", _BA, "m", "centre of mass of the material points"),
+    _series("mean_velocity", _BA, "m s-1", "linear momentum over mass"),
+    _series(
         "angular_velocity",
         _BR,
         "rad s-1",
         "sum m (x-c) x (v-v_c) / sum m |x-c|^2 over material points, counter-clockwise positive",
-        "series",
-        output=True,
     ),
-    Field("linear_momentum", _BA, "kg m s-1 m-1", "linear momentum", "series", output=True),
-    Field(
+    _series("linear_momentum", _BA, "kg m s-1 m-1", "linear momentum"),
+    _series(
         "angular_momentum",
         _BR,
         "kg m2 s-1 m-1",
         "angular momentum of the material points about the centre of mass",
-        "series",
-        output=True,
     ),
-    Field(
-        "kinetic_energy",
-        _B,
-        "J m-1",
-        "kinetic energy sum m v^2 / 2 of the material points",
-        "series",
-        output=True,
-    ),
-    Field("strain_energy", _B, "J m-1", "stored elastic energy", "series", output=True),
-    Field("total_energy", _B, "J m-1", "kinetic and strain energy", "series", output=True),
+    _series("kinetic_energy", _B, "J m-1", "kinetic energy sum m v^2 / 2 of the material points"),
+    _series("strain_energy", _B, "J m-1", "stored elastic energy"),
+    _series("total_energy", _B, "J m-1", "kinetic and strain energy"),
 )
 
-MATERIAL_WORK = Field(
+MATERIAL_WORK = _series(
     "material_dissipation",
     _B,
     "J m-1",
     "energy dissipated by the material since the run began, such as plastic work",
-    "series",
-    output=True,
 )
 
-AFFINE_ENERGY = Field(
-    "affine_energy",
-    _B,
-    "J m-1",
-    "kinetic energy of the affine motion within the material points",
-    "series",
-    output=True,
+AFFINE_ENERGY = _series(
+    "affine_energy", _B, "J m-1", "kinetic energy of the affine motion within the material points"
 )
 
 _PAIR = ("pair",)
 
 CONTACT_SERIES: tuple[Field, ...] = (
-    Field(
+    _series(
         "contact_force",
         ("pair", "axis"),
         "N m-1",
         "force on the pair's first body, mean over the output interval (its integral is the impulse)",
-        "series",
-        output=True,
         mean=True,
     ),
-    Field(
+    _series(
         "friction_force",
         ("pair", "axis"),
         "N m-1",
         "its part along the surface, mean over the output interval",
-        "series",
-        output=True,
         mean=True,
     ),
-    Field(
-        "contact_count", _PAIR, "1", "surface or grid nodes in contact at the output", "series", output=True
-    ),
-    Field(
-        "frictional_work",
-        _PAIR,
-        "J m-1",
-        "energy dissipated by friction since time zero",
-        "series",
-        output=True,
-    ),
-    Field(
-        "contact_energy",
-        _PAIR,
-        "J m-1",
-        "energy stored in contact springs (zero without springs)",
-        "series",
-        output=True,
-    ),
-    Field(
-        "damping_work",
-        _PAIR,
-        "J m-1",
-        "energy dissipated by contact dashpots since time zero",
-        "series",
-        output=True,
-    ),
+    _series("contact_count", _PAIR, "1", "surface or grid nodes in contact at the output"),
+    _series("frictional_work", _PAIR, "J m-1", "energy dissipated by friction since time zero"),
+    _series("contact_energy", _PAIR, "J m-1", "energy stored in contact springs (zero without springs)"),
+    _series("damping_work", _PAIR, "J m-1", "energy dissipated by contact dashpots since time zero"),
 )
 
-MIN_GAP = Field(
-    "min_gap",
-    _PAIR,
-    "m",
-    "least distance between the bodies' surfaces; negative where they penetrate",
-    "series",
-    output=True,
+MIN_GAP = _series(
+    "min_gap", _PAIR, "m", "least distance between the bodies' surfaces; negative where they penetrate"
 )
