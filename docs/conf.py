@@ -86,7 +86,7 @@ nitpicky = True
 nitpick_ignore_regex = [
     (
         "py:class",
-        r"(Any|Float|Index|Int)Array|Floats|Ints|Indices|TypeAliasForwardRef|Params|Layout|NearPairs",
+        r"(Any|Float|Index|Int)Array|Floats|Ints|Indices|TypeAliasForwardRef|Params|Layout|BodyPairs",
     ),
     (
         "py:class",

@@ -44,6 +44,6 @@ class BodyForce(BodyLoad):
 
     def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
         """V_p⁰ b(t), (n, dim) [N]."""
-        volume = particles.through(particles.initial_volume)[own]
+        volume = particles.times_thickness(particles.initial_volume)[own]
         force: FloatArray = volume[:, None] * self.table.at(time)
         return force

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from mpmfw.kernels.boxes import sweep_strips
 from mpmfw.kernels.pair_table import pair_index, pair_table
-from mpmfw.state.pairs import FEW, NearPairs, _strips, overlapping
+from mpmfw.state.pairs import FEW, BodyPairs, _strips, overlapping
 
 
 def brute_force(lower, upper):
@@ -105,7 +105,7 @@ def test_no_bodies_meet_before_their_pair_is_listed(seed):
     rng = np.random.default_rng(seed)
     n = FEW + 8
     state, centre, radius = moving(rng, n)
-    near = NearPairs(tuple(f"b{k}" for k in range(n)), 0.0, {})
+    near = BodyPairs(tuple(f"b{k}" for k in range(n)), 0.0, {})
     velocity = rng.uniform(-1.0, 1.0, (n, 2))
     lay(state, centre, radius)
     near.update(state)
@@ -129,7 +129,7 @@ def test_no_bodies_meet_before_their_pair_is_listed(seed):
 
 
 def test_a_pair_has_the_friction_that_the_scene_gives_it():
-    near = NearPairs(("a", "b", "c"), 0.2, {(0, 2): 0.7})
+    near = BodyPairs(("a", "b", "c"), 0.2, {(0, 2): 0.7})
     state = SimpleNamespace(pairs=())
     assert near.add(state, np.array([0, 1]), np.array([2, 2]))
     assert not near.add(state, np.array([1]), np.array([2]))
@@ -140,7 +140,7 @@ def test_a_pair_has_the_friction_that_the_scene_gives_it():
         (2, "a-b", 0.2),
     ]
     assert near.has_friction
-    assert not NearPairs(("a", "b"), 0.0, {(0, 1): 0.0}).has_friction
+    assert not BodyPairs(("a", "b"), 0.0, {(0, 1): 0.0}).has_friction
 
 
 def test_the_table_finds_every_pair_in_either_order_and_no_other():

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mpmfw.state.windows import MARGIN, lay_windows, make_grid
+from mpmfw.state.windows import MARGIN, fit_windows, make_grid
 
 H = 0.25
 
@@ -25,7 +25,7 @@ def laid(*bodies: Any, reach: float = 0.0, surface: Any = None, dim: int = 2) ->
     """A grid from −2 to 3 m with the windows of some bodies."""
     grid = make_grid(H, np.full(dim, -2.0), np.full(dim, 3.0), len(bodies))
     points = particles(*bodies)
-    lay_windows(grid, points, np.full_like(points.position, reach), surface)
+    fit_windows(grid, points, np.full_like(points.position, reach), surface)
     return grid
 
 

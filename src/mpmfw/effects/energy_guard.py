@@ -44,7 +44,7 @@ class EnergyGuard:
     @classmethod
     def of(cls, state: State, remedies: Mapping[str, str]) -> EnergyGuard:
         """The guard of these bodies: nothing is a share of the stiffness that they have."""
-        volume = state.particles.through(state.particles.initial_volume)
+        volume = state.particles.times_thickness(state.particles.initial_volume)
         volumes = [volume[body.particles].sum() for body in state.bodies]
         stiffness = [body.bulk_modulus + body.shear_modulus for body in state.bodies]
         return cls(NOTHING * float(np.dot(volumes, stiffness)), remedies)

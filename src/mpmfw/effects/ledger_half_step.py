@@ -107,7 +107,7 @@ class HalfStep:
         if self._power is None:
             self._power = float(
                 stress_power(
-                    particles.through(particles.volume),
+                    particles.times_thickness(particles.volume),
                     particles.stress,
                     particles.velocity_gradient,
                     self.dt,

@@ -58,7 +58,7 @@ class StrainEnergies:
         particles, made_of = state.particles, of_one_material(state.bodies, self.materials)
         each = np.concatenate([of_points(density, material, state, own) for own, material in made_of])
         return np.add.reduceat(
-            each * particles.through(particles.initial_volume),
+            each * particles.times_thickness(particles.initial_volume),
             [body.particles.start for body in state.bodies],
         )
 

@@ -109,7 +109,7 @@ class Verdict:
         self.running, self.inside[:] = True, -1
         self.next_energy = self.next_sides = self.next_own = 0
         p = state.particles
-        volume = p.through(p.initial_volume)
+        volume = p.times_thickness(p.initial_volume)
         stiffness = [body.bulk_modulus + body.shear_modulus for body in state.bodies]
         volumes = [volume[body.particles].sum() for body in state.bodies]
         self.nothing = NOTHING * float(np.dot(volumes, stiffness))
@@ -160,7 +160,7 @@ class Verdict:
         strain energy changes by Δt Σ V σ:L in a step. In bodies two cells wide half of this is a fifth of all
         energy."""
         p = state.particles
-        power = p.through(p.volume) @ np.einsum("pij,pij->p", p.stress, p.velocity_gradient)
+        power = p.times_thickness(p.volume) @ np.einsum("pij,pij->p", p.stress, p.velocity_gradient)
         strain = float(self.strain.of(state).sum()) + self.half_step * state.dt * float(power)
         return kinetic_energy(p.mass, p.velocity) + strain
 

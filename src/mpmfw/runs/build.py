@@ -26,7 +26,7 @@ from mpmfw.runs.bodies import check_inside, check_overlap, lay_out, make_bodies,
 from mpmfw.runs.sizing import check_memory
 from mpmfw.runs.timestep import stable_length
 from mpmfw.scene.options import NAMED
-from mpmfw.state.pairs import FEW, NearPairs
+from mpmfw.state.pairs import FEW, BodyPairs
 from mpmfw.state.structs import Body, State, joined
 from mpmfw.state.windows import make_grid
 from mpmfw.step.transfer import make_transfer
@@ -255,7 +255,7 @@ def _list_pairs(scene: Scene, state: State, contact: ContactStrategy | None, law
     ends = [sorted(index[name] for name in pair.bodies) for pair in named]
     given = {(a, b): float(pair.friction) for (a, b), pair in zip(ends, named, strict=True)}
     by_law = None if law is None or law.is_coulomb else law.label
-    near = NearPairs(tuple(index), float(friction), given, by_law)
+    near = BodyPairs(tuple(index), float(friction), given, by_law)
     follows = hasattr(contact, "add_pairs") or not any(hasattr(contact, name) for name in HOOKS)
     if len(index) <= FEW or not follows:
         near.add(state, *np.triu_indices(len(index), 1))

@@ -15,7 +15,7 @@ from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.results import Frame, RunHeader, provenance
 from mpmfw.results.layout import is_static
 from mpmfw.state.fields import PARTICLE_FIELDS, SURFACE_FIELDS, AnyArray, Field
-from mpmfw.state.pairs import list_near
+from mpmfw.state.pairs import update_pairs
 from mpmfw.state.structs import State
 
 if TYPE_CHECKING:
@@ -93,7 +93,7 @@ class Recorder:
             Whether it has material points.
         """
         state = self.state
-        list_near(state, self.hook)
+        update_pairs(state, self.hook)
         found: dict[str, dict[str, AnyArray]] = {"particles": {}, "surface": {}, "series": {}, "contact": {}}
         check_state_finite(state)
         self._check_constant()

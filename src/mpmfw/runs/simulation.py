@@ -26,9 +26,9 @@ from mpmfw.runs.timestep import TimeStep
 from mpmfw.state.clock import STAGES, STEP_STAGES, Clock
 from mpmfw.state.fields import AnyArray, Field
 from mpmfw.state.history import NotSaved, put, take
-from mpmfw.state.pairs import list_near
+from mpmfw.state.pairs import update_pairs
 from mpmfw.state.structs import State
-from mpmfw.state.windows import is_cut_off, lay_windows, set_windows
+from mpmfw.state.windows import fit_windows, is_cut_off, set_windows
 from mpmfw.step import SCHEMES
 from mpmfw.step.operations import interpolate, project
 from mpmfw.step.transfer import Transfer
@@ -128,8 +128,8 @@ class Simulation:
         )
         self.hook.setup(setup=setup)
         reach = self.hook.particle_reach(particles=self.state.particles)
-        lay_windows(self.state.grid, self.state.particles, reach, self.state.surface)
-        list_near(self.state, self.hook)
+        fit_windows(self.state.grid, self.state.particles, reach, self.state.surface)
+        update_pairs(self.state, self.hook)
         self._check_supports()
         self._step: Step = SCHEMES[self.scheme]
         self._sleep: Sleep | None = None

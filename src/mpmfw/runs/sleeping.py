@@ -21,9 +21,9 @@ from mpmfw.state.clock import Clock
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 from mpmfw.state.history import NotSaved
 from mpmfw.state.index_map import IndexMap, copy_history
-from mpmfw.state.pairs import list_near, overlapping
+from mpmfw.state.pairs import overlapping, update_pairs
 from mpmfw.state.structs import Body, State
-from mpmfw.state.windows import lay_windows, set_windows, windows_round
+from mpmfw.state.windows import fit_windows, fitted_windows, set_windows
 from mpmfw.step import SCHEMES
 from mpmfw.step.transfer import Transfer
 
@@ -158,7 +158,7 @@ class Sleep:
             free = self._pull(body, time)[1] * (time - self.moved[body])
             rested[k] = free == 0.0 or free >= FALLS * self.bound[body]
         reach = running.hook.particle_reach(particles=state.particles)
-        lower, shape = windows_round(state.grid, state.particles, reach, state.surface)
+        lower, shape = fitted_windows(state.grid, state.particles, reach, state.surface)
         upper = lower + shape - 1
         sleepy = ~_reached(~rested, *overlapping(lower, upper))
         if not sleepy.any():
@@ -250,12 +250,12 @@ class Sleep:
         state, hook = self.running.state, self.running.hook
         reach = hook.particle_reach(particles=state.particles)
         if windows is None:
-            lay_windows(state.grid, state.particles, reach, state.surface)
+            fit_windows(state.grid, state.particles, reach, state.surface)
         elif self.active is not None:
-            _, shape = windows_round(state.grid, state.particles, reach, state.surface)
+            _, shape = fitted_windows(state.grid, state.particles, reach, state.surface)
             most = SPARE * float(np.prod(shape, axis=1).sum())
             set_windows(state.grid, windows["lower"], windows["shape"], most)
-        list_near(state, hook)
+        update_pairs(state, hook)
         if self.active is not None:
             _hand_over(full, self.active)  # once more: now it lists the pairs
 

@@ -217,7 +217,7 @@ class Record:
     def __init__(self, simulation: Simulation) -> None:
         self.state = simulation.state
         particles = simulation.state.particles
-        volume = particles.through(particles.initial_volume)
+        volume = particles.times_thickness(particles.initial_volume)
         stiffness = [body.bulk_modulus + body.shear_modulus for body in simulation.state.bodies]
         volumes = [volume[body.particles].sum() for body in simulation.state.bodies]
         self.nothing = NOTHING * float(np.dot(volumes, stiffness))

@@ -75,7 +75,7 @@ def _strips(lower: FloatArray, upper: FloatArray) -> tuple[int, IntArray, IntArr
 
 
 @dataclass
-class NearPairs:
+class BodyPairs:
     """Adds to ``State.pairs`` the bodies that come near each other, in the scene's order of each laying of
     windows.
 
@@ -170,7 +170,7 @@ def _outlines(state: State) -> tuple[AnyArray, AnyArray]:
     return lower - 0.5 * state.grid.cell_size, upper + 0.5 * state.grid.cell_size
 
 
-def list_near(state: State, hook: Any) -> None:
+def update_pairs(state: State, hook: Any) -> None:
     """List bodies that have come near each other, and tell the plug-ins."""
     if state.near is not None and state.near.update(state):
         hook.add_pairs(state=state)

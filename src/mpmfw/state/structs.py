@@ -158,7 +158,7 @@ class Particles(Struct):
         """Return what kernels see of the points ``begin:end``, as views."""
         return struct(**{name: array[begin:end] for name, array in self.members().items()})
 
-    def through(self, measure: FloatArray) -> FloatArray:
+    def times_thickness(self, measure: FloatArray) -> FloatArray:
         """A ``measure`` of the points, such as their volume (n,) [m^dim], times the thickness."""
         return measure if self.thickness is None else measure * self.thickness
 
@@ -316,7 +316,7 @@ class State:
     steps: int = 0  #: steps done since time zero
     arrays: dict[str, AnyArray] = field(default_factory=dict)  #: plug-ins' own arrays, as ``owner/name``
     dims: dict[str, tuple[str, ...]] = field(default_factory=dict)  #: of the arrays that were declared
-    near: Any = None  #: ``NearPairs``, which list pairs as bodies come near; None where all pairs are listed
+    near: Any = None  #: ``BodyPairs``, which list pairs as bodies come near; None where all pairs are listed
 
     @property
     def pair_bodies(self) -> IntArray:

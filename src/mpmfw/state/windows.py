@@ -16,7 +16,7 @@ MARGIN = 3
 
 
 def make_grid(cell_size: float, lower: FloatArray, upper: FloatArray, n_fields: int) -> Grid:
-    """An empty grid from ``lower`` to at least ``upper``; windows are laid by :func:`lay_windows`."""
+    """An empty grid from ``lower`` to at least ``upper``; windows are laid by :func:`fit_windows`."""
     dim = len(lower)
     cells = np.ceil((upper - lower) / cell_size - 1e-9).astype(np.int64)
     sizes = {"node": 0, "axis": dim}
@@ -33,7 +33,7 @@ def make_grid(cell_size: float, lower: FloatArray, upper: FloatArray, n_fields: 
     )
 
 
-def lay_windows(grid: Grid, particles: Particles, reach: FloatArray, surface: Surface | None) -> None:
+def fit_windows(grid: Grid, particles: Particles, reach: FloatArray, surface: Surface | None) -> None:
     """Lay every field's window round its material points and surface nodes, clipped to the background grid.
 
     Nodal arrays are allocated anew and are zero; node indices of earlier stencils lose their meaning.
@@ -43,11 +43,11 @@ def lay_windows(grid: Grid, particles: Particles, reach: FloatArray, surface: Su
     reach
         Half the extent of every particle's domain, (n, dim) [m].
     """
-    grid.window_lower[:], grid.window_shape[:] = windows_round(grid, particles, reach, surface)
+    grid.window_lower[:], grid.window_shape[:] = fitted_windows(grid, particles, reach, surface)
     allocate_nodes(grid)
 
 
-def windows_round(
+def fitted_windows(
     grid: Grid, particles: Particles, reach: FloatArray, surface: Surface | None
 ) -> tuple[IntArray, IntArray]:
     """First node and shape of every field's window, (n_fields, dim), if it were laid now.

@@ -15,9 +15,9 @@ from mpmfw.kernels import projection as to_grid
 from mpmfw.kernels import velocity_of_momentum
 from mpmfw.state.clock import Clock
 from mpmfw.state.fields import FloatArray
-from mpmfw.state.pairs import list_near
+from mpmfw.state.pairs import update_pairs
 from mpmfw.state.structs import Body, Grid, OutsideGrid, Particles, State, Stencil
-from mpmfw.state.windows import lay_windows
+from mpmfw.state.windows import fit_windows
 from mpmfw.step.transfer import Transfer
 
 Kernel = TypeVar("Kernel", bound=Callable[..., Any])
@@ -74,8 +74,8 @@ def interpolate(state: State, hook: Any, clock: Clock) -> Stencil:
         return _tables(state, hook, clock)
     except OutsideGrid:
         threads, reach = state.particles.threads, hook.particle_reach(particles=state.particles)
-        lay_windows(state.grid, state.particles, reach, state.surface)
-        list_near(state, hook)
+        fit_windows(state.grid, state.particles, reach, state.surface)
+        update_pairs(state, hook)
         if threads is not None:
             threads.share_anew()
     try:

@@ -13,7 +13,7 @@ from mpmfw.geometry.layout import Layout, layout_of_boxes
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import FloatArray
 from mpmfw.state.structs import Body, Grid, Particles, State, Stencil
-from mpmfw.state.windows import lay_windows, make_grid
+from mpmfw.state.windows import fit_windows, make_grid
 from mpmfw_testing.bench import points_at_rest, set_up
 from mpmfw_testing.subject import Subject
 
@@ -52,7 +52,7 @@ class Placement:
     def lay(self) -> None:
         """Lay the windows by the plug-in's own ``particle_reach``."""
         reach = self.hook.particle_reach(particles=self.particles)
-        lay_windows(self.grid, self.particles, reach, None)
+        fit_windows(self.grid, self.particles, reach, None)
 
     def table(self) -> Stencil:
         """Lay the windows and fill the table."""
