@@ -27,9 +27,7 @@ _CELLS: dict[str, Any] = {"color": "#117733", "linewidth": 0.7, "linestyle": (0,
 
 
 def counted(runs: Sequence[CaseRun]) -> dict[str, float]:
-    """``segments`` of both surfaces; of each body its material ``points`` and the longest ``edge`` of a
-    domain [m].
-    """
+    """Return ``segments`` of both surfaces, each body's ``points`` and its longest ``edge`` [m]."""
     tree = next(run.results for run in runs if run.method.recommended)
     found = {
         "segments": float(sum(group.sizes["surface_node"] for group in tree["surface"].children.values()))

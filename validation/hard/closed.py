@@ -36,9 +36,7 @@ def creeps(run: xr.DataTree) -> float | None:
 
 
 def _incline(run: xr.DataTree) -> tuple[float, np.ndarray, np.ndarray]:
-    """Acceleration of a rigid block [m/s²], less than zero if it sticks, its way along the face, and time, of
-    the judged part.
-    """
+    """Return a rigid block's acceleration [m/s²], below zero if it sticks, its way, and time."""
     scene = scene_of(run)
     given = scene["gravity"]
     first, last = (
@@ -53,9 +51,7 @@ def _incline(run: xr.DataTree) -> tuple[float, np.ndarray, np.ndarray]:
 
 
 def rolls(run: xr.DataTree) -> float:
-    """A disc that is thrown flat on a plane comes to roll with 2/3 of its speed: the larger error of v and ω
-    R [%].
-    """
+    """Return the larger error of v and ω R [%]; a disc thrown flat comes to roll with 2/3 of its speed."""
     disc = scene_of(run)["bodies"]["disc"]
     exact = 2.0 / 3.0 * np.linalg.norm(disc["velocity"])
     series = run["series"].to_dataset().sel(body="disc")

@@ -145,9 +145,7 @@ def _body(name: str, body: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def incline(friction: float, tilt: float, cell: float = 0.1) -> dict[str, Any]:
-    """A block of 0.6 × 0.3 m settled on a level plane, which is then tilted by ``tilt`` [°], as a cosine, in
-    0.15 s.
-    """
+    """Return a block settled on a level plane, then tilted to ``tilt`` [°], as a cosine, in 0.15 s."""
     solid = {"E": 15.4e6, "nu": 0.286}
     rows = []
     for k in range(31):

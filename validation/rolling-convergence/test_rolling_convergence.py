@@ -94,9 +94,7 @@ def _limit(roll: Roll, method: Method, size: float, name: str) -> float:
 
 
 def _lumping(case: Case, mended: Errors, lumped: Errors) -> None:
-    """What lumping costs beside its closed form, the order of it, and how the lumped error approaches
-    zero.
-    """
+    """Record the loss by lumping beside its closed form, its order, and the lumped error."""
     sizes = [size for size in mended if size in lumped]
     loss = {h: mended[h]["acceleration"] - lumped[h]["acceleration"] for h in sizes}
     for h in sizes:
