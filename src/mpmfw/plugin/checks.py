@@ -119,18 +119,15 @@ def declared_fields(answers: Iterable[tuple[Any, Iterable[Field]]]) -> tuple[Fie
                 if field.group not in get_args(Group) or np.dtype(field.dtype).kind not in "fiub":
                     raise ValueError(
                         f"field '{field.name}' of group '{field.group}' and type {field.dtype!r}; expected "
-                        "one of "
-                        f"{', '.join(get_args(Group))}, and a type of numbers"
+                        f"one of {', '.join(get_args(Group))}, and a type of numbers"
                     )
         for field in answer:
             first, known = owners.setdefault(field.name, (plugin, field))
             shared = first is plugin or (type(first) is type(plugin) and known == field)
             if not shared or known != field or (field.group, field.name) in core:
                 owner = "the core" if shared and known == field else described(first)
-                raise SceneError(
-                    f"{described(plugin)} and {owner} both declare a field '{field.name}'; expected another "
-                    "name"
-                )
+                both = f"{described(plugin)} and {owner} both declare a field '{field.name}'"
+                raise SceneError(f"{both}; expected another name")
     return tuple([field for _, field in owners.values()])
 
 

@@ -101,13 +101,10 @@ def only_bundled(kind: Kind, name: str) -> bool:
 
 def unknown_groups() -> list[str]:
     """One line for each group of entry points ``mpmfw.…`` that nothing here reads, such as a misspelt one."""
-    known = [f"mpmfw.{kind}" for kind in KINDS]
-    found = []
+    known, found = [f"mpmfw.{kind}" for kind in KINDS], []
     for group in sorted(entry_points().groups):
         if group.startswith("mpmfw.") and group not in known:
-            names = ", ".join(
-                f"{entry.name} of {distribution_of(entry)}" for entry in entry_points(group=group)
-            )
+            names = ", ".join(f"{each.name} of {distribution_of(each)}" for each in entry_points(group=group))
             found.append(
                 f"{group}: no such group, so that nothing finds {names}; {did_you_mean(group, known)}"
             )
@@ -149,19 +146,23 @@ def _announced(
 
 
 def load(kind: Kind, name: str) -> type[Any]:
-    """Import the plug-in ``name`` and no other.
+    """Import the plug-in ``name`` and no other; of a joined contact, its detection and its law.
 
     Raises
     ------
     SceneError
         No such plug-in is installed, or two of that name; it fails to import, its class has another name, or
-        :func:`refuse_class` says why it cannot be used.
+        :func:`refuse_class` says why it cannot be used; a detection and a law do not go together.
     """
     entries = choices(kind)
     if name not in entries:
         raise SceneError(f"unknown {kind} plug-in '{name}'; {did_you_mean(name, entries)}")
     if kind == "contact" and "+" in name:
-        return _joined(name)
+        detection, _, law = name.partition("+")
+        try:
+            return load("law", law).joined_with(load("detection", detection))  # type: ignore[no-any-return]
+        except SceneError as error:
+            raise SceneError(f"contact '{name}': {error}") from error
     entry, *others = _announced(kind, entry_points, _search_path()).get(name, [entries[name]])
     if others:
         announced = " and ".join(f"{distribution_of(each)} ({each.value})" for each in (entry, *others))
@@ -200,22 +201,6 @@ def load(kind: Kind, name: str) -> type[Any]:
     return plugin
 
 
-def _joined(name: str) -> type[Any]:
-    """The contact of a detection and a law.
-
-    Raises
-    ------
-    SceneError
-        As :func:`load` of either, or they do not go together.
-    """
-    detection, _, law = name.partition("+")
-    try:
-        made: type[Any] = load("law", law).joined_with(load("detection", detection))
-        return made
-    except SceneError as error:
-        raise SceneError(f"contact '{name}': {error}") from error
-
-
 def _working_folder() -> str | None:
     """The working folder; None where it is no longer there."""
     try:
@@ -238,8 +223,7 @@ def refuse_class(plugin: type[Any]) -> None:
     if (version := getattr(plugin, "interface", 1)) != INTERFACE:
         raise SceneError(
             f"{full_name(plugin)} is written for version {version} of the plug-in interface; expected "
-            f"{INTERFACE}, "
-            "that of this mpmfw"
+            f"{INTERFACE}, that of this mpmfw"
         )
     options = options_of(plugin)
     try:
