@@ -36,14 +36,13 @@ from mpmfw.api import (
     ForceContact,
     Grid,
     PairRecords,
-    SceneError,
     Setup,
     SimulationError,
     State,
 )
 from mpmfw.contact.springs import SpringLaw, SpringOptions
 from mpmfw.contact.surfaces import Surfaces
-from mpmfw.contact.surfaces.outline import node_error, outline_of
+from mpmfw.contact.surfaces.outline import node_error, outline_of, tracked_surface
 from mpmfw_contact._barriers import barrier_forces, least_gaps, set_barriers, time_to_touch
 
 #: b'' where −b' is a thousandth.
@@ -81,9 +80,8 @@ class BarrierLaw(SpringLaw):
 
     def prepare(self, setup: Setup, owner: str) -> None:
         """As of springs, and the surfaces that the collision detection follows."""
-        if setup.state.surface is None:
-            raise SceneError(f"contact '{owner}' needs bodies with outlines")
-        self.surface, self.outline = setup.state.surface, outline_of(setup.state.surface)
+        self.surface = tracked_surface(setup, owner)
+        self.outline = outline_of(self.surface)
         self.reach = self.options.reach * setup.cell_size
         self.offset, self.placed = np.zeros(0), False
         #: Bodies that the scene puts together have one number, and one offset, so that flush bodies bear at

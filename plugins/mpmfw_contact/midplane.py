@@ -27,13 +27,12 @@ from mpmfw.api import (
     ForceContact,
     Grid,
     Particles,
-    SceneError,
     Setup,
     State,
     Stencil,
 )
 from mpmfw.contact.surfaces.near_facets import VerletList
-from mpmfw.contact.surfaces.outline import outline_of
+from mpmfw.contact.surfaces.outline import outline_of, tracked_surface
 from mpmfw.contact.surfaces.travel import TravelLimit
 from mpmfw_contact._midlines import write_midlines
 from mpmfw_contact.hamad2017 import Hamad2017Law
@@ -74,9 +73,8 @@ class Midplane(Detection):
 
     def prepare(self, setup: Setup, owner: str) -> None:
         """Arrays of the search."""
-        if setup.state.surface is None:
-            raise SceneError(f"contact '{owner}' needs bodies with outlines")
-        self.state, self.surface, self.has_friction = setup.state, setup.state.surface, setup.has_friction
+        self.state, self.has_friction = setup.state, setup.has_friction
+        self.surface = tracked_surface(setup, owner)
         self.outline = outline_of(self.surface)
         self.radius = self.reach(setup.cell_size)
         self.near = VerletList(

@@ -125,15 +125,9 @@ class PenaltyLaw(SpringLaw):
     def normal_forces(self, rows: ContactRows, old: ContactRows, records: PairRecords) -> None:
         """Write N; and add what the last step's springs lost."""
         spring_forces(
-            rows,
-            rows.count,
-            rows.own,
-            old,
-            self.options.tangential_ratio,
-            self.dashpot,
-            self.linear_to,
+            rows, rows.count, rows.own, old, self.options.tangential_ratio, self.dashpot, self.linear_to,
             records,
-        )
+        )  # fmt: skip
         add_losses(rows, rows.count, rows.own, old, old.count, old.own, self.linear_to, self.change)
 
     def series(self) -> dict[str, AnyArray]:

@@ -355,7 +355,7 @@ def joined(detection: type[Detection], law: type[ContactLaw]) -> type[RowContact
             f"detection '{detection.name}' and law '{law.name}' both have an option '{twice[0]}'"
         )
 
-    def parts_of(options: BaseModel, *, contact: bool) -> tuple[Any, ...]:
+    def parts_of(options: BaseModel, *, contact: bool = False) -> tuple[Any, ...]:
         return _made_again, (detection, law, options.model_dump(exclude_unset=True), contact)
 
     # The classes are in no module, where pickle would look for them. Theirs is that of the part which is not
@@ -370,7 +370,7 @@ def joined(detection: type[Detection], law: type[ContactLaw]) -> type[RowContact
         "__doc__": f"Detection '{detection.name}' with law '{law.name}'.",
     }
     made: type[RowContact] = type(name, (law.strategy(),), body)
-    made.Options.__reduce__ = lambda self: parts_of(self, contact=False)  # type: ignore[assignment]
+    made.Options.__reduce__ = parts_of  # type: ignore[assignment]
     _JOINED[detection, law] = made
     return made
 

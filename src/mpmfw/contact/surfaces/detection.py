@@ -13,7 +13,7 @@ from mpmfw.contact.surfaces.assembly import Places, assemble, point_forces
 from mpmfw.contact.surfaces.candidates import no_candidates
 from mpmfw.contact.surfaces.facing import ROUND, ROUND_THE_CORNER
 from mpmfw.contact.surfaces.near_facets import VerletList
-from mpmfw.contact.surfaces.outline import node_error, outline_of
+from mpmfw.contact.surfaces.outline import node_error, outline_of, tracked_surface
 from mpmfw.contact.surfaces.search import find_candidates
 from mpmfw.contact.surfaces.tracking import CROSSED, find_crossings, keep_inside, remember_inside
 from mpmfw.contact.surfaces.travel import TravelLimit
@@ -122,9 +122,8 @@ class Surfaces(Detection):
 
     def prepare(self, setup: Setup, owner: str) -> None:
         """Roles of the bodies, and the arrays of the search."""
-        if setup.state.surface is None:
-            raise SceneError(f"contact '{owner}' needs bodies with outlines")
-        self.state, self.surface, self.has_friction = setup.state, setup.state.surface, setup.has_friction
+        self.state, self.has_friction = setup.state, setup.has_friction
+        self.surface = tracked_surface(setup, owner)
         size = np.array([self.surface.tributary[self.surface.of(body.index)].sum() for body in setup.bodies])
         self.rank = _ranks(setup.bodies, size, self.options.master, owner, one_pass=not self.two_passes)
         slots = 8 if self.every_facet else min(max(len(setup.bodies) - 1, 1), 3)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from mpmfw.contact.surfaces.outline import tracked_surface
 from mpmfw.kernels import kernel
 from mpmfw.kernels.nodal import velocity_of_momentum
 from mpmfw.kernels.types import Floats, Indices, Ints
@@ -83,10 +84,8 @@ class InterfaceLayer:
     @hookimpl
     def setup(self, setup: Setup) -> None:
         """Mass of every surface node."""
-        surface = setup.state.surface
-        if surface is None:
-            raise RuntimeError("no surface to carry mass")
-        self.state, self.surface, self.flip = setup.state, surface, setup.flip
+        surface = self.surface = tracked_surface(setup, self.name)
+        self.state, self.flip = setup.state, setup.flip
         density = np.array([body.areal_density for body in setup.bodies])
         self.mass: FloatArray = setup.allocate(self.name, MASS)
         self.mass[:] = self.thickness * density[surface.body] * surface.tributary

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.errors import SimulationError
+from mpmfw.errors import SceneError, SimulationError
 from mpmfw.kernels import Struct, device, scratch
 from mpmfw.kernels.facets import area_vector, read_corners, read_point, signed_distance, squared_distance
 from mpmfw.kernels.types import Float, Floats, Ints
+from mpmfw.plugin.setup import Setup
 from mpmfw.state.structs import State, Surface
 
 
@@ -34,6 +35,19 @@ def outline_of(surface: Surface) -> Outline:
     if len(surface.body_first) > 3 and len(surface.covered) == 0:
         surface.covered = np.full(len(surface.facets), -1)
     return Outline(**{name: getattr(surface, name) for name in Outline.member_names})
+
+
+def tracked_surface(setup: Setup, owner: str) -> Surface:
+    """Return the tracked surfaces, which contact ``owner`` works on.
+
+    Raises
+    ------
+    SceneError
+        There are none.
+    """
+    if setup.state.surface is None:
+        raise SceneError(f"contact '{owner}' needs bodies with outlines")
+    return setup.state.surface
 
 
 def node_error(state: State, surface: Surface, node: int, text: str, *, advice: str) -> SimulationError:
