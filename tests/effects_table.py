@@ -162,8 +162,8 @@ EFFECTS = {
         arrays="layout/half_edges",
         modules="mpmfw.effects.exact_rotation mpmfw.effects.second_moments",
     ),
-    "none": brings(modules="mpmfw_contact.none"),
-    "separate": brings(modules="mpmfw_contact.separate"),
+    "none": brings(modules="mpmfw_contact.baselines"),
+    "separate": brings(modules="mpmfw_contact.baselines"),
     "bardenhagen": brings(
         "bardenhagen",
         hooks="declare_fields setup add_pairs detect after_momentum_projection after_momentum_update "

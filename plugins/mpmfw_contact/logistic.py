@@ -19,9 +19,10 @@ from __future__ import annotations
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from mpmfw.api import ContactRows, Grid, Particles, SceneError, Setup, Stencil
+from mpmfw.api import ContactRows, Grid, ImpulseContact, Particles, SceneError, Setup, Stencil
 from mpmfw.contact.nodes import AtNodes
 from mpmfw_contact._regression import Clouds, Domains, list_points, write_regressed_rows
+from mpmfw_contact.impulse import Impulse
 
 
 class LogisticOptions(BaseModel):
@@ -92,3 +93,15 @@ class Logistic(AtNodes):
         if total > len(self.clouds.point):
             self.clouds.set(point=np.zeros(2 * total, dtype=np.int64))
             list_points(listed, self.shared, phi.row, phi.nodes, phi.weight, self.clouds)
+
+
+class Nairn(ImpulseContact):
+    """Momentum exchange at grid nodes whose two bodies approach and overlap across the plane between their
+    points.
+
+    Both the projected and the updated momentum are corrected, as published.
+    """
+
+    name = "nairn"
+    Detection = Logistic
+    Law = Impulse

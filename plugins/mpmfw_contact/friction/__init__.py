@@ -1,1 +1,0 @@
-"""Friction laws: μ and cohesion of every row of contact."""

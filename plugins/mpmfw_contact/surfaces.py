@@ -1,5 +1,0 @@
-"""The entry point of detection between surfaces."""
-
-from mpmfw.contact.surfaces import Surfaces
-
-__all__ = ["Surfaces"]
