@@ -15,7 +15,7 @@ from mpmfw.contact.surfaces.near_facets import VerletList
 from mpmfw.contact.surfaces.outline import Outline
 from mpmfw.geometry.facets import neighbours_of, stars_of, tributaries_of
 from mpmfw.kernels import struct
-from mpmfw.kernels.contact import Records, add_records, match_rows
+from mpmfw.kernels.contact import Records, match_rows
 from mpmfw.kernels.facets import signed_distance
 from mpmfw.kernels.pair_table import pair_table as pair_of_bodies
 from mpmfw_contact.penalty import spring_forces
@@ -141,20 +141,6 @@ class Law:
     friction: float = 0.3
     tangential_ratio: float = 1.0
     keep_q: bool = False
-    dt: float = 1e-3
-
-
-@dataclass
-class Result:
-    """Forces on the nodes and the pair's records."""
-
-    force: np.ndarray
-    tangential: np.ndarray
-    impulse: np.ndarray
-    friction_work: np.ndarray
-    damping_work: np.ndarray
-    energy: np.ndarray
-    count: np.ndarray
 
 
 def pair_table(n_bodies):
@@ -216,7 +202,7 @@ def no_records(n_pairs):
 
 
 def forces(loops, found, law, old_master=None, old_tangential=None):
-    """The law's forces, alike for all nodes and pairs, on the surface nodes."""
+    """The law's forces on the surface nodes, tangential forces along e_t, and the pairs' frictional work."""
     n, slots = found.facet.shape
     n_pairs = len(pair_table(loops.n_bodies)[1])
     rows = rows_of(loops, found, tilts=law.keep_q)
@@ -230,7 +216,6 @@ def forces(loops, found, law, old_master=None, old_tangential=None):
     add_friction(rows, m, own, old, old.count, old.own, records, np.zeros(n_pairs))
     force, tangential = np.zeros((n, 2)), np.zeros((n, slots))
     rows.add_to(force, (1.0, 1.0))
-    add_records(0, rows.count, rows, law.dt, records, (1.0, 1.0))
     for c in range(m):
         if rows.gap[c] < 0.0:
             s, e = rows.places.slave[c], rows.normal[c]
@@ -238,10 +223,7 @@ def forces(loops, found, law, old_master=None, old_tangential=None):
                 (found.facet[s] >= 0) & (found.master[s] == rows.identity[c] % loops.n_bodies)
             )[0]
             tangential[s, j] += own.tangential[c] @ (-e[1], e[0])
-    return Result(
-        force, tangential, records.impulse, records.frictional_work, records.damping_work, records.energy,
-        records.count
-    )  # fmt: skip
+    return force, tangential, records.frictional_work
 
 
 def whole_of(rows):
@@ -275,7 +257,7 @@ class OneNode:
                 best = abs(gap)
                 found.master[0, 0], found.facet[0, 0], found.share[0, 0] = 1, m, share
                 found.gap[0, 0], found.normal[0, 0] = gap, normal
-        result = forces(loops, found, self.law, self.old_master, self.old_tangential)
-        self.old_master, self.old_tangential = found.master, result.tangential
-        self.work += result.friction_work[0]
-        return result.force[0, 1], result.force[0, 0]
+        force, tangential, work = forces(loops, found, self.law, self.old_master, self.old_tangential)
+        self.old_master, self.old_tangential = found.master, tangential
+        self.work += work[0]
+        return force[0, 1], force[0, 0]

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import VTK_LINE, VTK_QUAD, VTK_TRIANGLE, VTK_VERTEX
 from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline as Pipeline
@@ -13,7 +12,6 @@ from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
 import mpmfw
 from drop_for_tests import drop, drop_scene
-from mpmfw.cli import app
 from mpmfw.geometry.facets import neighbours_of, stars_of
 from mpmfw.geometry.solids import sphere_surface
 from mpmfw.kernels import Facets, minimum_gap
@@ -214,21 +212,3 @@ def test_signed_distances_in_space_are_those_of_the_kernel():
     np.testing.assert_allclose(back, 0.0, atol=1e-9)
     assert (found < 0.0).any()
     assert (found > 0.0).any()
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["export", "d.nc", "-o", "no/where"], "no/where: the folder no does not exist\n"),
-        (
-            ["export", "d.nc", "--body", "flor"],
-            "no body 'flor'; did you mean 'floor'? (one of floor, upper)\n",
-        ),
-        (["export", "c.nc"], "c.nc: results of kind 'compare' keep no frames; expected those of a run"),
-    ],
-)
-def test_a_wrong_request_is_status_2(files, monkeypatch, arguments, message):
-    monkeypatch.chdir(files)
-    result = CliRunner().invoke(app, arguments)
-    assert (result.exit_code, result.stdout) == (2, "")
-    assert result.stderr.startswith(message)
