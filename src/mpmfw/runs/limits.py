@@ -31,24 +31,15 @@ LARGE_RESULTS = 1e9
 def frames_of(simulation: Simulation) -> float:
     """Frames that the run will write."""
     time = simulation.scene.time
-    return float(math.ceil(time.end / time.output_interval - 1e-9) + 1)
+    return max(1.0, math.ceil(time.end / time.output_interval - 1e-9)) + 1.0
 
 
-def particle_frames_of(simulation: Simulation) -> float:
-    """Frames with material points that the run will write."""
-    interval, end = simulation.scene.output.particle_interval, simulation.scene.time.end
-    return (
-        frames_of(simulation)
-        if interval is None
-        else min(frames_of(simulation), math.floor(end / interval) + 2.0)
-    )
+def steps_of(simulation: Simulation, step: float) -> float:
+    """Return the steps that the run will take, each of at most ``step`` [s], settling left out.
 
-
-def steps_of(simulation: Simulation) -> float:
-    """Steps that the run will take, settling left out, if the stability limit stays what it is at the
-    start.
+    Steps between two outputs are of equal length, but where outputs shorten none.
     """
-    time, step = simulation.scene.time, simulation.stable_step()
+    time = simulation.scene.time
     if time.outputs == "nearest":
         return float(math.ceil(time.end / step - 1e-9))
     return float((frames_of(simulation) - 1.0) * math.ceil(min(time.output_interval, time.end) / step - 1e-9))
@@ -71,7 +62,7 @@ def check_length(simulation: Simulation) -> None:
             f"{MOST_FRAMES}{forced}"
         )
     step = simulation.stable_step()
-    steps = steps_of(simulation)
+    steps = steps_of(simulation, step)
     if steps > MOST_STEPS:
         raise SceneError(_too_many(simulation, f"time.end: {time.end:g} s", steps, step) + forced)
     settle = simulation.scene.settle
@@ -120,19 +111,18 @@ def results_size(simulation: Simulation, header: RunHeader) -> tuple[float, floa
     """Number of the frames with material points, bytes of each, and of all results, outputs without points
     included.
     """
-    frames, groups = particle_frames_of(simulation), bytes_of_groups(header)
+    scene, frames = simulation.scene, frames_of(simulation)
+    interval, groups = scene.output.particle_interval, _bytes_of_groups(header)
+    with_points = frames if interval is None else min(frames, math.floor(scene.time.end / interval) + 2.0)
     points, others = groups.pop("particles", 0.0), sum(groups.values())
-    return frames, points + others, frames * points + frames_of(simulation) * others
+    return with_points, points + others, with_points * points + frames * others
 
 
-def bytes_of_groups(header: RunHeader) -> dict[str, float]:
-    """Bytes of one frame by group."""
-    counts = {
+def _bytes_of_groups(header: RunHeader) -> dict[str, float]:
+    """Return the bytes of one frame by group."""
+    sizes = {
         "particle": sum(header.particle_count.values()),
         "surface_node": sum(header.surface_count.values()),
-    }
-    sizes = {
-        **counts,
         "axis": header.dim,
         "axis2": header.dim,
         "rotation": 1 if header.dim == 2 else 3,

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from mpmfw.effects.settling import longest_settling
 from mpmfw.runs.compilation import CompileTimer
-from mpmfw.runs.limits import frames_of
+from mpmfw.runs.limits import frames_of, steps_of
 from mpmfw.state.clock import STEP_STAGES
 
 if TYPE_CHECKING:
@@ -104,7 +104,7 @@ def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
         clock.flush()
         frame = clock.cpu["output"] + clock.cpu["gap"]
         length = simulation.stable_step()
-    steps = _steps(simulation, length)
+    steps = int(steps_of(simulation, length))
     settle_steps = (
         0 if settle is None else math.ceil(longest_settling(settle, simulation.state.bodies) / length)
     )
@@ -147,15 +147,3 @@ def _tables(simulation: Simulation) -> int:
     for each in rows.values():
         total += 0 if each is None else sum(int(array.nbytes) for array in each.arrays().values())
     return total
-
-
-def _steps(simulation: Simulation, step: float) -> int:
-    """Outputs times the steps between two, which are of equal length, or all steps where outputs shorten
-    none.
-    """
-    time = simulation.scene.time
-    if time.outputs == "nearest":
-        steps: int = math.ceil(time.end / step - 1e-9)
-        return steps
-    outputs = max(1, math.ceil(time.end / time.output_interval - 1e-9))
-    return int(outputs * math.ceil(min(time.output_interval, time.end) / step - 1e-9))

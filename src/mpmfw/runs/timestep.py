@@ -62,10 +62,6 @@ class TimeStep:
         may_exceed = self._fixed is not None or self._safety > courant
         self._checked = may_exceed and not scene.allow_unstable
 
-    def limits(self, hook: Any) -> list[tuple[float, str]]:
-        """Every stable time step [s] with its owner, before the safety factor; the bulk's comes first."""
-        return self._answers(hook)
-
     def next(self, hook: Any) -> float:
         """Length of the next step [s]: the safety factor times the least limit, or the scene's fixed step.
 
@@ -74,7 +70,7 @@ class TimeStep:
         SimulationError
             The step is past a stability limit and the scene does not allow it, or the limit has collapsed.
         """
-        limits = self._answers(hook)
+        limits = self.limits(hook)
         limit, owner = min(limits)
         step: float = self._safety * limit if self._fixed is None else self._fixed
         if self._checked and (refusal := self._refusal(step, limits)) is not None:
@@ -107,14 +103,16 @@ class TimeStep:
         SceneError
             ``time.step`` or ``time.safety`` asks for it.
         """
-        limits = self._answers(hook)
+        limits = self.limits(hook)
         step: float = self._safety * min(limits)[0] if self._fixed is None else self._fixed
         if self._checked and (refusal := self._refusal(step, limits)) is not None:
             key = "time.safety" if self.scene.time.step is None else "time.step"
             raise SceneError(f"{key}: {refusal}; expected a smaller {key}, or allow_unstable = true")
 
-    def _answers(self, hook: Any) -> list[tuple[float, str]]:
-        """Return every limit [s] with its owner; NaN, which the least of all would pass over, is refused."""
+    def limits(self, hook: Any) -> list[tuple[float, str]]:
+        """Return every stable time step [s] with its owner, before the safety factor; the bulk's comes first.
+
+        NaN is refused, which the least of all would pass over."""
         answers = hook.stable_timestep(state=self.state) or ()
         for answer in answers:
             if not answer[0] > 0.0:

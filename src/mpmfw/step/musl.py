@@ -48,7 +48,7 @@ def step(state: State, hook: Any, transfer: Transfer, clock: Clock, length: Call
     hook.after_momentum_projection(grid=g, phi=phi, particles=p, dt=dt)
 
     clock("force")
-    add_internal_force(p, p.thickness, phi, g, g.spacing)  # 3
+    add_internal_force(p, phi, g)  # 3
     hook.add_nodal_force(grid=g, state=state, phi=phi, dt=dt)
     integrate_momentum(g.mass, g.momentum, g.force, dt, g.spacing)  # 4
     hook.after_momentum_update(grid=g, phi=phi, particles=p, dt=dt)
@@ -68,7 +68,7 @@ def step(state: State, hook: Any, transfer: Transfer, clock: Clock, length: Call
     hook.constrain_momentum(grid=g, time=state.time + dt)
     velocity_of_momentum(g.mass, g.momentum, g.velocity, g.spacing)
     clock("gather")
-    gather_velocity_gradient(p, phi, g, g.spacing)
+    gather_velocity_gradient(p, phi, g)
     transport_affine(p, transfer, g, dt)
 
     clock("material")

@@ -1,13 +1,12 @@
-"""Kernels of a time step, shared out among the threads that a run has, and what surrounds them.
+"""Operations of a time step: its kernels, called at once or shared out among the threads that a run has.
 
-A kernel is marked by what several threads share out in it: the points, or the nodes.
+Threads share out the points where no point needs another, and the nodes where points add to nodes. Without
+threads a kernel is called directly: another call in between takes 0.2 µs, 1 % of the least steps.
 """
 
 from __future__ import annotations
 
-import functools
-from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any
 
 from mpmfw.errors import Diverged, SimulationError
 from mpmfw.kernels import gather as from_grid
@@ -19,46 +18,6 @@ from mpmfw.state.pairs import update_pairs
 from mpmfw.state.structs import Body, Grid, OutsideGrid, Particles, State, Stencil
 from mpmfw.state.windows import fit_windows
 from mpmfw.step.transfer import Transfer
-
-Kernel = TypeVar("Kernel", bound=Callable[..., Any])
-
-
-def over_points(kernel: Kernel) -> Kernel:
-    """Mark a kernel in which no point asks another; it returns None, or the first point that failed, −1 if
-    none did."""
-
-    @functools.wraps(kernel)
-    def shared(points: Particles, *arguments: Any) -> Any:
-        threads = points.threads
-        return (
-            kernel(points, *arguments) if threads is None else threads.over_points(kernel, points, *arguments)
-        )
-
-    return shared  # type: ignore[return-value]
-
-
-def over_nodes(kernel: Kernel) -> Kernel:
-    """Mark a kernel in which points add to nodes; with one argument more, ``own_nodes``, to these alone."""
-
-    @functools.wraps(kernel)
-    def shared(points: Particles, *arguments: Any) -> None:
-        threads = points.threads
-        if threads is None:
-            kernel(points, *arguments)
-        else:
-            threads.over_nodes(kernel, points, *arguments)
-
-    return shared  # type: ignore[return-value]
-
-
-add_internal_force = over_nodes(to_grid.add_internal_force)
-_project_mass_momentum = over_nodes(to_grid.project_mass_momentum)
-_project_momentum = over_nodes(to_grid.project_momentum)
-_affine_from_moment = over_points(to_grid.affine_from_moment)
-gather_velocity_gradient = over_points(from_grid.gather_velocity_gradient)
-_gather = over_points(from_grid.gather)
-_transport_affine = over_points(from_grid.transport_affine)
-_update_deformation = over_points(from_grid.update_deformation)
 
 
 def interpolate(state: State, hook: Any, clock: Clock) -> Stencil:
@@ -130,8 +89,21 @@ def project(p: Particles, phi: Stencil, g: Grid) -> None:
     """m_i, (m v)_i and the velocity v_i⁰ that increments are counted from; forces become zero."""
     g.reset()
     _apply_moment(p, phi, g, p.position)
-    _project_mass_momentum(p, p.affine, phi, g, g.spacing)
+    given = p, p.affine, phi, g, g.spacing
+    if p.threads is None:
+        to_grid.project_mass_momentum(*given)
+    else:
+        p.threads.over_nodes(to_grid.project_mass_momentum, *given)
     velocity_of_momentum(g.mass, g.momentum, g.start_velocity, g.spacing)
+
+
+def add_internal_force(p: Particles, phi: Stencil, g: Grid) -> None:
+    """f_i −= Σ V σ·∇φ."""
+    given = p, p.thickness, phi, g, g.spacing
+    if p.threads is None:
+        to_grid.add_internal_force(*given)
+    else:
+        p.threads.over_nodes(to_grid.add_internal_force, *given)
 
 
 def project_again(p: Particles, phi: Stencil, g: Grid, position: FloatArray) -> None:
@@ -139,13 +111,21 @@ def project_again(p: Particles, phi: Stencil, g: Grid, position: FloatArray) -> 
     (MUSL)."""
     _apply_moment(p, phi, g, position)
     g.momentum.fill(0.0)
-    _project_momentum(p, position, p.affine, phi, g, g.spacing)
+    given = p, position, p.affine, phi, g, g.spacing
+    if p.threads is None:
+        to_grid.project_momentum(*given)
+    else:
+        p.threads.over_nodes(to_grid.project_momentum, *given)
 
 
 def _apply_moment(p: Particles, phi: Stencil, g: Grid, position: FloatArray) -> None:
     """C_p = B_p D_p⁻¹ at the present stencil, for a transfer that stores the moment B_p."""
     if p.moment is not None and p.affine is not None:
-        _affine_from_moment(p, position, p.moment, p.affine, phi, g, g.spacing)
+        given = p, position, p.moment, p.affine, phi, g, g.spacing
+        if p.threads is None:
+            to_grid.affine_from_moment(*given)
+        else:
+            p.threads.over_points(to_grid.affine_from_moment, *given)
 
 
 def gather(p: Particles, phi: Stencil, g: Grid, transfer: Transfer, dt: float) -> None:
@@ -153,15 +133,32 @@ def gather(p: Particles, phi: Stencil, g: Grid, transfer: Transfer, dt: float) -
     yet."""
     kind = transfer.affine
     affine = p.moment if kind == "moment" else p.affine if kind == "least_squares" else None
-    _gather(p, affine, phi, g, kind == "least_squares", transfer.flip, dt, g.spacing)
+    given = p, affine, phi, g, kind == "least_squares", transfer.flip, dt, g.spacing
+    if p.threads is None:
+        from_grid.gather(*given)
+    else:
+        p.threads.over_points(from_grid.gather, *given)
     if kind == "gradient" and p.affine is not None:
         p.affine[...] = p.velocity_gradient
+
+
+def gather_velocity_gradient(p: Particles, phi: Stencil, g: Grid) -> None:
+    """L_p = Σ v_i ∇φᵀ of the grid's velocity now."""
+    given = p, phi, g, g.spacing
+    if p.threads is None:
+        from_grid.gather_velocity_gradient(*given)
+    else:
+        p.threads.over_points(from_grid.gather_velocity_gradient, *given)
 
 
 def transport_affine(p: Particles, transfer: Transfer, g: Grid, dt: float) -> None:
     """C ← C (1 + Δt C)⁻¹, for a transfer whose affine field is carried along."""
     if transfer.transported and p.affine is not None:
-        _transport_affine(p, p.affine, dt, g.spacing)
+        given = p, p.affine, dt, g.spacing
+        if p.threads is None:
+            from_grid.transport_affine(*given)
+        else:
+            p.threads.over_points(from_grid.transport_affine, *given)
 
 
 def update_deformation(state: State, dt: float) -> None:
@@ -173,7 +170,11 @@ def update_deformation(state: State, dt: float) -> None:
         det F is not positive, or not a number.
     """
     p = state.particles
-    bad = _update_deformation(p, dt, state.grid.spacing)
+    given = p, dt, state.grid.spacing
+    if p.threads is None:
+        bad = from_grid.update_deformation(*given)
+    else:
+        bad = p.threads.over_points(from_grid.update_deformation, *given)
     if bad >= 0:
         body = _body_of(state, bad)
         jacobian = p.volume[bad] / p.initial_volume[bad]

@@ -45,12 +45,12 @@ def step(state: State, hook: Any, transfer: Transfer, clock: Clock, length: Call
     velocity_of_momentum(g.mass, g.momentum, g.velocity, g.spacing)
 
     clock("material")
-    gather_velocity_gradient(p, phi, g, g.spacing)  # 3
+    gather_velocity_gradient(p, phi, g)  # 3
     update_deformation(state, dt)
     hook.update_stress(particles=p, dt=dt)
 
     clock("force")
-    add_internal_force(p, p.thickness, phi, g, g.spacing)  # 4
+    add_internal_force(p, phi, g)  # 4
     hook.add_nodal_force(grid=g, state=state, phi=phi, dt=dt)
     integrate_momentum(g.mass, g.momentum, g.force, dt, g.spacing)  # 5
     hook.after_momentum_update(grid=g, phi=phi, particles=p, dt=dt)
