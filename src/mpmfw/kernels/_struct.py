@@ -72,12 +72,12 @@ class Struct:
     def set(self, **members: Any) -> Self:
         """Put other arrays in the place of some; the object. ``members`` are the arrays by name."""
         self.__dict__.update(members)
-        arrays = tuple(getattr(self, name) for name in self.member_names)
+        arrays = [getattr(self, name) for name in self.member_names]
         sizes = [number for array in arrays for number in (array.ctypes.data, *array.shape, *array.strides)]
         numbers = np.array(sizes, dtype=np.int64)
         kind = _struct_type(self.member_names, arrays)
         self.__dict__.update(
-            kernel_arrays=arrays, _numba_type_=kind, _numbers=numbers, _address=numbers.ctypes.data
+            kernel_arrays=tuple(arrays), _numba_type_=kind, _numbers=numbers, _address=numbers.ctypes.data
         )
         return self
 
@@ -108,7 +108,7 @@ class Struct:
         return dict(zip(self.member_names, self.kernel_arrays, strict=True))
 
 
-def _struct_type(names: tuple[str, ...], arrays: tuple[Any, ...]) -> StructType:
+def _struct_type(names: tuple[str, ...], arrays: list[Any]) -> StructType:
     """The type of a struct; numba takes 40 µs a member to work it out, so that it is kept."""
     looks = [
         (type(a), a.dtype, a.ndim, a.flags.c_contiguous, a.flags.f_contiguous, a.flags.writeable)

@@ -31,7 +31,7 @@ LARGE_RESULTS = 1e9
 def frames_of(simulation: Simulation) -> float:
     """Frames that the run will write."""
     time = simulation.scene.time
-    return max(1.0, math.ceil(time.end / time.output_interval - 1e-9)) + 1.0
+    return max(1.0, float(math.ceil(time.end / time.output_interval - 1e-9))) + 1.0
 
 
 def steps_of(simulation: Simulation, step: float) -> float:
