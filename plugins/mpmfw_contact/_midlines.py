@@ -32,7 +32,7 @@ def set_midline(m: int, other: int, outline: Outline, normal: Floats, spacing: t
     of theirs. Return false if they do not face each other."""
     a, b = scratch.vector(spacing), scratch.vector(spacing)
     area_of(m, outline, a, spacing)
-    if opposition(a, other, outline, spacing) <= LEAST_COSINE:
+    if not opposition(a, other, outline, spacing) > LEAST_COSINE:  # a segment without length has none
         return False
     area_of(other, outline, b, spacing)
     size, other_size = length_of(a, spacing), length_of(b, spacing)

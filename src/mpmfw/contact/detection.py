@@ -110,8 +110,9 @@ class Detection(PlugIn):
         """Note what the next step needs of this one; nothing by default."""
 
     def copy_history(self, other: Any, index_map: IndexMap) -> None:
-        """Know of bodies, by other ``numbers``, what ``other`` of the same class remembers of them; nothing
-        by default."""
+        """Copy the history of ``other``, of the same class, renumbered by ``index_map``.
+
+        Nothing by default."""
 
     def outputs(self, rows: ContactRows) -> dict[str, AnyArray]:  # noqa: ARG002
         """Return values of the declared output fields from the ``rows`` of the last step."""

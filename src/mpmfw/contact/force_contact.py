@@ -166,7 +166,7 @@ class ForceContact(RowContact):
         self.rows, self.old = self.old, rows
 
     def copy_history(self, other: RowContact, index_map: IndexMap) -> None:
-        """Those, and the rows of the last step that ``other`` has, by ``numbers``."""
+        """Copy the history of detection and law, and the rows of the last step of ``other``."""
         super().copy_history(other, index_map)
         self.old.copy_history(other.last_rows, index_map)
 

@@ -281,8 +281,7 @@ class RowContact(ContactStrategy):
         return self.node_sum
 
     def copy_history(self, other: RowContact, index_map: IndexMap) -> None:
-        """Know of bodies, by other ``numbers``, what ``other`` knows of them from step to step; records are
-        declared arrays."""
+        """Copy the history of ``other``, renumbered by ``index_map``; records are declared arrays."""
         self.detection.copy_history(other.detection, index_map)
 
     def restart(self) -> None:

@@ -91,8 +91,7 @@ class ContactRows(Rows):
         return {name: array for name, array in whole.items() if len(array)}
 
     def copy_history(self, other: ContactRows, index_map: IndexMap) -> None:
-        """Rows of the last step that ``other`` has of bodies by other ``numbers``, in place of those of the
-        same pairs.
+        """Copy the rows of ``other``'s last step, renumbered by ``index_map``, over those of the same pairs.
 
         B is not taken: it belongs to nodes that lie elsewhere.
         """
@@ -141,7 +140,7 @@ class ContactRows(Rows):
         own: ContactRows,  # noqa: ARG002
         index_map: IndexMap,
     ) -> None:
-        """Let ``history`` speak of pairs by the ``numbers`` that they have in ``own``."""
+        """Renumber the pairs in ``history`` by ``index_map``."""
         history["pair"] = index_map.pair[history["pair"]]
 
     def momentary_velocity(self, grid: Grid, out: FloatArray) -> None:

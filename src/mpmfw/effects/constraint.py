@@ -117,7 +117,7 @@ class Constraint:
         self.agreed = AGREED * max(side.body.wave_speed for side in self.sides)
 
     def copy_history(self, other: Constraint, index_map: IndexMap) -> None:
-        """Take the places of sides, by other ``numbers``, and the work."""
+        """Copy the places of sides, renumbered by ``index_map``, and the work."""
         self.work, other.work = self.work + other.work, 0.0
         theirs = [k for k, side in enumerate(other.sides) if index_map.body[side.body.index] >= 0]
         known = {int(index_map.body[other.sides[k].body.index]) for k in theirs}

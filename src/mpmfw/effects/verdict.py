@@ -65,7 +65,7 @@ class Verdict:
         working = (plugin for plugin in setup.plugins if hasattr(plugin, "ledger_term"))
         self.working = [plugin for plugin in working if hasattr(plugin, "work")]
         self.springs = "" if contact is None else f"{contact.name}/energy"
-        self.watched = contact is not None and contact.keeps_apart and len(state.bodies) > 1
+        self.watched = _may_meet(setup)
         self.outlines = Outlines(state)
         thinnest = min(body.geometry.width for body in setup.scene.bodies.values())
         self.stride = min(state.grid.cell_size, 0.5 * thinnest)
@@ -98,10 +98,9 @@ class Verdict:
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
         """Return the verdict, which looks at steps where surfaces may meet or gravity changes."""
-        contact, gravity = setup.contact, setup.plugin("gravity")
-        touching = contact is not None and contact.keeps_apart and len(setup.bodies) > 1
+        gravity = setup.plugin("gravity")
         changing = gravity is not None and len(gravity.table.times) > 1
-        return Acts("", [(VerdictOfSteps if touching or changing else Verdict)(setup)])
+        return Acts("", [(VerdictOfSteps if _may_meet(setup) or changing else Verdict)(setup)])
 
     def _begin(self, state: State) -> None:
         """Take the energy of time zero."""
@@ -254,6 +253,11 @@ class Verdict:
             for name, cells in self.closed.items()
         ]
         return found
+
+
+def _may_meet(setup: Setup) -> bool:
+    """Return whether the contact has to keep bodies apart."""
+    return setup.contact is not None and setup.contact.keeps_apart and len(setup.bodies) > 1
 
 
 class VerdictOfSteps(Verdict):

@@ -89,11 +89,16 @@ class Setup:
     @property
     def has_friction(self) -> bool:
         """Whether any two bodies have friction, be their pair listed yet or not."""
-        near = self.state.near
         if self.whole is not None:
             return self.whole.has_friction
         if self.friction_law is not None and self.friction_law.cohesive:
             return True
+        return self._has_coefficient
+
+    @property
+    def _has_coefficient(self) -> bool:
+        """Whether any two bodies have a coefficient of friction above 0."""
+        near = self.state.near
         return near.has_friction if near is not None else any(pair.mu > 0.0 for pair in self.pairs)
 
     @functools.cached_property
@@ -149,11 +154,10 @@ class Setup:
     @property
     def records_friction(self) -> bool:
         """Whether the run records forces of Coulomb's friction, of all bodies."""
-        contact, near = self.contact, self.state.near
+        contact = self.contact
         if self.whole is not None or contact is None or self.friction_law or not contact.uses_friction:
             return False
-        frictional = any(pair.mu > 0.0 for pair in self.pairs) if near is None else near.has_friction
-        return frictional and "friction_force" in self.contact_fields
+        return self._has_coefficient and "friction_force" in self.contact_fields
 
     @functools.cached_property
     def surface_users(self) -> list[str]:

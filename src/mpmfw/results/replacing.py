@@ -31,6 +31,11 @@ def check_room(path: str, size: int) -> None:
     """Check that the disk of a file has room for ``size`` bytes and a margin.
 
     A NetCDF file whose writing fails half-way cannot be opened again, and all frames before are lost.
+
+    Raises
+    ------
+    OSError
+        There is no room.
     """
     if shutil.disk_usage(os.path.dirname(path) or ".").free < size + _MARGIN:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))

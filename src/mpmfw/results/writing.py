@@ -184,6 +184,7 @@ class RunWriter:
         try:
             with self._telling(first):
                 if self.path is not None:
+                    os.stat(self.path)  # raises an error if somebody removed it
                     check_room(self.path, 2 * self._waiting_bytes)  # a new chunk takes more
                 self._write_groups()
                 self._dataset.sync()

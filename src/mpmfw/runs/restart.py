@@ -117,7 +117,7 @@ def read_snapshot(path: str) -> tuple[dict[str, AnyArray], Facts | None]:
             begin = 8 + int.from_bytes(file.read(8), "little")
         if is_foreign(path):
             raise MpmfwError(f"'{path}' is not a checkpoint that this version of mpmfw wrote")
-        content: Any = np.asarray(np.memmap(path, np.uint8, "r"))
+        content: Any = _bytes_of(path)
         if not begin <= min(len(content) - 8, _LONGEST):
             raise ValueError("the header is longer than the file")
         if zlib.crc32(content[:-8]) != int.from_bytes(content[-8:].tobytes(), "little"):
@@ -131,6 +131,20 @@ def read_snapshot(path: str) -> tuple[dict[str, AnyArray], Facts | None]:
         raise MpmfwError(f"cannot read '{path}': {error.strerror or error}") from error
     except (ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
         raise MpmfwError(f"'{path}' was cut short or is damaged") from error
+
+
+def _bytes_of(path: str) -> AnyArray:
+    """Return a file's bytes, which are read when they are used.
+
+    Raises
+    ------
+    MpmfwError
+        The file cannot be read.
+    """
+    try:
+        return np.asarray(np.memmap(path, np.uint8, "r"))
+    except OSError as error:
+        raise MpmfwError(f"cannot read '{path}': {error.strerror or error}") from error
 
 
 def _arrays_in(header: Mapping[str, Any], data: AnyArray) -> Iterator[tuple[str, AnyArray]]:
@@ -206,7 +220,7 @@ class Checkpoints:
         try:
             self.writer.flush()
             # A kill within a sync can leave the results' file unreadable: HDF5 changes its tables in place
-            results = np.memmap(str(self.writer.path), np.uint8, "r")
+            results = _bytes_of(str(self.writer.path))
             self._facts.times[-1] = self.simulation.state.time
             write_snapshot(self.path, {**self.simulation.snapshot(), RESULTS: results}, self._facts)
             self._next = time.monotonic() + self._facts.every

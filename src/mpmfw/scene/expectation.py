@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import enum
+import pathlib
 import types
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
@@ -25,7 +27,13 @@ _QUANTITIES = {
     "Pa": ("a pressure or modulus", "6 MPa"),
     "kg/m^3": ("a density", "1 g/cm^3"),
 }
-_TYPES = {str: "a string", float: "a number", int: "an integer", bool: "true or false"}
+_TYPES = {
+    str: "a string",
+    float: "a number",
+    int: "an integer",
+    bool: "true or false",
+    pathlib.Path: "a string",
+}
 
 
 def hints_at(model: type[BaseModel], path: Path, data: Any) -> list[Any]:
@@ -48,6 +56,13 @@ def models_in(hints: list[Any]) -> list[type[BaseModel]]:
 def expected(hints: list[Any]) -> str:
     """Return ``a length in m, a number or a string such as '2 mm'``; empty if nothing is known."""
     return ", or ".join(dict.fromkeys(phrase for hint in hints if (phrase := _phrase(hint))))
+
+
+def choices_of(hint: Any) -> tuple[Any, ...]:
+    """Return the values that a ``Literal`` or an ``Enum`` allows; none of any other annotation."""
+    if isinstance(hint, type) and issubclass(hint, enum.Enum):
+        return tuple(member.value for member in hint)
+    return get_args(hint) if get_origin(hint) is Literal else ()
 
 
 def tag_of(model: type[BaseModel]) -> Any:
@@ -98,8 +113,8 @@ def _phrase(hint: Any) -> str:
         cells = " or '0.5 cells'" if "cells" in hint.json_schema_extra else ""
         text = f"{what} in {unit}, a number or a string such as '{example}'{cells}"
         return "a number" if unit == "1" else text
-    if get_origin(hint) is Literal:
-        choices = ["true" if choice is True else f"'{choice}'" for choice in args]
+    if values := choices_of(hint):
+        choices = ["true" if choice is True else f"'{choice}'" for choice in values]
         return choices[0] if len(choices) == 1 else f"one of {', '.join(choices)}"
     if get_origin(hint) is tuple:
         return f"an array, each entry {expected(list(_alternatives(args[0], None)))}"

@@ -47,6 +47,9 @@ class Origin:
             key = "" if key == override else key
         elif self.name is not None:
             source = self.name if self.locator is None else f"{self.name}:{self.locator.line(problem.path)}"
+            inside = [key for key, target in self.overrides if target[: len(problem.path)] == problem.path]
+            if inside:
+                source += " with " + ", ".join(self.said.get(key, f"--set {key}") for key in inside)
         return SceneProblem(
             _printable(problem.message),
             _printable(key),

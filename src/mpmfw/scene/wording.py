@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Literal, get_args, get_origin
+from typing import Any
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from mpmfw.plugin.checks import distribution_text
 from mpmfw.plugin.discovery import available, nearest, one_of
-from mpmfw.scene.expectation import expected, hints_at, models_in, tag_of
+from mpmfw.scene.expectation import choices_of, expected, hints_at, models_in, tag_of
 from mpmfw.scene.locator import Path
 from mpmfw.scene.problem import Problem
 
@@ -76,13 +76,10 @@ def _problem(
                 return unknown_name(key, item["ctx"]["tag"], names)
             return Problem(key, f"missing; expected one of {', '.join(names)}", "missing")
         case "literal_error" | "enum" if isinstance(item["input"], str):
-            literals = [get_args(hint) for hint in hints if get_origin(hint) is Literal]
-            if choices := [choice for one in literals for choice in one if isinstance(choice, str)]:
+            if choices := [one for hint in hints for one in choices_of(hint) if isinstance(one, str)]:
                 return unknown_name(where, item["input"], choices)
     value = item["input"]
-    between = tuple(map(str, value)) if isinstance(value, Mapping) else ()
-    message = _value_message(item, expectation)
-    return Problem(where, message, value=value, expected=expectation, keys=between)
+    return Problem(where, _value_message(item, expectation), value=value, expected=expectation)
 
 
 def unknown_key(path: Path, valid: list[str]) -> Problem:
@@ -117,7 +114,8 @@ def _value_message(item: Any, expectation: str) -> str:
     if kind == "too_short" and isinstance(item["input"], dict):
         return "is empty; expected at least one table in it, named as you like"
     if kind in ("too_short", "too_long"):
-        return _join(f"has {len(item['input'])} entries", expectation)
+        bound = f"at least {item['ctx']['min_length']}" if kind == "too_short" else item["ctx"]["max_length"]
+        return _join(f"has {len(item['input'])} entries, not {bound}", expectation)
     return _join(f"{shown(item['input'])} is {_type_name(item['input'])}", expectation)
 
 

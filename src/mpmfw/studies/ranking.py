@@ -169,9 +169,9 @@ def _study(given: str | os.PathLike[str] | xr.Dataset, by: str, about: Mapping[s
         raise SceneError(
             f"{file}: the study does not vary '{by}'; it varies {', '.join(map(str, dataset['status'].dims))}"
         )
-    known = json.loads(dataset.attrs.get("about", "{}"))
+    known = _about(dataset)
     for key, name in about.items():
-        if known.get(key) != name:
+        if getattr(known, key) != name:
             raise SceneError(
                 f"{key} {name}: {file} has the error of {_error_of(dataset)}; expected a study run with it"
             )
@@ -180,8 +180,15 @@ def _study(given: str | os.PathLike[str] | xr.Dataset, by: str, about: Mapping[s
 
 def _error_of(dataset: xr.Dataset) -> str:
     """Return what a study's error is of, in words; empty if the file does not say it."""
-    about = About(**json.loads(dataset.attrs.get("about", "{}")))
-    return said(dataset.attrs.get("quantity", ""), about)
+    return said(dataset.attrs.get("quantity", ""), _about(dataset))
+
+
+def _about(dataset: xr.Dataset) -> About:
+    """Return the axis, body and pair of a study's error; none where the file does not name them."""
+    try:
+        return About(**json.loads(dataset.attrs.get("about", "{}")))
+    except (TypeError, ValueError):
+        return About()
 
 
 def _runs(dataset: xr.Dataset, by: str) -> Iterator[dict[str, Any]]:

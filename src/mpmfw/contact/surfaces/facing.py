@@ -27,7 +27,7 @@ def opposition(outward: Floats, m: int, outline: Outline, spacing: tuple[float, 
 
 @device
 def opposes(outward: Floats, m: int, outline: Outline, spacing: tuple[float, ...]) -> bool:
-    """Return true if facet m faces what has the normal ``outward``: the one test of facing."""
+    """Return true if facet m faces a node or facet with the normal ``outward``."""
     facing: bool = opposition(outward, m, outline, spacing) > LEAST_COSINE
     return facing
 
