@@ -60,6 +60,6 @@ def test_a_scene_without_a_file_has_no_place() -> None:
 def test_an_option_that_was_set_is_named_as_set(scene: Scene) -> None:
     assert scene.time.step == 1
     with pytest.raises(
-        SceneError, match=r"^--set contact\.penalty\.master: contact\.penalty: 'master' has no effect"
+        SceneError, match=r"with --set contact\.penalty\.master: contact\.penalty: 'master' has no effect"
     ):
         load_scene("rolling-cylinder-slip", set={"contact.penalty.master": "plane"})
