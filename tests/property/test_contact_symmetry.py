@@ -15,6 +15,7 @@ from scipy.spatial import cKDTree
 
 from contact_scenes import (
     CELL,
+    STRATEGIES,
     VARIANTS,
     apart,
     disc,
@@ -31,8 +32,22 @@ from contact_scenes import (
 
 ORDER = "rows that say nearly the same share a force by their order, and within the tolerance"
 
-LACKS: dict[str, dict[str, str]] = {"order of three": {"lcp-nodes": ORDER}}
+ROUNDING = "a node at 0 ≤ ξ ≤ 1 of several segments meets one more or less by a rounding error"
+CORNER = "of two facets as close to a node outside, the one with the lower index counts"
+TURN = "rounding decides whether a normal has turned by less than what ends its regression"
 
+LACKS: dict[str, dict[str, str]] = {
+    "order of three": {"lcp-nodes": ORDER},
+    "whole-cell shift": {"hamad2017": ROUNDING},
+    "quarter turn": {
+        "hamad2017, impact": ROUNDING,
+        "barrier, impact": CORNER,
+        "lcp, impact": ORDER,
+        "nairn, slider": TURN,
+    },
+}
+
+every_strategy = pytest.mark.parametrize("strategy", STRATEGIES)
 every_variant = pytest.mark.parametrize("strategy", VARIANTS)
 STEPS = 80
 
@@ -70,28 +85,34 @@ def test_order_of_three_bodies_that_meet_does_not_matter(strategy):
     expect(LACKS["order of three"], strategy, check)
 
 
-@every_variant
+@every_strategy
 def test_whole_cell_shift_of_the_scene_changes_nothing(strategy):
-    mapping = impact(gravity={"vector": [1.0, -3.0]})
-    first = run(simulation(strategy, mapping), STEPS)
-    for cells in ((3, -2), (-4, 5)):
-        second = run(simulation(strategy, shifted(mapping, cells)), STEPS)
-        for body in second.centre:
-            second.centre[body] -= CELL * np.array(cells)
-        assert apart(first, second) < 1e-9
+    def check(name):
+        mapping = impact(gravity={"vector": [1.0, -3.0]})
+        first = run(simulation(name, mapping), STEPS)
+        for cells in ((3, -2), (-4, 5)):
+            second = run(simulation(name, shifted(mapping, cells)), STEPS)
+            for body in second.centre:
+                second.centre[body] -= CELL * np.array(cells)
+            assert apart(first, second) < 1e-9
+
+    expect(LACKS["whole-cell shift"], strategy, check)
 
 
-@every_variant
+@every_strategy
 @pytest.mark.parametrize("make", [impact, slider])
 def test_quarter_turn_of_the_scene_turns_the_motion(strategy, make):
-    mapping = make(gravity={"vector": [1.0, -3.0]})
-    first = run(simulation(strategy, mapping), STEPS)
-    second = run(simulation(strategy, turned(mapping), **with_direction(strategy, 0.0, 1.0)), STEPS)
-    back = np.array([[0.0, 1.0], [-1.0, 0.0]])
-    for body in second.centre:
-        second.centre[body] = second.centre[body] @ back.T
-        second.momentum[body] = second.momentum[body] @ back.T
-    assert apart(first, second) < 1e-9
+    def check(_):
+        mapping = make(gravity={"vector": [1.0, -3.0]})
+        first = run(simulation(strategy, mapping), STEPS)
+        second = run(simulation(strategy, turned(mapping), **with_direction(strategy, 0.0, 1.0)), STEPS)
+        back = np.array([[0.0, 1.0], [-1.0, 0.0]])
+        for body in second.centre:
+            second.centre[body] = second.centre[body] @ back.T
+            second.momentum[body] = second.momentum[body] @ back.T
+        assert apart(first, second) < 1e-9
+
+    expect(LACKS["quarter turn"], f"{strategy}, {make.__name__}", check)
 
 
 @pytest.mark.parametrize("along", [(1.0, 0.0), (0.5**0.5, 0.5**0.5)], ids=["axis", "diagonal"])
