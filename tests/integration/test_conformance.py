@@ -192,6 +192,26 @@ def test_bundled_plugins_pass_but_what_they_are_known_to_lack(kind, plugin, name
     assert not found.wrong, found.report
 
 
+#: Laws whose options take away a lack, or add an attraction, and checks that they must pass all the same.
+WITH_OPTIONS = {
+    "hamad2017(interface_thickness=0)": (
+        *("equal-and-opposite", "moment-balance", "pushes-apart", "no-adhesion", "coulomb-cone"),
+        *("asleep-apart", "bystander", "shapes", "reports"),
+    ),
+    "adhesion(traction=5000)": (
+        *("equal-and-opposite", "moment-balance", "reports", "saved", "restart", "rotation", "shift"),
+    ),
+}
+
+
+@pytest.mark.parametrize(
+    ("law", "name"), [(law, name) for law, names in WITH_OPTIONS.items() for name in names]
+)
+def test_laws_with_options_pass(law, name):
+    found = outcome(law, name)
+    assert found.status == "passed", found.report
+
+
 def test_what_plugins_lack_is_named_after_checks():
     for (kind, _), lacks in SOUND.items():
         assert set(lacks) <= {check.name for check in checks_of(kind)}

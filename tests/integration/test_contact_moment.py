@@ -85,6 +85,16 @@ def test_point_and_centre_differ_by_the_force_times_the_way(method):
     np.testing.assert_allclose(moved, shift, rtol=0.0, atol=1e-9 * np.abs(shift).max())
 
 
+@pytest.mark.parametrize("method", ["penalty", "bardenhagen"])
+def test_looking_changes_no_digit_of_the_motion(method):
+    plain, asked = (
+        recorded(cubes(method), about)["series"].to_dataset() for about in (None, [0.0, 0.0, 0.0])
+    )
+    assert "contact_moment" not in plain
+    for name in plain.data_vars:
+        np.testing.assert_array_equal(asked[name].values, plain[name].values, err_msg=str(name))
+
+
 def test_mean_over_an_interval_is_the_mean_of_its_steps():
     every = recorded(two_blocks("bardenhagen"), "centre_of_mass")["series"]["contact_moment"].values
     scene = {**two_blocks("bardenhagen"), "output": {"contact_moment": "centre_of_mass"}}

@@ -10,6 +10,8 @@ import pytest
 from contact_scenes import CELL, MATERIALS, impact, rectangle, scene, simulation, wave_speed
 from mpmfw import run as run_scene
 from mpmfw.api import SceneError, SimulationError
+from mpmfw.report.table import gap_measures, rolling_measures
+from mpmfw.results.references import reference_of
 
 GRAVITY = 10.0
 HEIGHT = 0.4  # m, of a block
@@ -150,3 +152,14 @@ def test_initial_overlap_is_refused_unless_allowed():
     result = run_scene({**overlapping, "allow_overlap": True})
     assert result.attrs["status"] == "ok"
     assert float(series(result)["min_gap"][0, 0]) == pytest.approx(-0.02, abs=1e-12)
+
+
+@pytest.mark.parametrize(("name", "tolerance"), [("slip", 2.0), ("no-slip", 0.5)])
+def test_a_cylinder_rolls_down_as_the_closed_form(name, tolerance):
+    """Errors of displacement and spin [%], and how deep the cylinder is in the plane [cells]."""
+    tree = run_scene(f"rolling-cylinder-{name}", contact="penalty", set={"output.particles": False})
+    rolled = rolling_measures(series(tree), reference_of(tree.attrs))
+    assert abs(rolled["displacement_error"]) <= tolerance
+    assert abs(rolled["spin_error"]) <= 5.0
+    gap = series(tree)["min_gap"].isel(pair=0).values / tree.attrs["cell_size"]
+    assert 0.0 <= gap_measures(gap)["penetration"] <= 0.03

@@ -65,6 +65,28 @@ def test_a_block_sticks_below_the_static_angle_and_slides_on_above_the_kinetic_o
     assert moving - by_coulomb == pytest.approx(expected, rel=0.25)
 
 
+@pytest.mark.parametrize("contact", CONTACTS)
+def test_what_slides_has_mu_times_the_normal_force_along_the_surface(contact: str) -> None:
+    """The part of the contact force along the surface points up the plane, and is μ times the part across
+    it.
+    """
+    overrides = {"grid.cell_size": 0.15, "time.end": END, "output": {"particles": False, "gap": False}}
+    overrides["bodies.block.velocity"] = [1.0, 0.0]  # fast enough that no place sticks
+    # So deep that no node which the block reaches takes the plane's normal from its bottom
+    overrides |= {"bodies.plane.geometry.lower": [-0.4, -0.6], "grid.lower": [-0.6, -0.75]}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ResultsWarning)
+        series = mpmfw.run("sliding-block", contact=contact, set=overrides)["series"]
+    force, along = (
+        series[name].isel(time=slice(5, None), pair=0) for name in ("contact_force", "friction_force")
+    )
+    across = force - along
+    assert (along.sel(axis="x") < 0.0).all()
+    np.testing.assert_allclose(-along.sel(axis="x"), 0.3 * across.sel(axis="y"), rtol=0.02)
+    for part, other in ((along, "y"), (across, "x")):
+        assert abs(part.sel(axis=other).mean()) < 0.02 * across.sel(axis="y").mean()
+
+
 @pytest.mark.parametrize("contact", [*CONTACTS, "lcp", "hybrid"])
 def test_cohesion_alone_holds_its_shear_strength(contact: str) -> None:
     """A block of 180 kg/m on 0.6 m without μ: 1 kPa brakes it by 600 N/m of 900, 2 kPa holds it.

@@ -42,6 +42,24 @@ def test_a_point_force_gives_its_impulse(make: Any) -> None:
     np.testing.assert_allclose(momentum(sim), np.multiply(force, 20e-4), rtol=1e-9)
 
 
+def test_a_point_force_in_time_gives_the_integral_of_its_table() -> None:
+    rows = [[1e-3, 0.0, 0.0], [2e-3, 4.0, 2.0]]
+    sim = started(
+        block(loads={"push": {"model": "point_force", "at": [0, 0], "force": rows}}, time__step=1e-4)
+    )
+    sim.advance(40)
+    # From the start of every step: 0 to 1 ms, the sum of 1 … 9 tenths to 2 ms, then 20 steps of the whole
+    exact = np.array([4.0, 2.0]) * (0.1 * sum(range(10)) + 20) * 1e-4
+    np.testing.assert_allclose(momentum(sim), exact, rtol=1e-9)
+
+
+def test_a_body_force_goes_with_the_undeformed_volume() -> None:
+    sim = started(block(loads={"field": {"model": "body_force", "force": [2.0, -7.0]}}, time__step=1e-4))
+    sim.state.particles.volume *= 3.0
+    sim.step(1e-4)
+    np.testing.assert_allclose(momentum(sim), np.multiply([2.0, -7.0], 1e-4), rtol=1e-9)
+
+
 @pytest.mark.parametrize("at", [[0.0, 0.0], [0.31, -0.17], [0.5, 0.5], [-0.5, 0.02]])
 def test_a_point_force_has_its_moment(at: list[float]) -> None:
     """One step gives L = Δt x × F, at a corner and on a side as well: the force acts at the place that was
@@ -241,6 +259,29 @@ def test_forces_go_with_the_thickness_and_motion_does_not(contact: str) -> None:
     np.testing.assert_allclose(
         trees[1]["contact_force"], 4.0 * trees[0]["contact_force"], rtol=1e-9, atol=1e-9 * scale
     )
+
+
+@pytest.mark.parametrize(
+    "loads",
+    [
+        {"push": {"model": "point_force", "at": [0.2, 0.1], "force": [2e4, 1e4]}},
+        {"air": {"model": "drag", "rate": 30.0, "medium": [2.0, 0.0]}},
+    ],
+)
+def test_the_work_of_a_load_is_in_the_ledger(loads: dict[str, Any]) -> None:
+    """Work of the load = what the energy grew by and the transfer took away, to a thousandth."""
+    scene = block(loads=loads, bodies__solid__velocity=[1.0, 0.5], output__ledger=True)
+    series = mpmfw.run(scene)["series"]
+    work = series["external_work"].values[-1]
+    energy = float(
+        (series["total_energy"] + series.get("affine_energy", 0.0)).sum("body")[-1]
+        - (series["total_energy"] + series.get("affine_energy", 0.0)).sum("body")[0]
+    )
+    assert abs(work) > 1.0
+    assert energy == pytest.approx(
+        work - series["transfer_dissipation"].values[-1], rel=1e-3, abs=1e-3 * abs(work)
+    )
+    assert "contact_work" not in series
 
 
 class Wind(SurfaceLoad):

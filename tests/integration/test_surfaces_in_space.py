@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import mpmfw
+from mpmfw.errors import SceneError
 from mpmfw.geometry.solid import turning
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
@@ -174,3 +176,17 @@ def test_what_friction_has_stored_turns_with_a_table_and_what_rests_on_it(contac
     angle = np.arctan2(turned[:, 1], turned[:, 0])
     np.testing.assert_allclose(np.linalg.norm(turned, axis=1), 1.0, rtol=1e-3)
     np.testing.assert_allclose(angle, spin * 2e-4, rtol=0.05)  # the bodies stretch as they turn
+
+
+def test_bodies_that_overlap_at_the_start_are_refused():
+    bodies = {"one": box((0, 0, 0), (2, 2, 2), 0.5), "other": box((1, 1, 1.9), (3, 3, 4), 0.5)}
+    with pytest.raises(
+        SceneError, match=r"bodies\.one and bodies.other overlap at the start, by 0\.025 m at one node"
+    ):
+        Simulation(load_scene(scene(bodies)))
+
+
+def test_the_least_gap_is_measured():
+    bodies = {"one": box((0, 0, 0), (2, 2, 2), 0.5), "other": box((0.5, 0.5, 2.5), (2, 2, 4), 0.5)}
+    tree = mpmfw.run(scene(bodies, time={"end": 1e-4, "output_interval": 1e-4}))
+    np.testing.assert_allclose(tree["series"]["min_gap"], 0.5 * CELL, rtol=1e-12)

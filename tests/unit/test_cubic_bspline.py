@@ -79,6 +79,16 @@ def test_the_last_cell_is_the_mirror_image_of_the_first(dim, xi):
     np.testing.assert_allclose(reverse, -np.flip(slope, axes), atol=1e-14)
 
 
+@pytest.mark.parametrize("xi", [0.0, 0.2, 0.8, CELLS - 0.4, float(CELLS)])
+def test_modified_splines_reproduce_linear_fields(xi):
+    weight, gradient = table_at([xi, 4.1])
+    x = np.arange(CELLS + 1)[:, None]
+    assert weight.min() >= -1e-15
+    assert weight.sum() == pytest.approx(1.0, abs=1e-13)
+    assert (weight * x).sum() == pytest.approx(xi, abs=1e-13)
+    assert (gradient[..., 0] * x).sum() == pytest.approx(1.0, abs=1e-13)
+
+
 RUBBER = {"model": "neo_hookean", "density": 1000.0, "bulk_modulus": 1e5, "shear_modulus": 5e4}
 
 

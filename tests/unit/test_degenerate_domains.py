@@ -58,3 +58,17 @@ def test_moderate_deformation_keeps_the_parallelogram() -> None:
     hats = np.prod(np.maximum(0.0, 1.0 - np.abs(node[:, None, :] - corners) / H), axis=2)
     np.testing.assert_allclose(phi.weight, hats.mean(axis=1), atol=1e-14)
     np.testing.assert_allclose(reach, HALF * np.abs(f).sum(axis=1), rtol=1e-14)
+
+
+def test_the_rectangle_does_not_depend_on_how_the_scene_is_turned() -> None:
+    f, at = drawn_out(2, 5.0, 3.0, 0), np.array([1.23, 1.27])
+    quarter = np.array([[0.0, -1.0], [1.0, 0.0]])
+    centre = np.array([1.2, 1.2])
+    phi, node, _ = table(f, at)
+    turned, turned_node, _ = table(quarter @ f, centre + quarter @ (at - centre))
+    expected = {
+        tuple(np.round((centre + quarter @ (x - centre)) / H)): w
+        for x, w in zip(node, phi.weight, strict=True)
+    }
+    for x, w in zip(turned_node, turned.weight, strict=True):
+        assert w == pytest.approx(expected.get(tuple(np.round(x / H)), 0.0), abs=1e-12)

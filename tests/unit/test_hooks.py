@@ -8,7 +8,7 @@ import pytest
 
 from mpmfw.api import hookimpl
 from mpmfw.errors import MpmfwError, SceneError
-from mpmfw.plugin.hooks import BoundHooks, make_manager
+from mpmfw.plugin.hooks import BoundHooks, Observer, make_manager
 from mpmfw.state.clock import Clock
 
 
@@ -24,6 +24,58 @@ def bound(*plugins: Any, clock: Clock | None = None) -> tuple[Any, Any]:
         manager.register(one, name=one.name)
     manager.check_pending()
     return BoundHooks(manager, clock or Clock()), manager.hook
+
+
+def answer(value: Any, **options: Any) -> Any:
+    """An implementation of ``stable_timestep`` that answers with ``value``."""
+
+    @hookimpl(**options)
+    def stable_timestep() -> Any:
+        return value
+
+    return stable_timestep
+
+
+def test_calls_come_in_the_order_of_pluggy() -> None:
+    hook, pluggy_hook = bound(
+        plugin("a", stable_timestep=answer("a")),
+        plugin("last", stable_timestep=answer("last", trylast=True)),
+        plugin("first", stable_timestep=answer("first", tryfirst=True)),
+        plugin("b", stable_timestep=answer("b")),
+        plugin("nothing", stable_timestep=answer(None)),
+    )
+    found = hook.stable_timestep(state=None)
+    assert found == pluggy_hook.stable_timestep(state=None)
+    assert found == ["first", "b", "a", "last"]
+
+
+def test_an_observer_sees_every_implementation_while_it_runs() -> None:
+    seen: list[tuple[str, str, Any]] = []
+
+    class Look(Observer):
+        name = "look"
+        observes = ("add_nodal_force",)
+
+        def before(self, hook: str, plugin: Any, grid: Any, dt: float) -> None:  # noqa: ARG002
+            seen.append(("before", hook, getattr(plugin, "name", None)))
+
+        def after(self, hook: str, plugin: Any, grid: Any, dt: float) -> None:  # noqa: ARG002
+            seen.append(("after", hook, getattr(plugin, "name", None)))
+
+    @hookimpl
+    def add_nodal_force() -> None:
+        seen.append(("acts", "add_nodal_force", "load"))
+
+    look = Look()
+    hook, _ = bound(look, plugin("load", add_nodal_force=add_nodal_force))
+    hook.add_nodal_force(grid=None, state=None, phi=None, dt=0.1)
+    assert [when for when, _, _ in seen] == ["acts"]
+    seen.clear()
+    look.running = True
+    hook.add_nodal_force(grid=None, state=None, phi=None, dt=0.1)
+    assert [(when, who) for when, _, who in seen] == [
+        ("before", None), ("before", "load"), ("acts", "load"), ("after", "load"), ("after", None),
+    ]  # fmt: skip
 
 
 def test_first_result_stops_at_the_first_answer() -> None:

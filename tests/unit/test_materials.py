@@ -98,3 +98,9 @@ def test_linear_elastic_uniaxial_strain() -> None:
     stress = MATERIALS["linear"].cauchy_stress(f)[0]
     lame = BULK - 2 * SHEAR / 3
     np.testing.assert_allclose(stress, 0.1 * np.diag([BULK + 4 * SHEAR / 3, lame, lame]), atol=1e-9 * BULK)
+
+
+@ALL
+@DIMS
+def test_energy_is_positive(material: Any, dim: int) -> None:
+    assert (material.energy_density(deformations(dim)) > 0.0).all()

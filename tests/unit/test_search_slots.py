@@ -29,3 +29,9 @@ def test_the_nearest_bodies_are_kept_in_any_order():
     expected = {5: -0.001, 3: 0.02, 2: -0.035}
     for order in itertools.permutations(range(1, 6)):
         assert kept(order, gaps, 3) == expected
+
+
+def test_of_equally_near_bodies_the_lower_index_is_kept():
+    gaps = [np.nan, 0.02, 0.02, 0.02, -0.02]
+    for order in itertools.permutations(range(1, 5)):
+        assert set(kept(order, gaps, 3)) == {1, 2, 3}

@@ -7,7 +7,8 @@ import numpy as np
 import numpy_twins as twin
 import pytest
 
-from mpmfw.api import OutsideGrid
+from mpmfw.api import OutsideGrid, Stencil
+from mpmfw.step.operations import add_internal_force, project
 from support import SHAPES, make_particles, make_shape, make_test_grid
 
 H = 0.25
@@ -95,3 +96,59 @@ def test_first_point_outside_its_window_is_reported(name, dim, index, value):
     with pytest.raises(OutsideGrid) as error:
         shape.interpolate(particles=particles, grid=grid)
     assert error.value.index == index
+
+
+@DIMENSIONS
+@pytest.mark.parametrize("name", SHAPES)
+def test_point_outside_its_own_window_but_inside_the_other(name, dim):
+    grid, particles = make_problem(dim)
+    shape = make_shape(name, particles, grid)
+    particles.position[5] = grid.position[grid.field_nodes(1)].max(axis=0) - 2.0 * H
+    with pytest.raises(OutsideGrid) as error:
+        shape.interpolate(particles=particles, grid=grid)
+    assert error.value.index == 5
+
+
+def with_the_zeros(table, grid, particles):
+    """The same with every row of 3**dim entries, in the order of the nodes: what the leaner rows leave out is
+    zero.
+    """
+    dim, nodes, weight, gradient = particles.dim, [], [], []
+    for p in range(particles.count):
+        own, field = slice(table.row[p], table.row[p + 1]), int(p >= particles.first[1])
+        shape, first = grid.window_shape[field], grid.offset[field]
+        base = np.stack(np.unravel_index(table.nodes[own] - first, shape)).min(axis=1)
+        box = [np.arange(base[d], base[d] + 3) for d in range(dim)]
+        row = first + np.ravel_multi_index(np.meshgrid(*box, indexing="ij"), shape).ravel()
+        place = np.searchsorted(row, table.nodes[own])
+        np.testing.assert_array_equal(row[place], table.nodes[own])
+        n, dn = np.zeros(3**dim), np.zeros((3**dim, dim))
+        n[place], dn[place] = table.weight[own], table.gradient[own]
+        nodes, weight, gradient = [*nodes, row], [*weight, n], [*gradient, dn]
+    row = 3**dim * np.arange(particles.count + 1)
+    return Stencil(
+        row, np.concatenate(nodes).astype(np.int32), np.concatenate(weight), np.concatenate(gradient)
+    )
+
+
+@DIMENSIONS
+def test_gimp_leaves_out_what_is_zero_and_nothing_changes(dim):
+    grid, particles = make_problem(dim, n=400)
+    rng = np.random.default_rng(3)
+    particles.velocity[:] = rng.standard_normal(particles.velocity.shape)
+    particles.stress[:] = rng.standard_normal(particles.stress.shape)
+    particles.mass[:] = rng.random(particles.count)
+    table = make_shape("gimp", particles, grid).interpolate(particles=particles, grid=grid)
+    length = np.diff(table.row)
+    assert set(length.tolist()) == {2 ** (dim - k) * 3**k for k in range(dim + 1)}
+    assert (np.abs(table.gradient).sum(axis=1) > 0.0).all()
+    full = with_the_zeros(table, grid, particles)
+    results = []
+    for phi in (table, full):
+        grid.mass = np.zeros(len(grid.position))
+        grid.momentum, grid.start_velocity, grid.force = (np.zeros_like(grid.position) for _ in range(3))
+        project(particles, phi, grid)
+        add_internal_force(particles, phi, grid)
+        results.append([grid.mass, grid.momentum, grid.force])
+    for lean, padded in zip(*results, strict=True):
+        np.testing.assert_array_equal(lean, padded)

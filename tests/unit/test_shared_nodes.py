@@ -106,6 +106,10 @@ def test_shared_nodes_are_those_with_mass_of_both_bodies(fields):
     assert count > 10
 
 
+def test_a_list_that_is_too_short_still_tells_how_many_there_are(fields):
+    assert find(fields, capacity=3)[1] == find(fields)[1]
+
+
 @pytest.mark.parametrize("cut_off", [np.inf, 0.1])
 @pytest.mark.parametrize("kind", ["averaged", "master", "specified"])
 def test_normals_agree_with_numpy(fields, kind, cut_off):

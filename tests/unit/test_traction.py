@@ -76,6 +76,16 @@ def test_impulses_strain_the_lighter_body_by_no_more_than_the_bound():
     assert 0.0 < on_first(simulation) < on_first(parting(0.0, speed=-1.0))
 
 
+def test_a_wide_bound_changes_nothing():
+    simulations = [
+        Simulation(impact(), contact=f"bardenhagen{options}") for options in ("", "(largest_strain=0.5)")
+    ]
+    for simulation in simulations:
+        simulation.start()
+        run(simulation, 60)
+    np.testing.assert_array_equal(*[each.state.particles.position for each in simulations])
+
+
 @pytest.mark.parametrize("options", ["(traction=true)", "(traction=true, largest_strain=0.01)"])
 def test_momentum_is_kept(options):
     simulation = Simulation(impact(slide=0.3, friction=0.3), contact=f"bardenhagen{options}")

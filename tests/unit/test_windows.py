@@ -70,6 +70,23 @@ def test_nodes_of_two_windows_lie_one_after_the_other_and_agree_to_the_last_bit(
     assert all(nodes[0][key] == nodes[1][key] for key in shared)
 
 
+def test_surface_nodes_widen_their_own_fields_window() -> None:
+    surface = SimpleNamespace(position=np.array([[1.6, 0.1]]), first=np.array([0, 0, 1]))
+    plain, wide = laid([[0.1, 0.1]], [[0.1, 0.1]]), laid([[0.1, 0.1]], [[0.1, 0.1]], surface=surface)
+    assert wide.window_shape[0].tolist() == plain.window_shape[0].tolist()
+    assert wide.window_shape[1].tolist() == [plain.window_shape[1, 0] + 6, plain.window_shape[1, 1]]
+
+
+def test_laying_again_counts_and_forgets() -> None:
+    grid = laid([[0.1, 0.1]])
+    assert grid.frame == 1
+    grid.mass += 1.0
+    points = particles([[1.1, 0.1]])
+    fit_windows(grid, points, np.zeros((1, 2)), None)
+    assert grid.frame == 2
+    assert not grid.mass.any()
+
+
 @pytest.mark.parametrize("far", [np.nan, np.inf, -np.inf, 1e300])
 def test_a_lost_point_does_not_break_the_laying(far: float) -> None:
     # The shape function's fill then reports the point, with its name.
