@@ -178,6 +178,12 @@ def test_every_way_of_stepping_loading_and_recording(tmp_path, way):
     stop_and_go_on(lambda: Simulation(scene), tmp_path / "saved", 7)
 
 
+def test_a_run_that_has_settled(tmp_path):
+    scene = load_scene("rolling-cylinder-slip", set=COARSE["rolling-cylinder-slip"])
+    steps = run(Simulation(scene))[1]
+    stop_and_go_on(lambda: Simulation(scene), tmp_path / "saved", steps - 3)
+
+
 def test_pairs_that_come_near_during_the_run(tmp_path):
     scene = many_discs(
         36,

@@ -51,6 +51,7 @@ def through_a_file(thing: Any, other: Any, path: Path) -> Any:
         (None, None),
         (3.5, None),
         ({"a": 1.0, "b": -2.0}, {"a": 0.0}),
+        ({"steps": 95, "time": 0.5}, {}),
     ],
 )
 def test_values_come_back(tmp_path, value, built):

@@ -70,7 +70,7 @@ def put(saved: Mapping[str, AnyArray], parts: Mapping[str, Any]) -> None:
             keys = dict.fromkeys(old)
             if not any(isinstance(one, np.ndarray) for one in old.values()):  # numbers may join later
                 keys |= dict.fromkeys(key[len(place) + 1 :] for key in left if key.startswith(f"{place}/"))
-            new = {k: _fitting(f"{place}/{k}", left.pop(f"{place}/{k}", None), old.get(k, 0.0)) for k in keys}
+            new = {k: _fitting(f"{place}/{k}", left.pop(f"{place}/{k}", None), old.get(k)) for k in keys}
         else:
             new = _fitting(place, left.pop(place, None), old)
         _assign(holder, name, old, new)
