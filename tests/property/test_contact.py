@@ -66,11 +66,16 @@ def test_linear_momentum_is_kept_in_every_step(strategy, speed, slide, gap, righ
 
 
 @every_variant
-def test_recorded_impulse_is_the_change_of_momentum_and_bodies_do_not_pass_through(strategy):
-    motion = run(simulation(strategy, impact()), 150)
+def test_recorded_impulse_is_the_change_of_momentum(strategy):
+    motion = run(simulation(strategy, impact()), 100)
     for body, sign in (("left", 1.0), ("right", -1.0)):
         change = np.diff(motion.momentum[body], axis=0)
         np.testing.assert_allclose(sign * motion.impulse[:, 0], change, atol=1e-11)
+
+
+@pytest.mark.parametrize("strategy", [*VARIANTS, "hamad2017", "none"])
+def test_bodies_that_meet_do_not_pass_through_each_other(strategy):
+    motion = run(simulation(strategy, impact()), 150)
     distance = motion.centre["right"][:, 0] - motion.centre["left"][:, 0]
     assert distance.min() > 0.85 * distance[0]
 
@@ -88,7 +93,7 @@ def check_no_tension(strategy, spoil=lambda _: None):
     assert push.min() >= -0.01 * np.abs(push).max() - 1e-12
 
 
-@every_variant
+@pytest.mark.parametrize("strategy", [*VARIANTS, "particles"])
 def test_contact_does_not_pull(strategy):
     check_no_tension(strategy)
 
@@ -133,7 +138,7 @@ def test_no_tension_notices_a_reversed_force(strategy, monkeypatch):
         check_no_tension(strategy)
 
 
-@every_variant
+@pytest.mark.parametrize("strategy", [*VARIANTS, "hamad2017"])
 @pytest.mark.parametrize("friction", [MU, 0.0])
 def test_sliding_along_a_flat_face_obeys_coulomb(strategy, friction):
     """Σ |J_t| ≤ μ Σ J_n + 1 % of it for the tilt of a face that bends; without friction the tangential

@@ -62,7 +62,7 @@ def with_direction(strategy, x, y):
     return {"direction": [x, y]} if strategy == "bardenhagen-specified" else {}
 
 
-@every_variant
+@pytest.mark.parametrize("strategy", [*VARIANTS, "nairn"])
 @pytest.mark.parametrize(
     "make", [impact, slider, lambda: impact(right="soft", slide=0.5)], ids=["impact", "slider", "equal"]
 )
