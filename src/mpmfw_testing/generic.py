@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from mpmfw.state.fields import AnyArray
-from mpmfw_testing.check import Violation
+from mpmfw_testing.check import Picture, Violation
 
 Values = Iterable[tuple[str, AnyArray]]
 
@@ -25,7 +25,9 @@ def require_repeatable(values: Callable[[], Values], case: Mapping[str, object] 
 
 
 @contextmanager
-def unchanged(who: str, *owners: Any, but: Collection[str] = (), **case: object) -> Iterator[None]:
+def unchanged(
+    who: str, *owners: Any, but: Collection[str] = (), picture: Picture | None = None, **case: object
+) -> Iterator[None]:
     """Raise a violation if the block changes a bit of the owners' arrays, ``but`` those of some names."""
 
     def arrays() -> dict[str, AnyArray]:
@@ -40,4 +42,4 @@ def unchanged(who: str, *owners: Any, but: Collection[str] = (), **case: object)
     yield
     changed = [k for k, array in arrays().items() if not np.array_equal(array, before[k], equal_nan=True)]
     if changed:
-        raise Violation(f"{who} changes {', '.join(changed)}", case)
+        raise Violation(f"{who} changes {', '.join(changed)}", case, picture)

@@ -123,7 +123,11 @@ def changes_nothing_else(subject: Subject, dim: int, case: dict[str, Any]) -> No
     placed = _one_among_three(subject, dim, case)
     placed.lay()
     position = placed.particles.position.copy()
-    with unchanged("filling the table", placed.particles, placed.grid):
+
+    def draw(axes: Any) -> None:
+        picture_of(placed, 1)(axes)
+
+    with unchanged("filling the table", placed.particles, placed.grid, picture=draw):
         placed.hook.particle_reach(particles=placed.particles)
         placed.fill()
         if dim == 2:
