@@ -318,3 +318,28 @@ class Closed(Sealed, Sound):
     """Holds a function."""
 
     name = "closed"
+
+
+class FrozenDomains(Cpdi):
+    """CPDI whose domains keep their shape at the start."""
+
+    @hookimpl
+    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
+        identity = np.tile(np.eye(particles.dim), (particles.count, 1, 1))
+        return super().interpolate(dataclasses.replace(particles, deformation_gradient=identity), grid)
+
+
+class OffByOneAtTheEnd(Sound):
+    """The window's last node is forgotten to be a node: the check is one node too generous."""
+
+    def inside(self, base: FloatArray, shape: IntArray) -> FloatArray:
+        return super().inside(base, shape + 1)
+
+
+class LongNodes(Sound):
+    """Node indices of 64 bits: every kernel would be compiled a second time."""
+
+    @hookimpl
+    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
+        table = super().interpolate(particles, grid)
+        return table.replace(nodes=table.nodes.astype(np.int64))
