@@ -16,6 +16,7 @@ from faulty_plugins.shape.sound import Sound as SoundShape
 from faulty_plugins.small import friction, geometry, other_kinds
 from mpmfw.api import SceneError, hookimpl
 from mpmfw.campaigns.measures import MEASURES
+from mpmfw.plugin.discovery import available, distribution_of
 from mpmfw_testing import examine, subject_of
 from mpmfw_testing.examination import examine_one
 from mpmfw_testing.parametrised import checks_of
@@ -210,6 +211,12 @@ WITH_OPTIONS = {
 def test_laws_with_options_pass(law, name):
     found = outcome(law, name)
     assert found.status == "passed", found.report
+
+
+@pytest.mark.parametrize("kind", ["contact", "shape", "material", "load", "friction"])
+def test_every_bundled_plugin_is_checked(kind):
+    asked = {str(plugin).partition("(")[0] for each, plugin in SOUND if each == kind}
+    assert {name for name, entry in available(kind).items() if distribution_of(entry) == "mpmfw"} <= asked
 
 
 def test_what_plugins_lack_is_named_after_checks():

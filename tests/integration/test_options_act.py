@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from mpmfw.plugin import discovery
+from mpmfw.plugin.discovery import Kind, available, load
 from options_found import NO_OPTIONS, option_models, outcome
 from options_table import ASKED_BY_THE_KIT, CORE, PLUGINS, REFUSED, Acts, mesh_file, surface_mesh
 from scenes_for_tests import with_changes
@@ -50,6 +51,17 @@ def test_no_option_is_forgotten() -> None:
         "MeshFile.path",
         *(f"SurfaceMesh.{key}" for key in SURFACE_MESH),
     }
+
+
+@pytest.mark.parametrize("kind", ["detection", "law"])
+def test_options_of_detections_and_laws_are_those_of_contacts(kind: Kind) -> None:
+    of_contacts = [
+        model.model_fields for table, model in option_models().items() if table.startswith("contact.")
+    ]
+    for name in available(kind):
+        options = getattr(load(kind, name), "Options", None)
+        for option in () if options is None else options.model_fields:
+            assert any(option in fields for fields in of_contacts), f"{kind}.{name}.{option}"
 
 
 def check_acts(entry: Acts) -> None:

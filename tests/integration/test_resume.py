@@ -422,3 +422,15 @@ def test_files_of_others_that_are_called_as_unfinished_ones_stay(tmp_path):
     assert resume(path).attrs["status"] == "ok"
     assert [one.read_text() for one in mine] == ["years of work"] * 3
     assert {one.name for one in tmp_path.iterdir()} == {"c.nc", *(one.name for one in mine)}
+
+
+def test_none_are_written_where_none_are_wanted(tmp_path):
+    assert "run it again for the rest" in str(stopped(BLOCKS, tmp_path / "run.nc", 9, checkpoint=math.inf))
+    assert [file.name for file in tmp_path.iterdir()] == ["run.nc"]
+
+
+def test_short_runs_write_no_checkpoint(tmp_path, monkeypatch):
+    monkeypatch.setattr("mpmfw.runs.restart.write_snapshot", lambda *_: pytest.fail("a checkpoint"))
+    monkeypatch.setattr("mpmfw.runs.restart.code_of", lambda *_: pytest.fail("sources are read"))
+    monkeypatch.setattr("mpmfw.runs.restart.ASKED_AFTER", 600.0)
+    mpmfw.run(BLOCKS, output=tmp_path / "run.nc")

@@ -261,6 +261,25 @@ os._exit(0)
     assert run_python(code) == "both"
 
 
+def test_a_step_with_one_thread_loads_neither_threads_nor_linear_algebra() -> None:
+    """It compiles one signature of a kernel; kernels can still call a BLAS."""
+    code = """
+import sys
+import numba
+import numpy as np
+from scenes_for_tests import two_blocks
+from mpmfw.runs.simulation import Simulation
+simulation = Simulation(two_blocks("penalty"))
+simulation.advance(2)
+from mpmfw.kernels import projection
+assert simulation.state.particles.threads is None
+names = ("mpmfw.state.threads", "mpmfw.kernels._waiting", "scipy.linalg")
+print([name for name in sys.modules if name in names], len(projection.add_internal_force.signatures))
+print(numba.njit(lambda a, b: a @ b)(np.eye(2), np.eye(2)).trace(), "scipy.linalg" in sys.modules)
+"""
+    assert run_python(code) == "[] 1\n2.0 True"
+
+
 def run_python(code: str) -> str:
     """What a Python process prints."""
     tests = str(Path(__file__).resolve().parents[1])

@@ -4,8 +4,10 @@ import pytest
 from typer.testing import CliRunner
 
 from mpmfw.cli import app
+from mpmfw.errors import SceneError
+from mpmfw.runs.simulation import Simulation
 from mpmfw.scene.toml_text import toml_text
-from scenes_for_tests import block
+from scenes_for_tests import block, one_body
 
 
 @pytest.fixture
@@ -34,3 +36,21 @@ def said(tmp_path, monkeypatch):
 )
 def test_a_file_that_cannot_be_is_named(said, arguments, message):
     assert said(*arguments) == message
+
+
+@pytest.mark.parametrize(
+    "geometry",
+    [
+        {"type": "disc", "centre": [0, 0], "radius": 1e-8},
+        {"type": "polygon", "points": [[0, 0], [1e-59, 0], [0, 1e-59]]},
+        {"type": "ball", "centre": [0, 0, 0], "radius": 1e-59},
+        {"type": "cylinder", "centre": [0, 0, 0], "radius": 0.5, "length": 1e-59},
+        {"type": "torus", "centre": [0, 0, 0], "radius": 0.5, "tube_radius": 1e-30},
+    ],
+)
+def test_a_body_far_below_a_cell_is_refused(geometry):
+    with pytest.raises(
+        SceneError,
+        match=r"bodies\.solid\.geometry: the body is .* m across at its thinnest, less than 1e-06",
+    ):
+        Simulation(one_body(geometry, size=0.125))

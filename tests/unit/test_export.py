@@ -12,6 +12,7 @@ from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
 import mpmfw
 from drop_for_tests import drop, drop_scene
+from mpmfw.errors import SceneError
 from mpmfw.geometry.facets import neighbours_of, stars_of
 from mpmfw.geometry.solids import sphere_surface
 from mpmfw.kernels import Facets, minimum_gap
@@ -212,3 +213,14 @@ def test_signed_distances_in_space_are_those_of_the_kernel():
     np.testing.assert_allclose(back, 0.0, atol=1e-9)
     assert (found < 0.0).any()
     assert (found > 0.0).any()
+
+
+def test_no_output_of_an_earlier_export_stays_behind(tree, tmp_path):
+    mpmfw.export(tree, tmp_path)
+    own = tmp_path / "run-points" / "notes.txt"
+    own.write_text("mine", encoding="utf-8")
+    with pytest.raises(SceneError, match=r"run-points.pvd: is there already"):
+        mpmfw.export(tree, tmp_path, every=3)
+    mpmfw.export(tree, tmp_path, every=3, force=True)
+    listed_files = {file for _, file in listed(tmp_path / "run-points.pvd")}
+    assert set((tmp_path / "run-points").iterdir()) == {own, *listed_files}

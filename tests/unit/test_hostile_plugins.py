@@ -2,6 +2,8 @@
 stays.
 """
 
+import json
+import os
 import re
 import sys
 import textwrap
@@ -13,6 +15,7 @@ import mpmfw
 from mpmfw.api import ContactStrategy
 from mpmfw.errors import MpmfwError, PluginError, ResultsWarning, SceneError
 from mpmfw.report import write_report
+from mpmfw.results.reading import read
 from mpmfw_material.neo_hookean import NeoHookean
 from scenes_for_tests import two_blocks
 
@@ -217,3 +220,27 @@ def test_a_material_that_answers_wrongly_is_named():
         table["model"] = f"{__name__}:Mute"
     with pytest.raises(MpmfwError, match=r"'mute' of .* failed in energy_of_points: ValueError: values"):
         mpmfw.run(scene)
+
+
+def test_a_module_that_fails_changes_no_folder(install, tmp_path):
+    install("", head="import os\nos.chdir('/')\nraise KeyError('k')\n")
+    with pytest.raises(SceneError, match=r"cannot be imported from strange_law:Law: KeyError: 'k'"):
+        run()
+    assert os.getcwd() == str(tmp_path)
+
+
+def test_a_folder_that_is_changed_loses_no_file(install, tmp_path):
+    install("@hookimpl\ndef end_step(self, state): os.chdir('/')")
+    with pytest.warns(ResultsWarning, match="suspect"):  # nothing keeps its bodies apart
+        assert run(output="run.nc").attrs["status"].startswith("suspect: left-right: penetration")
+    assert mpmfw.open(tmp_path / "run.nc")["series"].sizes["time"] == 3
+
+
+def test_a_run_that_fails_keeps_its_other_concerns(install, tmp_path):
+    install(
+        "@hookimpl\ndef end_step(self, state): state.steps > 2 and {}['k']\n"
+        "@hookimpl\ndef concerns(self): return ['beware']"
+    )
+    with pytest.raises(PluginError):
+        run(output=tmp_path / "run.nc")
+    assert json.loads(read(tmp_path / "run.nc").attrs["warnings"]) == ["beware"]

@@ -145,3 +145,46 @@ def test_a_dataset_that_finds_no_room_leaves_the_old_one(tmp_path, monkeypatch):
         replace_dataset(xr.Dataset({"a": ("x", np.zeros(20_000))}), path)
     assert [one.name for one in tmp_path.iterdir()] == ["c.nc"]
     assert xr.open_dataset(path)["a"] == 1.0
+
+
+def test_an_empty_folder_beside_results_lets_nothing_be_replaced(folder):
+    assert Path.cwd() == folder
+    Path("a.nc.runs").mkdir()
+    before = os.stat("a.nc").st_mtime_ns
+    assert "a.nc: is there already; give another name, or --force" in said(
+        "run", "s.toml", "-o", "a.nc", status=2
+    )
+    assert os.stat("a.nc").st_mtime_ns == before
+    command = ("compare", "s.toml", "--shape", "linear", "-o", "c.nc")
+    said(*command, status=0)
+    said(*command, status=0)  # its finished runs lie beside it
+    for path in Path("c.nc.runs").iterdir():
+        path.unlink()
+    assert "c.nc: is there already; give another name, or --force" in said(*command, status=2)
+    Path("d.nc.runs").write_text(MINE)
+    assert "its finished runs are kept in d.nc.runs, which is a file" in said(*command[:-1], "d.nc", status=2)
+
+
+@pytest.mark.parametrize(
+    "command", [("run", "s.toml", "-o", "c.nc", "--checkpoint", "0"), ("compare", "s.toml", "-o", "c.nc")]
+)
+def test_files_that_are_called_as_half_written_ones_stay(folder, command):
+    mine = [folder / f"c.nc{ending}" for ending in (".part", ".checkpoint.part", ".checkpoint.results")]
+    for one in mine:
+        one.write_text(MINE)
+    said(*command, status=0)
+    assert [one.read_text() for one in mine] == [MINE] * 3
+    assert not list(folder.glob(".*"))
+
+
+def test_links_are_followed_and_loops_are_named(folder):
+    (folder / "real").mkdir()
+    (folder / "c.nc").symlink_to("real/c.nc")
+    said("compare", "s.toml", "-o", "c.nc", status=0)
+    assert (folder / "c.nc").is_symlink()
+    assert (folder / "real/c.nc").is_file()
+    (folder / "l.nc").symlink_to("l.nc")
+    for command in ("run", "compare"):
+        assert said(command, "s.toml", "-o", "l.nc", status=2).startswith(
+            "l.nc: is a link that leads to itself"
+        )

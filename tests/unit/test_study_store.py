@@ -1,5 +1,7 @@
 """Finished runs in a folder: whole at every moment, and run again where they are damaged."""
 
+import json
+import multiprocessing
 import os
 from dataclasses import replace
 
@@ -74,3 +76,35 @@ def test_prune_of_another_folder_says_so_and_removes_nothing(tmp_path):
     with pytest.raises(SceneError, match="holds no finished runs, and nothing was removed"):
         Store(tmp_path).prune(is_new)
     assert (tmp_path / "notes.json").exists()
+
+
+def test_what_would_not_last_is_not_stored(tmp_path):
+    store = Store(tmp_path)
+    store.put(replace(record("a", "failed: no disk"), lasting=False))
+    assert store.outcome("a").status == "failed: no disk"
+    assert Store(tmp_path).outcome("a") is None
+
+
+def write_for_ever(folder, mark):
+    store = Store(folder)
+    for k in range(100_000):
+        store.put(Outcome("a", "ok", mark * 20_000, str(k)))
+
+
+def test_files_are_whole_at_every_moment(tmp_path):
+    context = multiprocessing.get_context("spawn")
+    writers = [context.Process(target=write_for_ever, args=(tmp_path, mark)) for mark in "xy"]
+    for writer in writers:
+        writer.start()
+    path, seen = tmp_path / "a.json", set()
+    try:
+        while len(seen) < 40:
+            if path.exists():
+                found = json.loads(path.read_text(encoding="utf-8"))
+                assert found["name"] in ("x" * 20_000, "y" * 20_000)
+                seen.add((found["name"][0], found["scene"]))
+    finally:
+        for writer in writers:
+            writer.kill()
+            writer.join()
+    assert Store(tmp_path).outcome("a") is not None

@@ -215,7 +215,7 @@ def mutated(content, draw):
     return content[: found.start()] + value + content[found.end() :]
 
 
-@pytest.mark.parametrize("kind", ["stl", "obj", "ply_ascii", "msh"])
+@pytest.mark.parametrize("kind", ["stl", "stl_ascii", "obj", "ply", "ply_ascii", "off", "msh"])
 def test_a_damaged_file_is_read_or_refused_in_one_message(tmp_path, kind, capfd):
     ((nodes, facets),) = BALL.surfaces(0.4)
     mesh, ending = trimesh.Trimesh(nodes, facets, process=False), kind.partition("_")[0]

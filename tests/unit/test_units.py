@@ -59,11 +59,18 @@ def test_other_input_is_refused_with_a_reason(kind, given, message):
         "1 m\0",
         "1 m " * 40,
         "9" * 5000,
+        "1" + " " * 5000 + "m",
     ],
 )
 def test_a_string_is_a_number_and_a_unit_and_nothing_is_evaluated(text):
     with pytest.raises(ValidationError, match="is not a quantity; expected a number or a string such as"):
         TypeAdapter(units.Length).validate_python(text)
+
+
+@pytest.mark.parametrize("value", [5e-324, -1e-61, 1e308, -1.1e60, "1e300 km", "1e-300 mm"])
+def test_a_magnitude_that_cannot_be_computed_with_is_refused(value):
+    with pytest.raises(ValidationError, match="is out of range: a magnitude is 0 or from 1e-60 to 1e\\+60"):
+        TypeAdapter(units.Length).validate_python(value)
 
 
 @given(st.floats(-1e6, 1e6).filter(lambda x: x == 0.0 or abs(x) >= 1e-60))

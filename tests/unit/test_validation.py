@@ -191,6 +191,22 @@ def test_whatever_goes_wrong_is_said_and_ends_with_status_1(suite, tmp_path):
     assert (wrong.exit_code, "did you mean 'a'?" in wrong.output) == (2, True)
 
 
+@pytest.mark.parametrize(
+    ("text", "status", "said"),
+    [
+        (KNOWN.format(value=8.0), 0, "known red: a:"),
+        (KNOWN.format(value=6.0), 1, "marked as known red"),
+        (BROKEN, 1, "no reference"),
+        (KILLED, 1, "its process ended abruptly"),
+    ],
+    ids=["known red", "stale known red", "error", "killed"],
+)
+def test_each_of_them_alone_decides_the_status(suite, tmp_path, text, status, said):
+    result = command(suite(a=text, b=GREEN), tmp_path)
+    assert result.exit_code == status, result.output
+    assert said in " ".join(result.output.split())
+
+
 def test_table_figures_and_the_marked_part_of_a_page_are_written(suite, tmp_path):
     page = tmp_path / "docs" / "page.md"
     page.parent.mkdir()
