@@ -103,10 +103,19 @@ EFFECTS = {
         "mpmfw_shape._degenerate_domains",
     ),
     "bspline": brings("bspline", hooks=_SHAPE, modules="mpmfw_shape.bspline mpmfw_shape._at_points"),
+    "cubic_bspline": brings(
+        "cubic_bspline", hooks=_SHAPE, modules="mpmfw_shape.cubic_bspline mpmfw_shape._at_points"
+    ),
+    "ck": brings("ck", hooks=_SHAPE, modules="mpmfw_shape.ck mpmfw_shape._at_points"),
     "neo_hookean": brings(
         "neo_hookean soft",
         hooks="setup update_stress",
         modules="mpmfw_material.neo_hookean mpmfw_material._isotropic",
+    ),
+    "linear_elastic": brings(
+        "linear_elastic soft",
+        hooks="setup update_stress",
+        modules="mpmfw_material.linear_elastic mpmfw_material._isotropic",
     ),
     "j2": brings(
         "j2 soft",
@@ -180,6 +189,7 @@ EFFECTS = {
         arrays="normal_impulse mean_normal lean",
         modules="mpmfw.contact.normal_bias",
     ),
+    "distance of bodies": brings("bardenhagen", arrays="mean_position"),
     "penalty": brings(
         "penalty",
         hooks="declare_fields setup add_pairs detect add_nodal_force advect stable_timestep diagnostics",
@@ -283,6 +293,7 @@ CASES = {
         _two("penalty", contact__penalty={"interface_thickness": 0.01}),
         (*(name for name in TOUCHED if name != "local spin"), "interface layer"),
     ),
+    "damped contact": Case(_two("penalty", contact__penalty={"damping": 0.1}), TOUCHED),
     "gravity": Case(with_changes(ONE, gravity=GRAVITY), ("gravity",)),
     "settled": Case(
         with_changes(ONE, settle={"tolerance": 0.5}, gravity=GRAVITY, bodies__solid__sides=HELD),
@@ -297,12 +308,24 @@ CASES = {
     "ledger of contact": Case(
         _two("penalty", output={"gap": False, "ledger": True}), (*TOUCHED, *LEDGER, "ledger of contact")
     ),
+    "stability of one body": Case(with_changes(ONE, output={"stability": True}), ("stability",)),
     "stability of contact": Case(
         _two("penalty", output={"gap": False, "stability": True}), (*TOUCHED, "stability", "contact events")
     ),
     "moment of forces": Case(
         _two("penalty", output={"gap": False, "contact_moment": "centre_of_mass"}),
         (*TOUCHED, "moment"),
+    ),
+    "moment of impulses": Case(
+        _two("bardenhagen", output={"gap": False, "contact_moment": [0.0, 0.0]}),
+        (
+            "bardenhagen",
+            "watched",
+            "averaged normals",
+            "local spin",
+            "flutter",
+            "moment",
+        ),
     ),
     "pressure": Case(
         with_changes(ONE, bodies__solid__sides=[{"side": "top", "pressure": 1e3}]), ("pressure", "surfaces")
@@ -316,13 +339,29 @@ CASES = {
     "gimp": Case(with_changes(ONE, shape__method="gimp"), ("affine field",), "gimp"),
     "cpdi": Case(with_changes(ONE, shape__method="cpdi"), ("affine field",), "cpdi"),
     "bspline": Case(with_changes(ONE, shape__method="bspline"), ("affine field",), "bspline"),
+    "cubic_bspline": Case(
+        with_changes(ONE, shape__method="cubic_bspline"), ("affine field",), "cubic_bspline"
+    ),
+    "ck": Case(with_changes(ONE, shape__method="ck"), ("affine field",), "ck"),
+    "linear elastic": Case(with_changes(ONE, materials__soft=ELASTIC), (), material="linear_elastic"),
     "plastic": Case(with_changes(ONE, materials__soft={**ELASTIC, **YIELDS}), (), material="j2"),
     "three dimensions": Case(box(shape__method="linear", bodies__solid__rotation="lumped"), ()),
     "no contact": Case(_two("none"), ("none", "watched")),
     "contact by velocity": Case(
         _two("bardenhagen"), ("bardenhagen", "watched", "averaged normals", "local spin", "flutter")
     ),
+    "contact by position": Case(
+        _two("bardenhagen", contact__bardenhagen={"criterion": "position"}),
+        ("bardenhagen", "watched", "averaged normals", "distance of bodies", "local spin", "flutter"),
+    ),
+    "one body's normal": Case(
+        _two("bardenhagen", contact__bardenhagen={"normal": "master"}),
+        ("bardenhagen", "watched", "local spin", "flutter"),
+    ),
+    "flip": Case(with_changes(ONE, stepping={"transfer": "flip"}), ()),
+    "pic": Case(with_changes(ONE, stepping={"transfer": "pic"}), ()),
     "apic": Case(with_changes(ONE, stepping={"transfer": "apic"}), ("affine field", "affine moments")),
+    "tpic": Case(with_changes(ONE, stepping={"transfer": "tpic"}), ("affine field",)),
     "aflip": Case(with_changes(ONE, stepping={"transfer": "aflip"}), ("affine field",)),
 }
 

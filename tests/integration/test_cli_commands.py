@@ -64,12 +64,41 @@ LEAD = ("contact", "shape")
 DIMS = {
     "status": LEAD,
     "cpu_time_repeat": (*LEAD, "repeat"),
+    "cpu_time_spread": LEAD,
+    "repeats": LEAD,
+    "load": LEAD,
+    "scheme": LEAD,
+    "transfer": LEAD,
     "centre_of_mass": (*LEAD, "time", "body", "axis"),
+    "mean_velocity": (*LEAD, "time", "body", "axis"),
+    "linear_momentum": (*LEAD, "time", "body", "axis"),
     "angular_velocity": (*LEAD, "time", "body", "rotation"),
+    "angular_momentum": (*LEAD, "time", "body", "rotation"),
+    "kinetic_energy": (*LEAD, "time", "body"),
+    "strain_energy": (*LEAD, "time", "body"),
+    "total_energy": (*LEAD, "time", "body"),
+    "affine_energy": (*LEAD, "time", "body"),
     "contact_force": (*LEAD, "time", "pair", "axis"),
+    "friction_force": (*LEAD, "time", "pair", "axis"),
+    "contact_count": (*LEAD, "time", "pair"),
+    "frictional_work": (*LEAD, "time", "pair"),
+    "contact_energy": (*LEAD, "time", "pair"),
+    "damping_work": (*LEAD, "time", "pair"),
+    "spring_work": (*LEAD, "time", "pair"),
     "min_gap": (*LEAD, "time", "pair"),
+    "steps": LEAD,
+    "material_points": LEAD,
+    "cpu_time": LEAD,
+    "wall_time": LEAD,
+    "peak_memory": LEAD,
+    "settle_time": LEAD,
+    "output_time": LEAD,
+    "gap_time": LEAD,
+    "compile_time": LEAD,
     "cpu_stage": (*LEAD, "stage"),
+    "wall_stage": (*LEAD, "stage"),
     "outline": (*LEAD, "frame", "outlined_body", "outline_node", "axis"),
+    "outline_time": (*LEAD, "frame"),
 }
 
 
@@ -128,7 +157,7 @@ def test_a_run_that_fails_is_status_1_and_keeps_what_it_wrote(scene):
 
 def test_names_and_dims_of_a_comparison(compared):
     _, _, data = compared
-    assert {name: data[name].dims for name in DIMS} == DIMS
+    assert {name: array.dims for name, array in data.data_vars.items()} == DIMS
     assert data["contact"].values.tolist() == ["separate", "bardenhagen", "penalty"]
     assert data["shape"].values.tolist() == ["gimp", "cpdi"]
     assert data["body"].values.tolist() == ["disc", "floor"]

@@ -431,6 +431,4 @@ def test_none_are_written_where_none_are_wanted(tmp_path):
 
 def test_short_runs_write_no_checkpoint(tmp_path, monkeypatch):
     monkeypatch.setattr("mpmfw.runs.restart.write_snapshot", lambda *_: pytest.fail("a checkpoint"))
-    monkeypatch.setattr("mpmfw.runs.restart.code_of", lambda *_: pytest.fail("sources are read"))
-    monkeypatch.setattr("mpmfw.runs.restart.ASKED_AFTER", 600.0)
     mpmfw.run(BLOCKS, output=tmp_path / "run.nc")
