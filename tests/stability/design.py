@@ -1,8 +1,8 @@
-"""Which case runs by which method, where: every pair of case, method, shift and turn meets.
+"""Which case runs by which method, where.
 
-Where a case is about springs, methods without any are left out. All methods run with MPMFW_FULL_STABILITY
-set; else a case runs by as many of those that must hold as visit all shifts and turns, and those that may
-fail run in a fourth of the cases each."""
+Where a case is about springs, methods without any are left out. With MPMFW_FULL_STABILITY set, every pair of
+case, method, shift and turn meets. Else every case, and every method that must hold or stay bounded, meets
+all shifts and turns; cases and methods meet in part. Methods that may fail run in a fourth of the cases."""
 
 from __future__ import annotations
 
@@ -33,18 +33,21 @@ def rows(*, full: bool = FULL) -> list[Row]:
 
 
 def fewest(rows: list[tuple[Any, ...]], cases: list[str]) -> list[tuple[Any, ...]]:
-    """Keep of every case the rows that bring a new shift or turn, beginning with penalty contact and CPDI or
-    with the next of the other methods.
+    """Keep the rows that bring a case or a method to a new shift or turn, beginning in each case with penalty
+    contact and CPDI or with the next of the other methods.
     """
     kept: list[tuple[Any, ...]] = []
+    seen_by: set[Any] = set()
     for i, case in enumerate(cases):
         own = [row for row in rows if row[0] == case]
         seen: set[Any] = set()
         methods = sorted({row[1] for row in own})
         first = ("penalty", "cpdi") if i % 2 else methods[i // 2 % len(methods)]
         for row in sorted(own, key=lambda row, first=first: row[1] != first):
-            if not seen >= set(row[2:]):
+            by_method = {(row[1], place) for place in row[2:]}
+            if not (seen >= set(row[2:]) and seen_by >= by_method):
                 seen |= set(row[2:])
+                seen_by |= by_method
                 kept.append(row)
     return kept
 

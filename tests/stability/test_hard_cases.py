@@ -7,7 +7,16 @@ import itertools
 import numpy as np
 import pytest
 from design import Row, label, rows, rows_in_space
-from hard_cases import CASES, IN_SPACE, METHODS, METHODS_IN_SPACE, complaints, outcome
+from hard_cases import (
+    CASES,
+    IN_SPACE,
+    METHODS,
+    METHODS_IN_SPACE,
+    MUST_HOLD,
+    MUST_STAY_BOUNDED,
+    complaints,
+    outcome,
+)
 from known import KNOWN, reason
 from places import CELL, PLACES_IN_SPACE, SHIFTS, TURNS, covering, placed, rotation_of
 
@@ -43,6 +52,9 @@ def test_every_case_is_shifted_and_turned():
         assert {shift for name, _, _, shift, _ in made if name == case} == set(SHIFTS)
         assert {turn for name, *_, turn in made if name == case} == set(TURNS)
     assert {row[1:3] for row in made} == set(METHODS)
+    for method in MUST_HOLD + MUST_STAY_BOUNDED:
+        assert {row[3] for row in made if row[1:3] == method} == set(SHIFTS)
+        assert {row[4] for row in made if row[1:3] == method} == set(TURNS)
 
 
 def test_cases_in_space_visit_every_place_and_method():
