@@ -7,13 +7,14 @@ from __future__ import annotations
 
 from importlib.metadata import EntryPoint
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from mpmfw.plugin import discovery
 from mpmfw.plugin.discovery import Kind, available, load
 from options_found import NO_OPTIONS, option_models, outcome
-from options_table import ASKED_BY_THE_KIT, CORE, PLUGINS, REFUSED, Acts, mesh_file, surface_mesh
+from options_table import ASKED_BY_THE_KIT, CORE, PLUGINS, REFUSED, Acts, mesh_file, pair, surface_mesh
 from scenes_for_tests import with_changes
 
 SURFACE_MESH = ("path", "unit", "angles", "shift")
@@ -78,6 +79,29 @@ def test_an_option_of_a_table_changes_the_result(option: str) -> None:
 @pytest.mark.parametrize("option", PLUGINS)
 def test_an_option_of_a_plugin_changes_the_result(option: str) -> None:
     check_acts(PLUGINS[option])
+
+
+@pytest.mark.parametrize(
+    ("method", "tables"),
+    [
+        ("bardenhagen", [{"criterion": word} for word in ("velocity", "position")]),
+        (
+            "bardenhagen",
+            [
+                {"normal": "averaged"},
+                {"normal": "master"},
+                {"normal": "specified", "direction": [0.8, 0.6]},
+            ],
+        ),
+        ("penalty", [{"map": word} for word in ("plain", "mass_weighted")]),
+    ],
+    ids=["criterion", "normal", "map"],
+)
+def test_every_word_of_a_contact_s_option_has_its_own_result(method: str, tables: list[Any]) -> None:
+    """The kit is content with two words that differ."""
+    found = [outcome(with_changes(pair(method), **{f"contact__{method}": table})) for table in tables]
+    assert not any(each.startswith("refused") for each in found), found
+    assert len(set(found)) == len(tables)
 
 
 def test_the_path_of_a_mesh_changes_the_result(tmp_path: Path) -> None:

@@ -236,11 +236,13 @@ def test_a_folder_that_is_changed_loses_no_file(install, tmp_path):
     assert mpmfw.open(tmp_path / "run.nc")["series"].sizes["time"] == 3
 
 
-def test_a_run_that_fails_keeps_its_other_concerns(install, tmp_path):
+def test_a_run_that_fails_keeps_its_outputs_and_its_other_concerns(install, tmp_path):
     install(
-        "@hookimpl\ndef end_step(self, state): state.steps > 2 and {}['k']\n"
+        "@hookimpl\ndef end_step(self, state): state.time > 0.06 and {}['k']\n"
         "@hookimpl\ndef concerns(self): return ['beware']"
     )
     with pytest.raises(PluginError):
         run(output=tmp_path / "run.nc")
-    assert json.loads(read(tmp_path / "run.nc").attrs["warnings"]) == ["beware"]
+    tree = read(tmp_path / "run.nc")
+    assert json.loads(tree.attrs["warnings"]) == ["beware"]
+    assert tree["series"].sizes["time"] == 2  # those that waited to be written
