@@ -80,12 +80,6 @@ def test_bodies_that_meet_do_not_pass_through_each_other(strategy):
     assert distance.min() > 0.85 * distance[0]
 
 
-def test_one_velocity_field_keeps_bodies_apart():
-    motion = run(simulation("none", impact()), 150)
-    distance = motion.centre["right"][:, 0] - motion.centre["left"][:, 0]
-    assert distance.min() > 0.85 * distance[0]
-
-
 def check_no_tension(strategy, spoil=lambda _: None):
     """Bodies that part exchange nothing, and in an impact every step pushes the left body to the left."""
     sim = simulation(strategy, impact(gap=0.0, speed=-1.0))
