@@ -132,7 +132,8 @@ class Quadrature(Surfaces):
         while True:
             rows.count = rows_of_points(
                 self.points, self.parts, self.radius, self.length, self.outline, self.rank, boxes,
-                self.pair_of, self.first, self.surface.table, place, rows, rows.places, grid.spacing,
+                self.near.pair_of, self.near.first, self.surface.table, place, rows, rows.places,
+                grid.spacing,
             )  # fmt: skip
             if rows.count >= 0:
                 return
