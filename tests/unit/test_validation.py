@@ -172,6 +172,12 @@ def test_a_pattern_that_fits_no_method_or_place_is_refused(suite, tmp_path, miss
     assert "fits no name of the full version" in result.error
 
 
+def test_a_case_of_full_runs_alone_has_no_quick_rows(suite, tmp_path):
+    folder = suite(late=f"import pytest\n\n@pytest.mark.full\n{RED}")
+    (quick,) = results(folder, tmp_path, quick=True)
+    assert (quick.rows, quick.error) == ((), "")
+
+
 def test_whatever_goes_wrong_is_said_and_ends_with_status_1(suite, tmp_path):
     cases = {"a": GREEN, "b": RED, "c": KNOWN.format(value=8.0), "d": KNOWN.format(value=6.0), "e": BROKEN}
     result = command(suite(**cases, z=KILLED), tmp_path)

@@ -85,7 +85,8 @@ def check_once(task: CaseTask) -> Finished:
     try:
         with journal_style(), contextlib.redirect_stdout(printed):
             code = pytest.main([*options, "-p", plugin.__name__, str(task.folder)], [Errors()])
-        if code not in (0, 1) and not errors:
+        nothing = code == pytest.ExitCode.NO_TESTS_COLLECTED and task.quick  # a case of full runs alone
+        if code not in (0, 1) and not nothing and not errors:
             errors.append(printed.getvalue())
         for case in plugin.CASES:
             for name, figure in case.figures.items():
