@@ -136,7 +136,7 @@ def write_midlines(
     rows: Rows, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """Two rows for each two segments that face each other, at the Gauss points of what they have in common;
-    their number, or −1 where there is no room for all.
+    their number, or −1 if they do not all fit.
 
     ``near`` lists for every segment those of bodies with a higher index.
     """

@@ -1,4 +1,4 @@
-"""What every kind must keep, written once: the same bits again, and all other arrays as they were."""
+"""Properties of every kind: the same bits again, and no change to other arrays."""
 
 from __future__ import annotations
 

@@ -320,13 +320,13 @@ def test_what_cannot_go_on_says_why(tmp_path):
     file.write_bytes(whole[:-1000])
     refused("run.nc.checkpoint' was cut short or is damaged; run it again")
     Simulation(BLOCKS).save(file)
-    refused("run.nc.checkpoint: is no checkpoint of a run")
+    refused("run.nc.checkpoint: is not a checkpoint of a run")
     stopped(with_changes(BLOCKS, contact__friction=0.1), path, 9)
     file.write_bytes(whole)
     refused("cannot go on from the checkpoint beside it: the file has another scene")
     with netCDF4.Dataset(path, "a") as dataset:
         dataset.setncattr("kind", "study")
-    refused("run.nc: is no run's results, but of kind 'study'; give the command that made it again")
+    refused("run.nc: holds no run but results of kind 'study'; give the command that made it again")
     assert sorted(each.name for each in tmp_path.iterdir()) == ["run.nc", "run.nc.checkpoint"]
 
 

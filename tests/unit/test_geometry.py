@@ -265,7 +265,7 @@ SQUARE = [(0, 0), (2, 0), (2, 2), (0, 2)]
 BAD_MESHES = {
     "overlap": ([(0, 0), (1, 0), (0, 1), (1, 1)], {"triangle": [(0, 1, 2), (0, 1, 3)]}),
     "non-convex": ([(0, 0), (2, 0), (0.2, 0.2), (0, 2)], {"quad": [(0, 1, 2, 3)]}),
-    "no finite numbers: 1 nodes, the first number 2": (
+    "not finite numbers: 1 nodes, the first number 2": (
         [(0, 0), (1, 0), (math.nan, 1), (0, 1)], {"quad": [(0, 1, 2, 3)]},
     ),
     r"elements overlap, at \(1, 1\) m": (SQUARE, {"quad": [(0, 1, 2, 3)] * 2}),

@@ -80,7 +80,7 @@ def test_what_is_called_as_a_checkpoint_and_is_none_stays(folder, force):
     output = said("run", "s.toml", "-o", "new.nc", *force, status=2)
     assert (
         output
-        == "new.nc.checkpoint: is no checkpoint of a run, and would be replaced by that of new.nc; give "
+        == "new.nc.checkpoint: is not a checkpoint of a run, and would be replaced by that of new.nc; give "
         "another name\n"
     )
     mpmfw.run(SCENE, output="new.nc", checkpoint=float("inf"))

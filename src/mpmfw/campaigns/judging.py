@@ -56,7 +56,7 @@ class ErrorTable(Table):
 
 @dataclass(frozen=True)
 class Judgement:
-    """What came of judging one run."""
+    """The outcome of judging one run."""
 
     error: float = np.nan  #: relative, not negative; NaN where it is not known
     value: float = np.nan  #: of a number, in its unit; NaN for curves and fields

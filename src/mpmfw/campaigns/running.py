@@ -25,7 +25,7 @@ Repeats = int | Literal["auto"]
 
 @dataclass(frozen=True)
 class Event:
-    """How far a campaign is."""
+    """The progress of a campaign."""
 
     done: int  #: runs that ended since this start, repeats included
     total: int  #: runs of this start

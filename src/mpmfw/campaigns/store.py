@@ -29,7 +29,7 @@ COSTS: tuple[tuple[str, str, str], ...] = (*RUN_COSTS, ("settle_steps", "1", "ti
 
 @dataclass(frozen=True)
 class Cost:
-    """What one repeat of a run took."""
+    """The cost of one repeat of a run."""
 
     timing: str  #: ``exclusive`` if nothing else of the campaign ran meanwhile, else ``shared cores``
     values: dict[str, float]  #: root attributes of the run, by the names of :data:`COSTS`
@@ -42,7 +42,7 @@ class Cost:
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a run went."""
+    """The outcome of a run."""
 
     key: str  #: of :func:`mpmfw.runs.identity.key_of`
     status: str  #: ``ok``, ``suspect: …``, or why there is no complete result
@@ -59,7 +59,7 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Finished:
-    """What came of a task: its outcome, and the file that it wrote, if any."""
+    """The outcome of a task, and the file that it wrote, if any."""
 
     outcome: Outcome
     results: bytes | None = None

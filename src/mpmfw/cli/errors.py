@@ -109,8 +109,8 @@ def _check_checkpoint(checkpoint: Path, path: Path, may_replace: bool) -> None:
 
     if is_foreign(str(checkpoint)):
         raise SceneError(
-            f"{checkpoint}: is no checkpoint of a run, and would be replaced by that of {path}; give another "
-            "name"
+            f"{checkpoint}: is not a checkpoint of a run, and would be replaced by that of {path}; give "
+            "another name"
         )
     if not may_replace:
         raise SceneError(

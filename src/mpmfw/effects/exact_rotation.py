@@ -7,8 +7,8 @@ step's whole momentum change about c. That is the inverse of a symmetric positiv
 the lumped mass matrix; it holds linear momentum exactly since Σ m_i (x_i − c) = 0.
 
 In 3D a body whose inertia differs from axis to axis changes its spin without a torque, I ω' = τ − ω × I ω,
-and the lumped one with I_grid in place of I: what is added is the difference of both. Else the body would
-keep I_grid ω, and not I ω."""
+and the lumped one with I_grid instead of I. The difference of both is added. Without it the body
+would keep I_grid ω instead of I ω."""
 
 from __future__ import annotations
 

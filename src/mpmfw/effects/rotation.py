@@ -1,4 +1,4 @@
-"""How the rotational inertia of every body is treated: ``spin``, ``exact`` or ``lumped``."""
+"""Treatment of every body's rotational inertia: ``spin``, ``exact`` or ``lumped``."""
 
 from __future__ import annotations
 

@@ -53,7 +53,7 @@ class TimeStepSeries:
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
-        """Record the limits of the run, and what the contact says of its own stability."""
+        """Record the limits of the run, and the contact's series of stability."""
         monitors = [] if setup.contact is None else setup.contact.monitors()
         return Acts("output.stability = true", [cls(setup.limits), *monitors])
 

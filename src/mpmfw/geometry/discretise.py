@@ -75,7 +75,7 @@ def geometry_class(name: str) -> type[BodyGeometry]:
 
 
 def refuse_incomplete(plugin: type[Any]) -> None:
-    """Refuse a class that is no geometry, or lacks something that every geometry has."""
+    """Refuse a class that is not a geometry, or lacks an attribute of geometries."""
     named = f"geometry {plugin.__module__}.{plugin.__qualname__}"
     if not issubclass(plugin, BodyGeometry):
         raise SceneError(

@@ -126,7 +126,7 @@ def read_elements(path: Path) -> Elements:
     wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if len(wrong):
         raise ValueError(
-            f"{path} has coordinates that are no finite numbers: {len(wrong)} nodes, the first number "
+            f"{path} has coordinates that are not finite numbers: {len(wrong)} nodes, the first number "
             f"{wrong[0]}, counted from 0"
         )
     if len(points) and np.ptp(points[:, 2:]) > 1e-9 * np.ptp(points):

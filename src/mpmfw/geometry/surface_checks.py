@@ -23,7 +23,7 @@ INSIDE = 1e-7
 
 
 def check_surface(nodes: FloatArray, facets: IntArray, merging: str = "") -> None:
-    """Refuse what is no closed, outward surface without crossings, and say what is wrong and where.
+    """Refuse a surface that is open, turned inwards or crosses itself, with the fault and its place.
 
     ``nodes`` (n, 3) [m], ``facets`` (k, 3); ``merging`` says in the message about a hole which nodes were
     taken as one."""

@@ -168,7 +168,8 @@ def read_surface(path: Path) -> tuple[FloatArray, IntArray]:
     Raises
     ------
     ValueError
-        No such file, of another kind, unreadable, without triangles, or with coordinates that are no numbers.
+        No such file, of another kind, unreadable, without triangles, or with coordinates that are not
+        numbers.
     """
     if not path.is_file():
         raise ValueError(f"mesh file not found: {path}")
@@ -185,7 +186,7 @@ def read_surface(path: Path) -> tuple[FloatArray, IntArray]:
     wrong = np.flatnonzero(~(np.abs(corners) <= LARGEST).all(axis=1))
     if len(wrong):
         raise ValueError(
-            f"{path} has coordinates that are no finite numbers: {len(wrong)} nodes, the first number "
+            f"{path} has coordinates that are not finite numbers: {len(wrong)} nodes, the first number "
             f"{wrong[0]}, counted from 0"
         )
     if facets.min() < 0 or facets.max() >= len(corners):

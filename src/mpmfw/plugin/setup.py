@@ -97,7 +97,7 @@ class Setup:
 
     @property
     def _has_coefficient(self) -> bool:
-        """Whether any two bodies have a coefficient of friction above 0."""
+        """True if two bodies have a coefficient of friction above 0."""
         near = self.state.near
         return near.has_friction if near is not None else any(pair.mu > 0.0 for pair in self.pairs)
 

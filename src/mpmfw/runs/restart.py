@@ -266,7 +266,7 @@ def read_checkpoint(path: str) -> Checkpoint:
         found = None  # killed within a sync: the checkpoint has the outputs up to it
     if found and found["kind"] != "run":
         raise SceneError(
-            f"{path}: is no run's results, but of kind '{found['kind']}'; give the command that made it again"
+            f"{path}: holds no run but results of kind '{found['kind']}'; give the command that made it again"
         )
     if found and is_complete(found["status"]):
         raise SceneError(f"{path}: the run is finished; there is nothing to go on with")
@@ -278,7 +278,7 @@ def read_checkpoint(path: str) -> Checkpoint:
     try:
         saved, facts = read_snapshot(file)
         if facts is None or RESULTS not in saved:
-            raise SceneError(f"{file}: is no checkpoint of a run")
+            raise SceneError(f"{file}: is not a checkpoint of a run")
         results = saved.pop(RESULTS)
         made_with = _attributes("results.nc", results)
     except (MpmfwError, OSError) as error:

@@ -110,7 +110,7 @@ def _begun(
     checkpoint: float | str | None,
     threads: int | None,
 ) -> Iterator[Checkpoints]:
-    """The checkpoints of a run before its first step, with its simulation and its writer."""
+    """Yield the checkpoints of a run before its first step, with its simulation and its writer."""
     restart_peak_memory()
     every = EVERY if checkpoint is None else seconds_between(checkpoint)
     path = None if output is None else os.path.abspath(output)  # a plug-in may change the working folder
@@ -145,7 +145,7 @@ def seconds_between(given: float | str) -> float:
     Raises
     ------
     SceneError
-        It is no time, or below 0.
+        It is not a time, or is below 0.
     """
     with suppress(ValueError):
         seconds = to_si(parse_value(given) if isinstance(given, str) else given, "s")
@@ -213,7 +213,7 @@ def resumed(
     threads: int | None = None,
     trust: bool = False,
 ) -> Iterator[Checkpoints]:
-    """The checkpoints of a run that was taken up, with its simulation and its writer; the rest is as
+    """Yield the checkpoints of a resumed run, with its simulation and its writer; the rest is as
     :func:`resume` says.
     """
     every = None if checkpoint is None else seconds_between(checkpoint)

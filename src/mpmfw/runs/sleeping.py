@@ -112,6 +112,9 @@ class Sleep:
         plugins = [plugin for _, plugin in full.manager.list_name_plugin()]
         self._loads = [plugin for plugin in plugins if isinstance(plugin, BodyLoad | SurfaceLoad)]
         self._gravity = full.manager.get_plugin("gravity")
+        self._pulls: dict[
+            int, tuple[float, list[AnyArray]]
+        ] = {}  #: of sleepers, with the time of their sleep
         self._forces_change = bool(self._loads)
         if self._gravity is not None:
             self._forces_change |= len(self._gravity.table.times) > 1
@@ -180,7 +183,10 @@ class Sleep:
         """Wake bodies that are disturbed, and all that are near them."""
         woken, sleepers = np.zeros_like(self.inactive), np.flatnonzero(self.inactive)
         for body in sleepers.tolist() if self._forces_change else ():
-            then, now = (self._pull(body, at)[0] for at in (float(self.slept[body]), time))
+            slept, now = float(self.slept[body]), self._pull(body, time)[0]
+            if self._pulls.get(body, (None,))[0] != slept:  # those of the time of sleep do not change
+                self._pulls[body] = slept, self._pull(body, slept)[0]
+            then = self._pulls[body][1]
             woken[body] = not all(np.array_equal(*each) for each in zip(then, now, strict=True))
         grid = self.running.state.grid
         if self.active is not None and grid.frame != self.frame:
@@ -261,7 +267,7 @@ class Sleep:
 
     @property
     def windows(self) -> dict[str, IntArray]:
-        """Those of the active simulation."""
+        """Windows of the active simulation."""
         grid = self.running.state.grid
         count = 0 if self.active is None else grid.n_fields
         return {"lower": grid.window_lower[:count], "shape": grid.window_shape[:count]}

@@ -1,4 +1,4 @@
-"""What a key expects, in words: read from the annotations of the models themselves."""
+"""The expectation of a key in words, read from the annotations of the models."""
 
 from __future__ import annotations
 

@@ -196,17 +196,17 @@ NOTHING = 1e-14
 
 
 class Hopeless(Exception):
-    """A run whose energy is no number or beyond all bounds."""
+    """A run whose energy is not finite or beyond all bounds."""
 
 
 class Record:
     """Sums over the bodies at every step, with positions and velocities at the same time.
 
-    A step leaves velocities half a step behind positions. Their energies added as they stand swing by a part
-    ω Δt to either side, in every mode, which is no gain and no loss. At the time of the positions the kinetic
-    energy is Σ m v·v' / 2, v and v' of the steps before and after: with it a linear system keeps its energy
-    exactly at any stable step. Where these steps have different lengths the positions' time lies nearer to
-    the velocities of the shorter one.
+    A step leaves velocities half a step behind positions. Their energies added as they stand swing by a
+    part ω Δt to either side, in every mode, which neither gains nor loses energy. At the time of the
+    positions the kinetic energy is Σ m v·v' / 2, v and v' of the steps before and after: with it a linear
+    system keeps its energy exactly at any stable step. Where these steps have different lengths the
+    positions' time lies nearer to the velocities of the shorter one.
 
     Parameters
     ----------
