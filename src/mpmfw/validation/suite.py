@@ -73,14 +73,8 @@ def check_once(task: CaseTask) -> Finished:
 
     plugin.CASES.clear()
     sys.path.insert(0, str(task.folder.parent))
-    options = [
-        "-c",
-        os.devnull,
-        f"--rootdir={task.folder}",
-        "-p",
-        "no:cacheprovider",
-        *["--quick"] * task.quick,
-    ]
+    options = ["-c", os.devnull, f"--rootdir={task.folder}", "-p", "no:cacheprovider"]
+    options += ["--quick"] * task.quick
     printed = io.StringIO()
     try:
         with journal_style(), contextlib.redirect_stdout(printed):
