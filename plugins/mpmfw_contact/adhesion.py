@@ -97,7 +97,7 @@ class AdhesionLaw(SpringLaw):
         if self.options.traction == 0.0:
             return 0.0
         softest = min(body.p_wave_modulus for body in self.state.bodies)
-        spring = float(self.options.traction) * self.cell_size / (self.options.kappa * softest)
+        spring = float(self.options.traction) * self.cell_size / (self.kappa * softest)
         return max(float(self.options.separation), spring)
 
     def normal_forces(

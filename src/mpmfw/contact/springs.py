@@ -107,13 +107,21 @@ def add_friction(
             change[p] -= lost + stored
 
 
+#: κ where a scene names none, by dimension. In space bodies are few cells wide, and stiff springs add to
+#: elements that are too stiff already (docs/guide/choosing.md).
+KAPPA = {2: 4.0, 3: 1.0}
+
+
 class SpringOptions(BaseModel):
     """Stiffness along the normal and the tangent."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    kappa: float = Field(
-        4.0, gt=0, description="stiffness factor: k = kappa M area / h, M the softer K + 4 G / 3"
+    kappa: float | None = Field(
+        None,
+        gt=0,
+        description="stiffness factor: k = kappa M area / h, M the softer K + 4 G / 3; 4 in 2D and 1 in 3D if "
+        "left out",
     )
     tangential_ratio: float = Field(1.0, gt=0, description="k_t / k_n")
 
@@ -149,6 +157,8 @@ class SpringLaw(ForceLaw):
                 if name in self.options.model_fields_set:
                     raise SceneError(f"contact.{owner}.{name} has no effect: every pair has friction = 0")
         self.owner, self.state, self.cell_size = owner, setup.state, setup.cell_size
+        given = self.options.kappa
+        self.kappa = KAPPA[setup.state.particles.dim] if given is None else given
         # tangential springs, where there are any, may be the stiffer ones
         self.stiffest = max(1.0, self.options.tangential_ratio) if setup.has_friction else 1.0
         self.change = np.zeros(
@@ -160,7 +170,7 @@ class SpringLaw(ForceLaw):
         """List κ M / h of the pairs [Pa/m]."""
         bodies = state.bodies
         softer = [min(bodies[p.first].p_wave_modulus, bodies[p.second].p_wave_modulus) for p in state.pairs]
-        self.modulus: FloatArray = self.options.kappa * np.array(softer, dtype=float) / self.cell_size
+        self.modulus: FloatArray = self.kappa * np.array(softer, dtype=float) / self.cell_size
 
     def compliance(self) -> FloatArray | None:
         """Return h / (κ M), the overlap under a unit of pressure, of every pair [m/Pa]."""
@@ -168,7 +178,7 @@ class SpringLaw(ForceLaw):
 
     def estimate_frequency(self, bulk_frequency: float) -> float:
         """Return 4 κ (c / h)²."""
-        return self.options.kappa * bulk_frequency**2
+        return self.kappa * bulk_frequency**2
 
     def stiffness(self, rows: ContactRows, old: ContactRows) -> FloatArray:  # noqa: ARG002
         """Write k = κ M A / h of the whole area, and return the stiffer of it and the tangential one."""

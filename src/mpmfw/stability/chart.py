@@ -193,7 +193,9 @@ def _theory(point: Combination) -> tuple[float, float]:
     except SceneError as error:
         raise located(error, point.scene) from error
     bulk, bodies = simulation.limits()[0][0], simulation.state.bodies
-    kappa = getattr(getattr(simulation.contact, "options", None), "kappa", 0.0)
+    contact = simulation.contact
+    named = getattr(getattr(contact, "options", None), "kappa", 0.0)
+    kappa = getattr(getattr(contact, "law", None), "kappa", named)
     # ω² = 2 κ M (1/ρ_1 + 1/ρ_2) / h², ω_bulk = 2 c / h
     first, second = bodies[0], bodies[min(1, len(bodies) - 1)]
     modulus = min(first.p_wave_modulus, second.p_wave_modulus)
