@@ -7,7 +7,7 @@ long one.
 
 import rigid
 
-from mpmfw.validation import CLASSICAL, Runs, known_red, methods
+from mpmfw.validation import CLASSICAL, Runs, methods
 
 SERIES_ONLY = {"output.particles": False, "output.surface": False, "output.ledger": False}
 SHIPPED = {"no slip": "rolling-sphere-no-slip", "slip": "rolling-sphere-slip"}
@@ -68,11 +68,6 @@ def judge(run, at, most, penetration=True, **rigid_args):
         run.gate(f"{at}: deepest penetration", run.of(rigid.errors, "penetration", **rigid_args), unit="h")
 
 
-@known_red(
-    "penalty, cpdi",
-    "no slip: fitted angular acceleration, error",
-    "-1.9 %; -1.1 % before kappa went from 1 to 4 and settling changed; the cause was not separated",
-)
 @no_slip
 def test_no_slip(run):
     judge(run, "no slip", (0.5, 0.5, 1.5), scene=SHIPPED["no slip"])

@@ -10,7 +10,7 @@ import drawn
 import elastic
 import spheres
 
-from mpmfw.validation import CLASSICAL, Place, Runs, known_red, methods, together
+from mpmfw.validation import CLASSICAL, Place, Runs, methods, together
 
 #: Limits [%] with smaller cells, and of a force over the time of contact.
 ALONG, SPIN, SLIDING = {"along": (-2.5, 2.5)}, {"spin": (-2.0, 2.0)}, {"spin, rigid": (-2.0, 2.0)}
@@ -92,16 +92,6 @@ STICKS = ("5*17°*", "5*45°*", "4*10°*", "6*0.5,*", "6*1.5,*", "7*", "8*")
 SLIDES = ("5*70°*", "4*50°*", "6*4.5*")
 
 
-@known_red(
-    "penalty, cpdi",
-    "5, steel, 17°, R/h = 6: change of v_t against the elastic sphere",
-    "11 % with the default kappa = 4; 3.5 % when the default was 1, with which the cell size was chosen",
-)
-@known_red(
-    "penalty, cpdi",
-    "5, steel, 17°, R/h = 6: change of ω R against the elastic sphere",
-    "9.8 % with the default kappa = 4; 1.0 % when the default was 1, with which the cell size was chosen",
-)
 @oblique
 def test_oblique(run):
     at = run.place.at

@@ -120,8 +120,8 @@ class SpringOptions(BaseModel):
     kappa: float | None = Field(
         None,
         gt=0,
-        description="stiffness factor: k = kappa M area / h, M the softer K + 4 G / 3; 4 in 2D and 1 in 3D if "
-        "left out",
+        description="stiffness factor: k = kappa M area / h, M the softer K + 4 G / 3; if left out, 4 in 2D "
+        "and 1 in 3D",
     )
     tangential_ratio: float = Field(1.0, gt=0, description="k_t / k_n")
 
