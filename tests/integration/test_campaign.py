@@ -162,8 +162,9 @@ def test_a_measure_of_a_plug_in_is_known_by_its_entry_point(monkeypatch):
         MEASURES.pop("mine", None)
 
 
-def test_short_runs_are_repeated():
-    data = mpmfw.campaign(SLIDING, {"contact": ["separate"]})
+def test_runs_are_repeated_when_asked():
+    assert mpmfw.campaign(SLIDING, {"contact": ["separate"]})["repeats"].item() == 1
+    data = mpmfw.campaign(SLIDING, {"contact": ["separate"]}, repeats=3)
     assert data["repeats"].item() == 3
     assert data["cpu_time_spread"].item() >= 0.0
     assert data["cpu_time"].item() == np.min(data["cpu_time_repeat"])

@@ -19,9 +19,10 @@ SUITE = shipped_suite() / "hard"
 @pytest.fixture(autouse=True)
 def _on_the_path(monkeypatch):
     before = set(sys.modules)
+    monkeypatch.syspath_prepend(str(SUITE.parent))
     monkeypatch.syspath_prepend(str(SUITE))
     yield
-    for name in {path.stem for path in SUITE.glob("*.py")} - before:
+    for name in {path.stem for path in (*SUITE.glob("*.py"), *SUITE.parent.glob("*.py"))} - before:
         sys.modules.pop(name, None)
 
 

@@ -31,11 +31,16 @@ def energy(run: xr.DataTree) -> float:
     return 100.0 * energy_error(run, load_scene(scene_of(run)))
 
 
+def dissipated(run: xr.DataTree) -> float:
+    """Return the share of energy put in that is lost, beside friction and plastic work [%]."""
+    return 100.0 * dissipation(run, load_scene(scene_of(run)))
+
+
 def largest_dissipation(runs: Sequence[CaseRun]) -> float:
-    """Return the largest share of energy put in that is lost, beside friction and plastic work [%]."""
-    stand = [run for run in runs if run.version.change is None]
-    found = [dissipation(run.results, run.scene) for run in stand if "series" in run.results]
-    return 100.0 * max((lost for lost in found if np.isfinite(lost)), default=float("nan"))
+    """Return the largest dissipation of the scenes as they stand [%]."""
+    stand = [run for run in runs if run.version.change is None and "series" in run.results]
+    found = [dissipated(run.results) for run in stand]
+    return max((lost for lost in found if np.isfinite(lost)), default=float("nan"))
 
 
 def momentum(run: xr.DataTree) -> float | None:

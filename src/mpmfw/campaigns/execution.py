@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, TypedDict
 
 from mpmfw.campaigns.executors import Executor, executor_of
-from mpmfw.campaigns.running import Progress, Repeats
+from mpmfw.campaigns.running import Progress
 from mpmfw.campaigns.store import Store, store_of
 
 
@@ -18,7 +18,7 @@ class Running(TypedDict, total=False):
     executor: Any
     jobs: int | None
     store: str | os.PathLike[str] | None
-    repeats: Repeats
+    repeats: int | None
     force: bool
     progress: Progress | None
     run_progress: Callable[[float, int], None] | None
@@ -38,7 +38,7 @@ class Execution:
         Folder of finished runs, from which a campaign that was broken off, or changed, takes what still
         applies. Without it nothing is kept.
     repeats
-        Runs of each point, for the spread of its cost; ``auto`` repeats short ones.
+        Runs of each point, of which the least CPU time is its cost: 1, or as a study says, if left out.
     force
         Whether runs may be past the limits of steps and frames.
     progress, run_progress
@@ -48,7 +48,7 @@ class Execution:
     executor: Any = None
     jobs: int | None = 1
     store: str | os.PathLike[str] | None = None
-    repeats: Repeats = "auto"
+    repeats: int | None = None
     force: bool = False
     progress: Progress | None = None
     run_progress: Callable[[float, int], None] | None = None

@@ -121,7 +121,8 @@ class GridRuns:
         tasks = grid.tasks(how.force, self.threads)
         tell = how.progress if progress is None else progress
         with resumable(self.store, self.what):
-            complete(tasks, self.store, self.executor, how.repeats, self.exclusive, tell, how.run_progress)
+            times = 1 if how.repeats is None else how.repeats
+            complete(tasks, self.store, self.executor, times, self.exclusive, tell, how.run_progress)
 
     def do(self, work: Callable[[Task], Finished]) -> None:
         """Do other work with the points that are missing."""

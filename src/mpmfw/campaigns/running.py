@@ -6,21 +6,13 @@ import signal
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any
 
 from mpmfw.campaigns.executors import Executor, InProcess
 from mpmfw.campaigns.store import Cost, Finished, Outcome, Store
 from mpmfw.campaigns.work import Task, run_once, time_once
 from mpmfw.errors import Interrupted, is_complete, status_code
 from mpmfw.runs.interruption import interruptible
-
-#: CPU seconds below which a run is short: it is repeated where nobody says how often, since its time is
-#: noisy.
-SHORT = 1.0
-#: Runs of a short one, of which the cheapest is its cost.
-REPEATS = 3
-
-Repeats = int | Literal["auto"]
 
 
 @dataclass(frozen=True)
@@ -55,7 +47,7 @@ def complete(
     tasks: Mapping[str, Task],
     store: Store,
     executor: Executor,
-    repeats: Repeats = "auto",
+    repeats: int = 1,
     exclusive: bool = False,
     progress: Progress | None = None,
     run_progress: Callable[[float, int], None] | None = None,
@@ -69,8 +61,7 @@ def complete(
     store, executor
         Where finished runs are, and where others run.
     repeats
-        Costs that each run is to have; ``auto`` is :data:`REPEATS` of a run shorter than :data:`SHORT`, else
-        1.
+        Costs that each run is to have.
     exclusive
         Whether costs are measured one at a time, in this process, after all results are there.
     progress, run_progress
@@ -81,14 +72,13 @@ def complete(
         outcome = store.outcome(key)
         if outcome is None or not is_complete(outcome.status):
             return 0  # a failed one needs no more
-        costs = counted(outcome, exclusive)
-        return max(0, _number_of_runs(repeats, outcome.costs) - len(costs))
+        return max(0, repeats - len(counted(outcome, exclusive)))
 
     missing = [task for task in tasks.values() if _is_missing(task, store)]
     timer: Executor = InProcess() if exclusive else executor
     # A result gives a cost as well, unless that one does not count
     for_free = executor.timing == "exclusive" or not exclusive
-    left = (1 if repeats == "auto" else repeats) - (1 if for_free else 0)
+    left = repeats - (1 if for_free else 0)
     count = _Counter(progress, len(missing) * (1 + left) + sum(lacking(key) for key in tasks))
 
     def work(task: Task) -> Finished:
@@ -142,13 +132,6 @@ def _do(
 def _names(tasks: Iterable[Any], executor: Executor) -> Iterator[str]:
     """The names of runs in the order in which they begin; none where several go on at a time."""
     return iter([task.name for task in tasks] if isinstance(executor, InProcess) else ())
-
-
-def _number_of_runs(repeats: Repeats, costs: Iterable[Cost]) -> int:
-    if repeats != "auto":
-        return repeats
-    short = all(cost.values.get("cpu_time", SHORT) < SHORT for cost in costs)
-    return REPEATS if short else 1
 
 
 def counted(outcome: Outcome | None, exclusive: bool) -> list[Cost]:

@@ -84,7 +84,8 @@ AxisOption: TypeAlias = Annotated[
 RepeatsOption: TypeAlias = Annotated[
     int | None,
     typer.Option(
-        min=1, help="Runs of each combination; if left out short ones are repeated, or as a study says."
+        min=1,
+        help="Runs of each combination, of which the cheapest is its cost; 1 or the study's if left out.",
     ),
 ]
 SchedulerOption: TypeAlias = Annotated[

@@ -92,7 +92,7 @@ def compare(
             force=force,
             jobs=jobs_of(jobs, scheduler),
             executor=scheduler,
-            repeats="auto" if repeats is None else repeats,
+            repeats=repeats,
         )
     alone = form is not Format.table
     if alone:

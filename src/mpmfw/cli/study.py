@@ -94,7 +94,7 @@ def study(
             timing=timing.value,
             jobs=jobs_of(jobs, scheduler, None),
             scheduler=scheduler,
-            repeats="auto" if repeats is None else repeats,
+            repeats=repeats,
             under=under,
             about={key: name for key, name in named.items() if name is not None},
             progress=progress,

@@ -107,7 +107,7 @@ COLUMNS: dict[str, Column] = {
     "material_points": Column("Material points", "points", "1", "of all bodies"),
     "settle_time": Column("Settling", "settle", "s", "CPU time of settling, before time zero"),
     "cpu_time_spread": Column(
-        "Spread of CPU time", "±", "s", "half the range of the repeats of a run; short ones are repeated"
+        "Spread of CPU time", "±", "s", "half the range of the repeats of a run"
     ),
 }  # fmt: skip
 

@@ -35,7 +35,7 @@ SceneChoice = str | dict[str, Any]
 class CostTable(Table):
     """Measurement of the cost."""
 
-    repeats: Annotated[int, Field(ge=1)] = 3  #: runs of each combination; the least CPU time is the cost
+    repeats: Annotated[int, Field(ge=1)] = 1  #: runs of each combination; the least CPU time is the cost
     settling: bool = False  #: whether settling counts, the whole work of a scene that ends at rest
 
 

@@ -78,8 +78,7 @@ def study(
     MpmfwError
         A file cannot be written, or no scheduler's worker does its work. A run that fails is recorded.
     """
-    repeats = running.get("repeats")
-    loaded = _with(load_study(study, trust), None if repeats == "auto" else repeats, under, about)
+    loaded = _with(load_study(study, trust), running.get("repeats"), under, about)
     if timing not in get_args(Timing):
         raise SceneError(f"timing: '{timing}' is unknown; expected one of {', '.join(get_args(Timing))}")
     path = None if output is None else Path(output)

@@ -1,0 +1,174 @@
+"""The scenes of the shipped studies at three orientations and with two layouts of points.
+
+Bodies, velocities, loads and gravity turn together, and the grid does not. A gate takes the worst of the six.
+"""
+# cost: 1200
+
+import itertools
+
+import rolling
+import turning
+
+from mpmfw.validation import CLASSICAL, Place, Runs, full, methods, together
+
+CONTACTS = (
+    "penalty",
+    "penalty(kappa=1)",
+    "lcp",
+    "hybrid",
+    "surfaces+impulse",
+    *CLASSICAL,
+    "bardenhagen(criterion=position, normal=master, cut_off=1.0)",
+    "bardenhagen(traction=true)",
+    "nairn",
+    "particles",
+)
+METHODS = [*methods(), *methods(CONTACTS[1:], when="full")]
+
+
+#: Segments as long as the points' sides, whose ends lie where the points' corners do.
+SEGMENTS = {"segments of half a cell": {f"bodies.{body}.segment": "0.5 cells" for body in ("lower", "upper")}}
+
+
+def runs(title, scene, methods, make):
+    """Return the runs of a scene's function at all orientations and layouts."""
+    points = itertools.product(turning.LAYOUTS, turning.ANGLES)
+    places = [
+        Place(
+            f"{title}, {layout}, {angle:g} rad",
+            make={**make, "angle": angle, "layout": layout},
+            when="" if (layout, angle) == ("fitted", 0.35) else "full",
+        )
+        for layout, angle in points
+    ]
+    return Runs(title, scene, methods, places)
+
+
+def shipped(title, name, methods=METHODS, **changes):
+    """Return the runs of a shipped scene with changes."""
+    return runs(title, turning.turned, methods, {"name": name, "changes": turning.SERIES | changes})
+
+
+def rolling_at(cells, methods):
+    """Return the runs of both rolling cylinders with so many cells in the radius."""
+    size = {"grid.cell_size": rolling.RADIUS / cells}
+    return [
+        shipped(f"rolling {name}, R/h = {cells}", f"rolling-cylinder-{scene}", methods, **size)
+        for name, scene in (("with slip", "slip"), ("without slip", "no-slip"))
+    ]
+
+
+block = shipped("block", "sliding-block", **{"time.end": 0.3})
+slip, no_slip = rolling_at(2, METHODS)
+fine_slip, fine_no_slip = rolling_at(4, methods(["penalty", "penalty(kappa=1)", *CLASSICAL], when="full"))
+rings = shipped("rings", "colliding-rings", **{"grid.cell_size": 0.004})
+stress = runs(
+    "contact stress",
+    turning.pressed,
+    [
+        *METHODS,
+        *methods(settings=SEGMENTS, bound=True),
+        *methods(["lcp"], settings=SEGMENTS, when="full"),
+        *methods(["none"], when="full"),
+    ],
+    {},
+)
+
+
+def judge(run, errors, limits, bound="penalty, cpdi", layout="*", **args):
+    """Record errors of one run; limits bind one method, at one layout of points or all."""
+    binds = run.method.matches(bound) and run.at(f"*, {layout}, *")
+    for key, limit in limits.items():
+        value = run.of(errors, key, angle=run.place.make["angle"], **args)
+        run.gate(f"{key}, error, {run.place.at}", value, 0.0, limit, "%", binds=binds)
+
+
+def show_worst(case, runs, errors, *keys, **args):
+    """Record the worst error of each method, of all six runs and of the three with fitted points."""
+    for method, same in runs.by_method():
+        fitted = [run for run in same if run.at("*, fitted, *")]
+        for key, (of, chosen) in itertools.product(keys, (("six", same), ("three, fitted", fitted))):
+            value = turning.worst(chosen, errors, key, **args)
+            quantity = f"{key}, error, worst of {of}, {same[0].runs}"
+            case.gate(quantity, value, 0.0, None, "%", method, binds=False)
+
+
+SLIP = {"errors": turning.rolls, "roll": rolling.SLIP}
+NO_SLIP = {"errors": turning.rolls, "roll": rolling.NO_SLIP}
+
+
+@block
+def test_block(run):
+    judge(run, turning.slides, {"acceleration": 0.1})
+
+
+@slip
+def test_slip(run):
+    judge(run, limits={"displacement": 2.0, "spin": 10.0}, **SLIP)
+
+
+@no_slip
+def test_no_slip(run):
+    judge(run, limits={"displacement": 2.0, "spin": 10.0}, **NO_SLIP)
+
+
+@fine_slip
+def test_fine_slip(run):
+    judge(run, limits={"displacement": 2.0, "spin": 5.0}, **SLIP)
+
+
+@fine_no_slip
+def test_fine_no_slip(run):
+    judge(run, limits={"displacement": 1.0, "spin": 5.0}, **NO_SLIP)
+
+
+@rings
+def test_rings(run):
+    judge(run, turning.collides, {"impulse": 6.0})
+
+
+@stress
+def test_stress(run):
+    judge(run, turning.presses, {"stress": 1.0}, "penalty, cpdi, segments*", "fitted")
+
+
+@full
+@together(block)
+def test_worst_block(case, runs):
+    show_worst(case, runs, turning.slides, "acceleration")
+
+
+@full
+@together(slip)
+def test_worst_slip(case, runs):
+    show_worst(case, runs, turning.rolls, "displacement", "spin", roll=rolling.SLIP)
+
+
+@full
+@together(no_slip)
+def test_worst_no_slip(case, runs):
+    show_worst(case, runs, turning.rolls, "displacement", "spin", roll=rolling.NO_SLIP)
+
+
+@full
+@together(fine_slip)
+def test_worst_fine_slip(case, runs):
+    show_worst(case, runs, turning.rolls, "displacement", "spin", roll=rolling.SLIP)
+
+
+@full
+@together(fine_no_slip)
+def test_worst_fine_no_slip(case, runs):
+    show_worst(case, runs, turning.rolls, "displacement", "spin", roll=rolling.NO_SLIP)
+
+
+@full
+@together(rings)
+def test_worst_rings(case, runs):
+    show_worst(case, runs, turning.collides, "impulse")
+
+
+@full
+@together(stress)
+def test_worst_stress(case, runs):
+    show_worst(case, runs, turning.presses, "stress")
