@@ -85,7 +85,7 @@ def compare(
     for key, values in varied.items():
         _check_values(key, values)
     if output is not None:
-        check_replaceable(output, "compare", "comparison")
+        check_replaceable(output, "compare")
     path = None if output is None else os.path.abspath(output)
     first = _first(scene, methods, set or {})
     known = _applicable_measures(first) if measures is None else list(measures)

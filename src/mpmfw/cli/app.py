@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import functools
 import io
 import sys
-from typing import Annotated
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any
 
 import typer
 
@@ -13,16 +18,15 @@ from mpmfw.cli.benchmark import benchmark
 from mpmfw.cli.check import check
 from mpmfw.cli.choose import choose
 from mpmfw.cli.compare import compare
-from mpmfw.cli.errors import exit_status
 from mpmfw.cli.explain import explain
 from mpmfw.cli.figures import animate, export, plot
 from mpmfw.cli.plugins import new, plugins, schema
 from mpmfw.cli.rank import rank
 from mpmfw.cli.run import resume, run
 from mpmfw.cli.stability import stability
-from mpmfw.cli.store import prune
 from mpmfw.cli.study import study
 from mpmfw.cli.validate import validate
+from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError
 
 app = typer.Typer(
     name="mpmfw",
@@ -33,10 +37,73 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
+
+def exit_status(command: Callable[..., Any]) -> Callable[..., None]:
+    """Return the command with errors on stderr as one message, and 1 or 2 as the exit status."""
+
+    @functools.wraps(command)
+    def guarded(*args: Any, **kwargs: Any) -> None:
+        try:
+            with _plain_warnings():
+                command(*args, **kwargs)
+        except BrokenPipeError:
+            raise
+        except (MpmfwError, Interrupted, OSError) as error:
+            text = str(error)
+            if isinstance(error, OSError):  # of a file that no command asked about before
+                reason = error.strerror or text
+                text = f"'{error.filename}': {reason}" if error.filename else reason
+            typer.echo(text, err=True)
+            status = 2 if isinstance(error, SceneError) else 1
+            raise typer.Exit(128 + error.number if isinstance(error, Interrupted) else status) from error
+
+    return guarded
+
+
+@contextmanager
+def _plain_warnings() -> Iterator[None]:
+    """Print what readers of results must know as one line on stderr; other warnings as Python does."""
+    shown = warnings.showwarning
+
+    def show(message: Warning | str, category: type[Warning], *rest: Any, **named: Any) -> None:
+        if issubclass(category, ResultsWarning):
+            typer.echo(f"note: {message}", err=True)
+        else:
+            shown(message, category, *rest, **named)
+
+    warnings.showwarning = show
+    try:
+        yield
+    finally:
+        warnings.showwarning = shown
+
+
+def prune(
+    folders: Annotated[list[Path], typer.Argument(metavar="FOLDER", help="Folders such as FILE.nc.runs.")],
+    days: Annotated[
+        float | None,
+        typer.Option(metavar="N", min=0.0, help="Forget runs that are older as well."),
+    ] = None,
+) -> None:
+    """Forget runs that no campaign of today would take: those of other code, or of other versions of the
+    libraries.
+
+    Unfinished files of killed processes go as well. Other files stay, results such as FILE.nc included.
+    """
+    from mpmfw.campaigns.store import Store
+    from mpmfw.runs.identity import is_current
+
+    for folder in folders:
+        if not folder.is_dir():
+            raise SceneError(f"{folder}: no such folder; expected one of finished runs, such as FILE.nc.runs")
+    for folder in folders:
+        forgotten, kept, freed = Store(folder).prune(is_current, days)
+        typer.echo(f"{folder}: {forgotten} runs forgotten, {1e-6 * freed:.3g} MB free, {kept} runs kept")
+
+
 _COMMANDS = (
     run, resume, compare, study, rank, choose, stability, plot, animate, export, explain, schema, plugins,
-    benchmark,
-    validate, check, new,
+    benchmark, validate, check, new,
 )  # fmt: skip
 
 for command in _COMMANDS:

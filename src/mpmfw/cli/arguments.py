@@ -16,49 +16,47 @@ if TYPE_CHECKING:
     from mpmfw.plugin.discovery import Kind
     from mpmfw.scene import Scene
 
-SceneArgument: TypeAlias = Annotated[
+SceneName: TypeAlias = Annotated[
     str, typer.Argument(metavar="SCENE", help="A TOML file, or the name of a shipped scene.")
 ]
-ContactOption: TypeAlias = Annotated[
+Contact: TypeAlias = Annotated[
     str | None,
     typer.Option(
         metavar="NAME", help="Contact, instead of the scene's; with options as in 'penalty(kappa=2)'."
     ),
 ]
-ShapeOption: TypeAlias = Annotated[
+Shape: TypeAlias = Annotated[
     str | None, typer.Option(metavar="NAME", help="Shape function, instead of the scene's.")
 ]
-ContactsOption: TypeAlias = Annotated[
+Contacts: TypeAlias = Annotated[
     str | None,
     typer.Option("--contact", metavar="A,B,…", help="Contacts, with options as in 'none,penalty(kappa=2)'."),
 ]
-ShapesOption: TypeAlias = Annotated[
-    str | None, typer.Option("--shape", metavar="A,B,…", help="Shape functions.")
-]
-SetOption: TypeAlias = Annotated[
+Shapes: TypeAlias = Annotated[str | None, typer.Option("--shape", metavar="A,B,…", help="Shape functions.")]
+Set: TypeAlias = Annotated[
     list[str] | None,
     typer.Option(
         "--set", metavar="KEY=VALUE", help="Set a key of the scene, such as grid.cell_size=0.2; repeatable."
     ),
 ]
-TrustOption: TypeAlias = Annotated[
+Trust: TypeAlias = Annotated[
     bool,
     typer.Option(
         "--trust", help="Import the code that a file names as module:Class; only if you trust its author."
     ),
 ]
-OutputOption: TypeAlias = Annotated[
+Output: TypeAlias = Annotated[
     Path | None, typer.Option("-o", "--output", metavar="FILE", help="File to write.")
 ]
-ForceOption: TypeAlias = Annotated[
+Force: TypeAlias = Annotated[
     bool,
     typer.Option(
         "--force",
         help="Replace a result of the same kind, and begin a run past the limits of steps and frames.",
     ),
 ]
-ReplaceOption: TypeAlias = Annotated[bool, typer.Option("--force", help="Replace files that exist.")]
-CheckpointOption: TypeAlias = Annotated[
+Replace: TypeAlias = Annotated[bool, typer.Option("--force", help="Replace files that exist.")]
+Checkpoint: TypeAlias = Annotated[
     str | None,
     typer.Option(
         metavar="TIME",
@@ -67,45 +65,45 @@ CheckpointOption: TypeAlias = Annotated[
         "none.",
     ),
 ]
-JobsOption: TypeAlias = Annotated[
+Jobs: TypeAlias = Annotated[
     int | None, typer.Option("-j", "--jobs", min=1, help="Processes at a time, one thread each.")
 ]
-BodyOption: TypeAlias = Annotated[
+Body: TypeAlias = Annotated[
     str | None, typer.Option(metavar="NAME", help="Body that is measured; if left out the motion decides.")
 ]
-PairOption: TypeAlias = Annotated[
+Pair: TypeAlias = Annotated[
     str | None,
     typer.Option(metavar="A-B", help="Pair of bodies that is measured; if left out the motion decides."),
 ]
-AxisOption: TypeAlias = Annotated[
+Axis: TypeAlias = Annotated[
     str | None,
     typer.Option(metavar="NAME", help="Axis along which is measured; if left out the motion decides."),
 ]
-RepeatsOption: TypeAlias = Annotated[
+Repeats: TypeAlias = Annotated[
     int | None,
     typer.Option(
         min=1,
         help="Runs of each combination, of which the cheapest is its cost; 1 or the study's if left out.",
     ),
 ]
-SchedulerOption: TypeAlias = Annotated[
+Scheduler: TypeAlias = Annotated[
     str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler whose workers run it instead.")
 ]
-BodiesOption: TypeAlias = Annotated[
+Bodies: TypeAlias = Annotated[
     list[str] | None, typer.Option("--body", metavar="NAME", help="Only this body; repeatable.")
 ]
-EveryOption: TypeAlias = Annotated[int, typer.Option(metavar="N", min=1, help="Only each N-th output.")]
-FieldOption: TypeAlias = Annotated[
+Every: TypeAlias = Annotated[int, typer.Option(metavar="N", min=1, help="Only each N-th output.")]
+Field: TypeAlias = Annotated[
     str | None,
     typer.Option(
         metavar="NAME",
         help="Field on the material points: von_mises, velocity, stress_xy … A wrong name lists all.",
     ),
 ]
-LimitsOption: TypeAlias = Annotated[
+Limits: TypeAlias = Annotated[
     str | None, typer.Option(metavar="LOW,HIGH", help="Ends of the colour scale, in SI units.")
 ]
-ArrowsOption: TypeAlias = Annotated[
+Arrows: TypeAlias = Annotated[
     bool, typer.Option("--arrows", help="Draw contact forces on surface nodes as arrows.")
 ]
 
@@ -210,16 +208,29 @@ def check_files(files: Sequence[Path]) -> None:
             raise SceneError(f"{one}: no such file")
 
 
-def limits_of(text: str | None) -> tuple[float, float] | None:
-    """Return ``LOW,HIGH`` as numbers."""
+def numbers(option: str, text: str | None) -> list[float] | None:
+    """Return numbers between commas, or None if the option is absent."""
     if text is None:
         return None
     try:
-        low, high = (float(part) for part in text.split(","))
+        return [float(part) for part in text.split(",")]
     except ValueError as error:
-        raise SceneError(f"--limits {text}: expected two numbers with a comma between them") from error
-    if not (math.isfinite(low) and math.isfinite(high)):
-        raise SceneError(f"--limits {text}: expected two finite numbers")
+        raise SceneError(f"--{option} {text}: expected numbers with a comma between them") from error
+
+
+def limits_of(text: str | None) -> tuple[float, float] | None:
+    """Return ``LOW,HIGH`` as numbers."""
+    given = numbers("limits", text)
+    if given is None:
+        return None
+    if len(given) != 2 or not all(map(math.isfinite, given)):
+        raise SceneError(f"--limits {text}: expected two finite numbers with a comma between them")
+    low, high = given
     if not low < high:
         raise SceneError(f"--limits {text}: expected the lower number first")
     return low, high
+
+
+def named(**given: str | None) -> dict[str, str]:
+    """Return the options that are given."""
+    return {key: name for key, name in given.items() if name is not None}

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from mpmfw.cli.arguments import TrustOption
+from mpmfw.cli import arguments as args
 from mpmfw.errors import SceneError
 
 #: Steps after which the shipped scenes are in contact.
@@ -27,7 +27,7 @@ def benchmark(
     threads: Annotated[
         int, typer.Option("--threads", min=1, help="Compare wall times with one thread and with so many.")
     ] = 1,
-    trust: TrustOption = False,
+    trust: args.Trust = False,
 ) -> None:
     """Print ns per material point and step of whole scenes, by stage, and the contact's share; or what
     threads gain.

@@ -12,11 +12,11 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from textwrap import indent
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mpmfw.cli.arguments import assignments
+from mpmfw.cli import arguments as args
 from mpmfw.cli.tables import print_table
 from mpmfw.errors import MpmfwError, SceneError
 
@@ -25,63 +25,54 @@ if TYPE_CHECKING:
     from mpmfw_testing import Check, Outcome
 
 
-PluginArgument: TypeAlias = Annotated[
-    str,
-    typer.Argument(
-        metavar="PLUGIN",
-        help="Name of an installed plug-in (mpmfw plugins lists them), or module:Class; with options as in "
-        "'penalty(kappa=2)'.",
-    ),
-]
-KindOption: TypeAlias = Annotated[
-    str | None,
-    typer.Option(
-        metavar="contact|detection|law|shape|material|load|friction|boundary|output|geometry|measure|reference",
-        help="Kind of the plug-in, where its name does not say.",
-    ),
-]
-OptionsOption: TypeAlias = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="OPTION=VALUE", help="Set an option of the plug-in; repeatable."),
-]
-OnlyOption: TypeAlias = Annotated[
-    list[str] | None, typer.Option(metavar="CHECK", help="Run this check alone; repeatable.")
-]
-ExpectedOption: TypeAlias = Annotated[
-    Path | None,
-    typer.Option(metavar="FILE.toml", help="Checks that must fail: a table of their names and the reasons."),
-]
-SaveOption: TypeAlias = Annotated[
-    Path | None,
-    typer.Option(
-        metavar="DIR", help="Write the scene of each counterexample there, and the program that runs it."
-    ),
-]
-ListOption: TypeAlias = Annotated[
-    bool, typer.Option("--list", help="Print the checks of its kind with their bounds, and run none.")
-]
-BoundsOption: TypeAlias = Annotated[
-    bool,
-    typer.Option(
-        "--bounds",
-        help="Check every index of the kernels, in another process; minutes for the first time.",
-    ),
-]
-PicturesOption: TypeAlias = Annotated[
-    Path, typer.Option(metavar="DIR", help="Folder for pictures of counterexamples.")
-]
-
-
 def check(
-    plugin: PluginArgument,
-    kind: KindOption = None,
-    set_: OptionsOption = None,
-    only: OnlyOption = None,
-    expected_failures: ExpectedOption = None,
-    pictures: PicturesOption = Path("mpmfw-check"),
-    save: SaveOption = None,
-    bounds: BoundsOption = False,
-    list_: ListOption = False,
+    plugin: Annotated[
+        str,
+        typer.Argument(
+            metavar="PLUGIN",
+            help="Installed plug-in (mpmfw plugins lists them) or module:Class; with options as in "
+            "'penalty(kappa=2)'.",
+        ),
+    ],
+    kind: Annotated[
+        str | None,
+        typer.Option(
+            metavar="contact|detection|law|shape|material|load|friction|boundary|output|geometry|measure|reference",
+            help="Kind of the plug-in, where its name does not say.",
+        ),
+    ] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="OPTION=VALUE", help="Set an option of the plug-in; repeatable."),
+    ] = None,
+    only: Annotated[
+        list[str] | None, typer.Option(metavar="CHECK", help="Run this check alone; repeatable.")
+    ] = None,
+    expected_failures: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.toml", help="Checks that must fail: a table of their names and the reasons."
+        ),
+    ] = None,
+    pictures: Annotated[
+        Path, typer.Option(metavar="DIR", help="Folder for pictures of counterexamples.")
+    ] = Path("mpmfw-check"),
+    save: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR", help="Write the scene of each counterexample there, and the program that runs it."
+        ),
+    ] = None,
+    bounds: Annotated[
+        bool,
+        typer.Option(
+            "--bounds",
+            help="Check every index of the kernels, in another process; minutes for the first time.",
+        ),
+    ] = False,
+    list_: Annotated[
+        bool, typer.Option("--list", help="Print the checks of its kind with their bounds, and run none.")
+    ] = False,
 ) -> None:
     """Run the conformance kit on PLUGIN; exit status 1 if a check fails unexpectedly.
 
@@ -139,19 +130,7 @@ def _run_with_bounds(arguments: list[str]) -> None:
     root = os.environ.get("NUMBA_CACHE_DIR") or str(platformdirs.user_cache_path("mpmfw") / "kernels")
     environment = {**os.environ, "NUMBA_BOUNDSCHECK": "1", "NUMBA_CACHE_DIR": f"{root}-bounds"}
     command = [sys.executable, "-m", "mpmfw", "check", *arguments]
-    captured = None if sys.stdout.isatty() else subprocess.PIPE
-    done = subprocess.run(
-        command,
-        env=environment,
-        stdout=captured,
-        stderr=captured,
-        check=False,
-        encoding="utf-8",
-        errors="replace",
-    )
-    for text, err in ((done.stdout, False), (done.stderr, True)):
-        if text:
-            typer.echo(text, nl=False, err=err)
+    done = subprocess.run(command, env=environment, check=False)
     if done.returncode > 0:
         raise typer.Exit(done.returncode)
     if done.returncode < 0:
@@ -194,7 +173,7 @@ def _kind_of(text: str, kind: str | None) -> Kind:
 def _options(texts: list[str] | None) -> dict[str, Any]:
     from mpmfw.scene.override import parse_value
 
-    return {key: parse_value(text) for key, text in assignments(texts).items()}
+    return {key: parse_value(text) for key, text in args.assignments(texts).items()}
 
 
 def _table(path: Path) -> dict[str, str]:

@@ -6,24 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from mpmfw.cli.arguments import (
-    AxisOption,
-    BodyOption,
-    ContactsOption,
-    ForceOption,
-    JobsOption,
-    OutputOption,
-    PairOption,
-    SceneArgument,
-    SchedulerOption,
-    SetOption,
-    ShapesOption,
-    TrustOption,
-    assignments,
-    jobs_of,
-    names,
-)
-from mpmfw.cli.errors import result_path
+from mpmfw.cli import arguments as args
+from mpmfw.cli.paths import result_path
 from mpmfw.cli.progress import campaign_progress
 from mpmfw.cli.tables import Format, FormatOption, print_table, write_rows
 
@@ -43,7 +27,7 @@ _HEADS = {
 
 
 def choose(
-    scene: SceneArgument,
+    scene: args.SceneName,
     error: Annotated[
         str, typer.Option(metavar="ERROR", help="Relative error that is asked for: 1% or 0.01.")
     ] = "1%",
@@ -55,11 +39,11 @@ def choose(
             "left out.",
         ),
     ] = None,
-    body: BodyOption = None,
-    pair: PairOption = None,
-    axis: AxisOption = None,
-    contact: ContactsOption = None,
-    shape: ShapesOption = None,
+    body: args.Body = None,
+    pair: args.Pair = None,
+    axis: args.Axis = None,
+    contact: args.Contacts = None,
+    shape: args.Shapes = None,
     coarsest: Annotated[
         str | None,
         typer.Option(metavar="LENGTH", help="Largest cell size; twice the scene's own if left out."),
@@ -68,12 +52,12 @@ def choose(
         str | None,
         typer.Option(metavar="LENGTH", help="Smallest cell size; a quarter of the scene's own if left out."),
     ] = None,
-    set_: SetOption = None,
-    trust: TrustOption = False,
-    output: OutputOption = None,
-    force: ForceOption = False,
-    jobs: JobsOption = None,
-    scheduler: SchedulerOption = None,
+    set_: args.Set = None,
+    trust: args.Trust = False,
+    output: args.Output = None,
+    force: args.Force = False,
+    jobs: args.Jobs = None,
+    scheduler: args.Scheduler = None,
     form: FormatOption = Format.table,
     as_json: Annotated[bool, typer.Option("--json", help="The same as --format json.")] = False,
 ) -> None:
@@ -88,8 +72,8 @@ def choose(
     from mpmfw.scene.requested import check_compared, check_requested
 
     form = Format.json if as_json else form
-    contacts, shapes = names(contact, "contact"), names(shape, "shape")
-    shared = assignments(set_)
+    contacts, shapes = args.names(contact, "contact"), args.names(shape, "shape")
+    shared = args.assignments(set_)
     check_requested(shared, {}, ("--set", "--vary"))
     loaded = load_scene(scene, set=shared, trust=trust)
     path = result_path(output, loaded, "choice", force)
@@ -112,7 +96,7 @@ def choose(
             finest=finest,
             output=path,
             executor=scheduler,
-            jobs=jobs_of(jobs, scheduler),
+            jobs=args.jobs_of(jobs, scheduler),
             progress=progress,
             run_progress=within,
             force=force,

@@ -7,23 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from mpmfw.cli.arguments import (
-    ContactsOption,
-    ForceOption,
-    JobsOption,
-    OutputOption,
-    RepeatsOption,
-    SceneArgument,
-    SchedulerOption,
-    SetOption,
-    ShapesOption,
-    TrustOption,
-    assignments,
-    jobs_of,
-    names,
-    variations,
-)
-from mpmfw.cli.errors import new_path, result_path
+from mpmfw.cli import arguments as args
+from mpmfw.cli.paths import new_path, result_path
 from mpmfw.cli.progress import campaign_progress
 from mpmfw.cli.tables import Format, FormatOption, print_table, print_text, write_rows
 
@@ -35,25 +20,25 @@ _LEFT_OUT = {"largest_penetration", "material_points", "steps"}
 
 
 def compare(
-    scene: SceneArgument,
-    contact: ContactsOption = None,
-    shape: ShapesOption = None,
+    scene: args.SceneName,
+    contact: args.Contacts = None,
+    shape: args.Shapes = None,
     vary: Annotated[
         list[str] | None,
         typer.Option(
             metavar="KEY=A,B,…", help="A key of the scene and its values, a dimension more; repeatable."
         ),
     ] = None,
-    set_: SetOption = None,
-    trust: TrustOption = False,
-    output: OutputOption = None,
+    set_: args.Set = None,
+    trust: args.Trust = False,
+    output: args.Output = None,
     report: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Page of tables and figures (HTML) to write as well.")
     ] = None,
-    force: ForceOption = False,
-    jobs: JobsOption = None,
-    scheduler: SchedulerOption = None,
-    repeats: RepeatsOption = None,
+    force: args.Force = False,
+    jobs: args.Jobs = None,
+    scheduler: args.Scheduler = None,
+    repeats: args.Repeats = None,
     form: FormatOption = Format.table,
 ) -> None:
     """Run SCENE with every combination of methods and join the results, by default in a file named as the
@@ -65,9 +50,9 @@ def compare(
     from mpmfw.scene import load_scene
     from mpmfw.scene.requested import check_compared, check_requested
 
-    contacts, shapes = names(contact, "contact"), names(shape, "shape")
-    varied = variations(vary)
-    shared = assignments(set_)
+    contacts, shapes = args.names(contact, "contact"), args.names(shape, "shape")
+    varied = args.variations(vary)
+    shared = args.assignments(set_)
     check_requested(shared, varied, ("--set", "--vary"))
     loaded = load_scene(scene, set=shared, trust=trust)
     path = result_path(output, loaded, "compare", force, report=report)
@@ -90,7 +75,7 @@ def compare(
             progress=progress,
             run_progress=within,
             force=force,
-            jobs=jobs_of(jobs, scheduler),
+            jobs=args.jobs_of(jobs, scheduler),
             executor=scheduler,
             repeats=repeats,
         )

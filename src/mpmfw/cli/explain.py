@@ -8,14 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mpmfw.cli.arguments import (
-    ContactOption,
-    SceneArgument,
-    SetOption,
-    ShapeOption,
-    TrustOption,
-    chosen_scene,
-)
+from mpmfw.cli import arguments as args
 from mpmfw.cli.tables import print_table
 from mpmfw.cli.unused import unused_facts
 from mpmfw.errors import SceneError
@@ -26,11 +19,11 @@ if TYPE_CHECKING:
 
 
 def explain(
-    scene: SceneArgument,
-    contact: ContactOption = None,
-    shape: ShapeOption = None,
-    set_: SetOption = None,
-    trust: TrustOption = False,
+    scene: args.SceneName,
+    contact: args.Contact = None,
+    shape: args.Shape = None,
+    set_: args.Set = None,
+    trust: args.Trust = False,
     everything: Annotated[
         bool,
         typer.Option(
@@ -39,7 +32,7 @@ def explain(
     ] = False,
 ) -> None:
     """Print what SCENE would run: effects, the time step, its cost, and facts that are not used."""
-    loaded = chosen_scene(scene, contact, shape, set_, trust)
+    loaded = args.chosen_scene(scene, contact, shape, set_, trust)
 
     from mpmfw.runs.simulation import Simulation
     from mpmfw.scene import located

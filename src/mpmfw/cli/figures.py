@@ -7,18 +7,8 @@ from typing import Annotated, Any, TypeAlias
 
 import typer
 
-from mpmfw.cli.arguments import (
-    ArrowsOption,
-    BodiesOption,
-    EveryOption,
-    FieldOption,
-    LimitsOption,
-    OutputOption,
-    ReplaceOption,
-    check_files,
-    limits_of,
-)
-from mpmfw.cli.errors import check_writable, figure_path, new_path
+from mpmfw.cli import arguments as args
+from mpmfw.cli.paths import figure_path, new_path
 from mpmfw.cli.progress import outputs_progress
 from mpmfw.errors import SceneError
 
@@ -29,8 +19,8 @@ FilesArgument: TypeAlias = Annotated[
 
 def plot(
     file: FilesArgument,
-    output: OutputOption = None,
-    field: FieldOption = None,
+    output: args.Output = None,
+    field: args.Field = None,
     time: Annotated[
         float | None, typer.Option(metavar="T", help="Of the field [s]; the last output by default.")
     ] = None,
@@ -38,11 +28,11 @@ def plot(
         list[str] | None,
         typer.Option(metavar="NAME", help="Series over time; repeatable. A wrong name lists all."),
     ] = None,
-    body: BodiesOption = None,
+    body: args.Bodies = None,
     pair: Annotated[str | None, typer.Option(metavar="NAME", help="Only this pair of bodies.")] = None,
     axis: Annotated[str | None, typer.Option(metavar="NAME", help="Only this component: x, y or z.")] = None,
-    limits: LimitsOption = None,
-    arrows: ArrowsOption = False,
+    limits: args.Limits = None,
+    arrows: args.Arrows = False,
     plane: Annotated[
         str | None,
         typer.Option(
@@ -59,7 +49,7 @@ def plot(
             help="Of a comparison: draw the difference of the field against this contact as well.",
         ),
     ] = None,
-    force: ReplaceOption = False,
+    force: args.Replace = False,
 ) -> None:
     """Draw the figures of FILE, by default to PNG files named as it; -o NAME.pdf or NAME.svg draws vectors.
 
@@ -68,52 +58,56 @@ def plot(
     side, fields under one colour scale. Without either, several FILEs that are comparisons of a rolling
     cylinder make one figure, a row each.
     """
-    check_files(file)
-    output = None if output is None else figure_path(output)
-    _check_options(
-        field,
-        series,
-        time=time,
-        body=body,
-        pair=pair,
-        axis=axis,
-        limits=limits,
-        arrows=arrows,
-        against=against,
-        plane=plane,
-    )
+    args.check_files(file)
+    if field is not None and series:
+        raise SceneError(f"--series {series[0]}: --field {field} draws another figure; leave one of them out")
+    of_field = {"--time": time, "--limits": limits, "--arrows": arrows or None, "--plane": plane}
+    _check_effect({**of_field, "--against": against}, "--field", field)
+    _check_effect({"--pair": pair, "--axis": axis}, "--series", series)
+    _check_effect({"--body": body or None}, "--field or --series", field or series)
     for option, value in (("--against", against), ("--plane", plane)):
         if value is not None and len(file) > 1:
             raise SceneError(f"{option} {value}: takes one FILE")
     alone = field is None and not series and len(file) == 1
-    path = _target(file, output or _default(file, field, series), force or alone)
-    if field is not None:
-        looks = {"bodies": body or None, "limits": limits_of(limits), "arrows": arrows}
-        written = _draw_field(file, path, field, time, _plane_of(plane), against, force, looks)
-    elif series:
-        from mpmfw.plots import history, write_figure
+    path = _default(file, field, series) if output is None else figure_path(output)
+    _check_paths(file, path, force or alone)
+    from mpmfw import plots
 
+    looks: dict[str, Any] = {"bodies": body or None, "limits": args.limits_of(limits), "arrows": arrows}
+    if field is not None and len(file) > 1:
+        written = [plots.write_figure(plots.side_by_side(file, field, time, **looks), path)]
+    elif field is not None:
+        figures = {path: plots.field(file[0], field, time, plane=_plane_of(plane), **looks)}
+        if against is not None:
+            beside = new_path(path.with_stem(f"{path.stem}-difference"), force)
+            figures[beside] = plots.field(file[0], field, time, bodies=body or None, against=against)
+        written = [plots.write_figure(drawn, target) for target, drawn in figures.items()]
+    elif series:
         if len(body or ()) > 1:
             raise SceneError(f"--body {(body or [])[1]}: histories take one body or all of them")
         name = body[0] if body else None
-        figure = history(file if len(file) > 1 else file[0], series, body=name, pair=pair, axis=axis)
-        written = [write_figure(figure, path)]
+        drawn = plots.history(file if len(file) > 1 else file[0], series, body=name, pair=pair, axis=axis)
+        written = [plots.write_figure(drawn, path)]
     else:
-        from mpmfw.plots import plot_file, plot_files
-
-        written = plot_file(file[0], path, force=force) if alone else [plot_files(file, path)]
+        written = plots.plot_file(file[0], path, force=force) if alone else [plots.plot_files(file, path)]
     for one in written:
         typer.echo(str(one))
 
 
-def _target(file: list[Path], path: Path, force: bool) -> Path:
-    """Return the path to write, if it can be written without loss of a file and all FILEs are results."""
+def _check_effect(given: dict[str, Any], needed: str, chosen: object) -> None:
+    """Refuse options that have no effect without another one."""
+    for option, value in given.items():
+        if value is not None and not chosen:
+            raise SceneError(f"{option}: has no effect without {needed}")
+
+
+def _check_paths(file: list[Path], path: Path, force: bool) -> None:
+    """Check that ``path`` can be written without loss of a file, and that all FILEs are results."""
     from mpmfw.results import check_results
 
     new_path(path, force)
     for one in file:
         check_results(one)
-    return path
 
 
 def _default(file: list[Path], field: str | None, series: list[str] | None) -> Path:
@@ -122,45 +116,6 @@ def _default(file: list[Path], field: str | None, series: list[str] | None) -> P
         return file[0].with_suffix(".png") if len(file) == 1 else file[0].with_name("motion.png")
     drawn = field or "-".join(series or ())
     return file[0].with_name(f"{file[0].stem}-{drawn}.png" if len(file) == 1 else f"{drawn}.png")
-
-
-def _check_options(field: str | None, series: list[str] | None, **given: object) -> None:
-    """Refuse options that would have no effect."""
-    if field is not None and series:
-        raise SceneError(f"--series {series[0]}: --field {field} draws another figure; leave one of them out")
-    needed = {
-        "time": "--field", "limits": "--field", "arrows": "--field", "plane": "--field", "against": "--field",
-        "pair": "--series", "axis": "--series",
-    }  # fmt: skip
-    chosen = {"--field": field is not None, "--series": bool(series)}
-    for name, option in needed.items():
-        if given[name] is not None and given[name] is not False and not chosen[option]:
-            raise SceneError(f"--{name}: has no effect without {option}")
-    if given["body"] and not any(chosen.values()):
-        raise SceneError("--body: has no effect without --field or --series")
-
-
-def _draw_field(
-    file: list[Path],
-    path: Path,
-    name: str,
-    time: float | None,
-    plane: tuple[str, float | None] | None,
-    against: str | None,
-    force: bool,
-    looks: dict[str, Any],
-) -> list[Path]:
-    """Draw a field of all runs, and its difference against a contact in a second figure."""
-    from mpmfw.plots import field, side_by_side, write_figure
-    from mpmfw.results.replacing import check_new
-
-    if len(file) > 1:
-        return [write_figure(side_by_side(file, name, time, **looks), path)]
-    figures = {path: field(file[0], name, time, plane=plane, **looks)}
-    if against is not None:
-        beside = check_new(path.with_stem(f"{path.stem}-difference"), force)
-        figures[beside] = field(file[0], name, time, bodies=looks["bodies"], against=against)
-    return [write_figure(figure, one) for one, figure in figures.items()]
 
 
 def _plane_of(text: str | None) -> tuple[str, float | None] | None:
@@ -176,17 +131,17 @@ def _plane_of(text: str | None) -> tuple[str, float | None] | None:
 
 def animate(
     file: FilesArgument,
-    output: OutputOption = None,
-    field: FieldOption = None,
+    output: args.Output = None,
+    field: args.Field = None,
     contact: Annotated[
         str | None, typer.Option(metavar="NAME", help="Of a comparison: only the runs with this contact.")
     ] = None,
     fps: Annotated[int, typer.Option(metavar="N", min=1, help="Frames a second.")] = 20,
-    every: EveryOption = 1,
-    body: BodiesOption = None,
-    limits: LimitsOption = None,
-    arrows: ArrowsOption = False,
-    force: ReplaceOption = False,
+    every: args.Every = 1,
+    body: args.Bodies = None,
+    limits: args.Limits = None,
+    arrows: args.Arrows = False,
+    force: args.Replace = False,
 ) -> None:
     """Write a moving picture of a field (default von_mises) of the run in FILE, a frame for each output.
 
@@ -197,9 +152,10 @@ def animate(
     from mpmfw.plots.animation import animate as animate_runs
     from mpmfw.plots.animation import check_movie
 
-    check_files(file)
-    scale, path = limits_of(limits), file[0].with_suffix(".gif") if output is None else output
-    check_movie(_target(file, path, force))
+    args.check_files(file)
+    scale, path = args.limits_of(limits), file[0].with_suffix(".gif") if output is None else output
+    _check_paths(file, path, force)
+    check_movie(path)
     with outputs_progress("frames") as progress:
         animate_runs(
             file if len(file) > 1 else file[0],
@@ -222,24 +178,25 @@ def export(
         Path | None,
         typer.Option("-o", "--output", metavar="FOLDER", help="Folder, or a name ending in .pvd."),
     ] = None,
-    every: EveryOption = 1,
-    body: BodiesOption = None,
-    force: ReplaceOption = False,
+    every: args.Every = 1,
+    body: args.Bodies = None,
+    force: args.Replace = False,
 ) -> None:
     """Write the run in FILE for ParaView, by default to a folder named as it.
 
     Open …-points.pvd: material points with all their fields, as cells where the shape function has domains;
     …-surfaces.pvd: surfaces with contact force and gap; …-series.csv: the series.
     """
-    check_files([file])
+    args.check_files([file])
     target = file.with_name(f"{file.stem}-paraview") if output is None else output
     if target.exists() and not target.is_dir() and target.suffix != ".pvd":
         raise SceneError(f"{target}: is a file; give a folder, or a name that ends in .pvd")
-    check_writable(target / "series.csv" if target.is_dir() else target)
 
     from mpmfw.paraview import export as export_run
     from mpmfw.results import check_results
+    from mpmfw.results.replacing import check_writable
 
+    check_writable(target / "series.csv" if target.is_dir() else target)
     check_results(file)
     with outputs_progress("outputs") as progress:
         written = export_run(file, target, every=every, bodies=body or None, progress=progress, force=force)

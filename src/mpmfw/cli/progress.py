@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, TypeAlias
 
 if TYPE_CHECKING:
-    from rich.progress import Progress
-
     from mpmfw.campaigns.running import Event
 
 #: Called with the simulated time [s] and the number of steps done.
@@ -19,8 +18,10 @@ PREPARING = "compiling, settling"
 
 
 @contextmanager
-def _bar(*columns: str) -> Iterator[Progress | None]:
-    """A bar between columns of text, or those of rich that are named; None without a terminal."""
+def _bar(*columns: str, total: float | None = None, **fields: str) -> Iterator[Callable[..., None] | None]:
+    """Function that updates a bar between columns of text, or those of rich that are named; None without a
+    terminal.
+    """
     from rich import progress
     from rich.console import Console
 
@@ -30,38 +31,23 @@ def _bar(*columns: str) -> Iterator[Progress | None]:
         return
     shown = [getattr(progress, name)() if name.endswith("Column") else name for name in columns]
     with progress.Progress(*shown, console=console, transient=True) as bar:
-        yield bar
+        yield functools.partial(bar.update, bar.add_task(PREPARING, total=total, **fields))
 
 
 @contextmanager
 def run_progress(end: float) -> Iterator[RunReport | None]:
     """Report of one run until ``end`` [s]: steps, simulated time, time left; None without a terminal."""
     simulated = "{task.completed:.4g} of {task.total:.4g} s simulated"
-    columns = (
-        "{task.fields[done]}",
-        "BarColumn",
-        simulated,
-        "TimeElapsedColumn",
-        "left",
-        "TimeRemainingColumn",
-    )
-    with _bar(*columns) as bar:
-        if bar is None:
-            yield None
-            return
-        task = bar.add_task("run", total=end, done=PREPARING)
-        yield lambda time, steps: bar.update(task, completed=time, done=f"{steps} steps")
+    columns = ("BarColumn", simulated, "TimeElapsedColumn", "left", "TimeRemainingColumn")
+    with _bar("{task.description}", *columns, total=end) as update:
+        yield update and (lambda time, steps: update(completed=time, description=f"{steps} steps"))
 
 
 @contextmanager
 def outputs_progress(doing: str) -> Iterator[Callable[[int, int], None] | None]:
     """Report of the number of outputs done; None without a terminal."""
-    with _bar("{task.description}", "BarColumn", "MofNCompleteColumn", "left", "TimeRemainingColumn") as bar:
-        if bar is None:
-            yield None
-            return
-        task = bar.add_task(doing, total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
+    with _bar(doing, "BarColumn", "MofNCompleteColumn", "left", "TimeRemainingColumn") as update:
+        yield update and (lambda done, total: update(completed=done, total=total))
 
 
 @contextmanager
@@ -70,15 +56,14 @@ def campaign_progress(
 ) -> Iterator[tuple[Callable[[Event], None] | None, RunReport | None]]:
     """Reports of the runs of a campaign that are done, and of the run in this process; None in a pipe."""
     counts = (what, "BarColumn", "MofNCompleteColumn", "TimeElapsedColumn", "left", "TimeRemainingColumn")
-    with _bar(*counts, "{task.description}", "{task.fields[inner]}") as bar:
-        if bar is None:
+    with _bar(*counts, "{task.description}", "{task.fields[inner]}", inner="") as update:
+        if update is None:
             yield None, None
             return
-        task = bar.add_task(PREPARING, total=None, inner="")
 
         def tell(event: Event) -> None:
             ended = f"last: {event.name}, {event.status.partition(':')[0]}" if event.name else PREPARING
             text, inner = (event.next, PREPARING) if event.next else (ended, "")
-            bar.update(task, completed=event.done, total=event.total, description=text, inner=inner)
+            update(completed=event.done, total=event.total, description=text, inner=inner)
 
-        yield tell, lambda time, steps: bar.update(task, inner=f"{steps} steps, {time:.4g} s simulated")
+        yield tell, lambda time, steps: update(inner=f"{steps} steps, {time:.4g} s simulated")

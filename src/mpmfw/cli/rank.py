@@ -8,8 +8,8 @@ from typing import Annotated, Any
 
 import typer
 
-from mpmfw.cli.arguments import AxisOption, BodyOption, OutputOption, PairOption, ReplaceOption
-from mpmfw.cli.errors import figure_path, new_path
+from mpmfw.cli import arguments as args
+from mpmfw.cli.paths import figure_path, new_path
 from mpmfw.cli.tables import Format, FormatOption, print_table, write_rows
 
 
@@ -30,12 +30,12 @@ def rank(
     levels: Annotated[
         str, typer.Option(metavar="ERRORS", help="Relative errors to be reached, falling.")
     ] = "10%,5%,2%,1%,0.5%",
-    body: BodyOption = None,
-    pair: PairOption = None,
-    axis: AxisOption = None,
-    output: OutputOption = None,
+    body: args.Body = None,
+    pair: args.Pair = None,
+    axis: args.Axis = None,
+    output: args.Output = None,
     form: FormatOption = Format.table,
-    force: ReplaceOption = False,
+    force: args.Replace = False,
 ) -> None:
     """Rank the methods of studies by the problems that they solve, and by what that costs over the cheapest.
 
@@ -47,8 +47,7 @@ def rank(
 
     output = None if output is None else new_path(figure_path(output), force)
 
-    named = {"body": body, "pair": pair, "axis": axis}
-    about = {key: name for key, name in named.items() if name is not None}
+    about = args.named(body=body, pair=pair, axis=axis)
     found = ranking.rank(results, by, _levels(levels), about)
     known = [name for name in ranking.QUANTITIES if found["over_best"].sel(quantity=name).notnull().any()]
     if form is not Format.table:

@@ -7,33 +7,23 @@ from typing import Annotated
 
 import typer
 
-from mpmfw.cli.arguments import (
-    CheckpointOption,
-    ContactOption,
-    ForceOption,
-    OutputOption,
-    SceneArgument,
-    SetOption,
-    ShapeOption,
-    TrustOption,
-    chosen_scene,
-)
-from mpmfw.cli.errors import result_path
+from mpmfw.cli import arguments as args
+from mpmfw.cli.paths import result_path
 from mpmfw.cli.progress import run_progress
 
 
 def run(
-    scene: SceneArgument,
-    contact: ContactOption = None,
-    shape: ShapeOption = None,
-    set_: SetOption = None,
-    trust: TrustOption = False,
-    output: OutputOption = None,
-    checkpoint: CheckpointOption = None,
-    force: ForceOption = False,
+    scene: args.SceneName,
+    contact: args.Contact = None,
+    shape: args.Shape = None,
+    set_: args.Set = None,
+    trust: args.Trust = False,
+    output: args.Output = None,
+    checkpoint: args.Checkpoint = None,
+    force: args.Force = False,
 ) -> None:
     """Run SCENE and write its results, by default to a file named as the scene."""
-    loaded = chosen_scene(scene, contact, shape, set_, trust)
+    loaded = args.chosen_scene(scene, contact, shape, set_, trust)
     path = result_path(output, loaded, "run", force)
 
     from mpmfw.runs.run import run_to_file
@@ -45,7 +35,7 @@ def run(
 
 def resume(
     results: Annotated[Path, typer.Argument(metavar="RUN.nc", help="Results of a run that did not end.")],
-    checkpoint: CheckpointOption = None,
+    checkpoint: args.Checkpoint = None,
     threads: Annotated[
         int | None, typer.Option(help="Threads instead of the scene's; the results are the same.")
     ] = None,
@@ -55,7 +45,7 @@ def resume(
             "--force", help="Go on with another version of the code or a library, to other numbers."
         ),
     ] = False,
-    trust: TrustOption = False,
+    trust: args.Trust = False,
 ) -> None:
     """Go on with RUN.nc from its last checkpoint, to the end that it would have had."""
     from mpmfw.runs.run import resumed, run_on

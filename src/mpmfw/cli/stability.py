@@ -6,33 +6,20 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from mpmfw.cli.arguments import (
-    ContactOption,
-    JobsOption,
-    OutputOption,
-    ReplaceOption,
-    SceneArgument,
-    SchedulerOption,
-    SetOption,
-    ShapeOption,
-    TrustOption,
-    chosen_scene,
-    jobs_of,
-)
-from mpmfw.cli.errors import result_path
+from mpmfw.cli import arguments as args
+from mpmfw.cli.paths import new_path, result_path
 from mpmfw.cli.progress import campaign_progress
 from mpmfw.cli.tables import print_table
-from mpmfw.errors import SceneError
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
 def stability(
-    scene: SceneArgument,
-    output: OutputOption = None,
-    contact: ContactOption = None,
-    shape: ShapeOption = None,
+    scene: args.SceneName,
+    output: args.Output = None,
+    contact: args.Contact = None,
+    shape: args.Shape = None,
     kappa: Annotated[
         str | None, typer.Option(metavar="A,B,…", help="Stiffness factors of the contact.")
     ] = None,
@@ -47,37 +34,33 @@ def stability(
         typer.Option(metavar="A,B,…", help="Courant numbers of the fixed step; 0.1 to 1.2 if left out."),
     ] = None,
     steps: Annotated[int, typer.Option(min=2, help="Steps of every run.")] = 300,
-    set_: SetOption = None,
-    trust: TrustOption = False,
-    jobs: JobsOption = None,
-    scheduler: SchedulerOption = None,
-    force: ReplaceOption = False,
+    set_: args.Set = None,
+    trust: args.Trust = False,
+    jobs: args.Jobs = None,
+    scheduler: args.Scheduler = None,
+    force: args.Replace = False,
 ) -> None:
     """Run SCENE at many stiffnesses and time steps, past the limit too, and map where it stays stable.
 
     The map is written to a file, by default named as the scene, with the figure beside it. One that was
     broken off goes on where it stopped.
     """
-    from mpmfw.results.replacing import check_new
-
-    loaded = chosen_scene(scene, contact, shape, set_, trust)
+    loaded = args.chosen_scene(scene, contact, shape, set_, trust)
     path = result_path(output, loaded, "stability", force)
-    check_new(path.with_suffix(".png"), force)
-    numbers = {
-        name: _numbers(name, text) for name, text in (("kappa", kappa), ("ratio", ratio), ("cfl", cfl))
-    }
+    new_path(path.with_suffix(".png"), force)
+    options = {"kappa": kappa, "ratio": ratio, "cfl": cfl}
+    given = {name: args.numbers(name, text) for name, text in options.items() if text is not None}
 
     from mpmfw.plots import plot_file
     from mpmfw.stability import stability_map
 
-    given = {name: values for name, values in numbers.items() if values is not None}
     with campaign_progress() as (progress, _):
         dataset = stability_map(
             loaded,
             steps=steps,
             output=path,
             progress=progress,
-            jobs=jobs_of(jobs, scheduler),
+            jobs=args.jobs_of(jobs, scheduler),
             executor=scheduler,
             **given,  # type: ignore[arg-type]
         )
@@ -85,15 +68,6 @@ def stability(
     typer.echo(str(path))
     for written in plot_file(path, force=True):
         typer.echo(str(written))
-
-
-def _numbers(option: str, text: str | None) -> list[float] | None:
-    if text is None:
-        return None
-    try:
-        return [float(part) for part in text.split(",")]
-    except ValueError as error:
-        raise SceneError(f"--{option} {text}: expected numbers with a comma between them") from error
 
 
 def _print(dataset: xr.Dataset) -> None:

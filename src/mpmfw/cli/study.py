@@ -8,19 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from mpmfw.cli.arguments import (
-    AxisOption,
-    BodyOption,
-    ForceOption,
-    JobsOption,
-    OutputOption,
-    PairOption,
-    RepeatsOption,
-    SchedulerOption,
-    TrustOption,
-    jobs_of,
-)
-from mpmfw.cli.errors import check_result
+from mpmfw.cli import arguments as args
+from mpmfw.cli.paths import check_result
 from mpmfw.cli.progress import campaign_progress
 from mpmfw.cli.tables import Format, FormatOption, print_table, print_text, write_rows
 from mpmfw.errors import SceneError
@@ -51,22 +40,22 @@ def study(
     study: Annotated[
         str, typer.Argument(metavar="STUDY", help="A TOML file, or the name of a shipped study.")
     ],
-    output: OutputOption = None,
+    output: args.Output = None,
     timing: Annotated[
         Timing, typer.Option(help="Take costs as runs come, or of one run at a time.")
     ] = Timing.shared,
-    jobs: JobsOption = None,
-    scheduler: SchedulerOption = None,
-    repeats: RepeatsOption = None,
+    jobs: args.Jobs = None,
+    scheduler: args.Scheduler = None,
+    repeats: args.Repeats = None,
     under: Annotated[
         str | None,
         typer.Option(metavar="ERROR", help="Relative error below which the cheapest is named: 1% or 0.01."),
     ] = None,
-    body: BodyOption = None,
-    pair: PairOption = None,
-    axis: AxisOption = None,
-    force: ForceOption = False,
-    trust: TrustOption = False,
+    body: args.Body = None,
+    pair: args.Pair = None,
+    axis: args.Axis = None,
+    force: args.Force = False,
+    trust: args.Trust = False,
     form: FormatOption = Format.table,
 ) -> None:
     """Run all combinations of STUDY, and say what accuracy costs in time.
@@ -77,7 +66,6 @@ def study(
     from mpmfw.studies.conclusion import conclusions, rows
     from mpmfw.studies.loading import load_study
 
-    named = {"body": body, "pair": pair, "axis": axis}
     loaded = load_study(study, trust)
     path = Path(f"{loaded.name}.nc") if output is None else output
     sources = [loaded.source.name, *(scene for scene in loaded.scenes.values() if isinstance(scene, str))]
@@ -92,11 +80,11 @@ def study(
             loaded,
             output=path,
             timing=timing.value,
-            jobs=jobs_of(jobs, scheduler, None),
+            jobs=args.jobs_of(jobs, scheduler, None),
             scheduler=scheduler,
             repeats=repeats,
             under=under,
-            about={key: name for key, name in named.items() if name is not None},
+            about=args.named(body=body, pair=pair, axis=axis),
             progress=progress,
             force=force,
         )

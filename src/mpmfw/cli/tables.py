@@ -75,44 +75,44 @@ def print_table(
     names = heads or {name: name for row in rows for name in row if name != "style"}
     cells = {name: [formatted(row.get(name)) for row in rows] for name in names}
     known = [name for name in names if name in labels or set(cells[name]) - {"", "–"}]
-    texts = {name: [names[name], *cells[name]] for name in known}
-    width = {name: 2 + max(len(line) for text in texts[name] for line in text.split("\n")) for name in known}
-    least = {
-        name: 2 + max((len(word) for text in texts[name] for word in text.split()), default=0)
-        for name in known
-    }
-    room = console.width - min(
-        sum(width[name] for name in known if name in labels),
-        max(console.width // 2, sum(least[name] for name in known if name in labels)),
-    )
-    portions: list[list[str]] = [[]]
-    for name in (name for name in known if name not in labels):
-        if name in words:
-            width[name] = min(width[name], max(least[name], _WRAPPED))
-        if portions[-1] and sum(width[one] for one in (*portions[-1], name)) > room:
-            portions.append([])
-        portions[-1].append(name)
-    if title:
-        console.print(Text(title, style="bold"))
-    for portion in portions:
+    half, heading = console.width // 2, [name for name in known if name in labels]
+
+    def table_of(columns: Sequence[str]) -> Table:
         table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)
-        columns = [name for name in known if name in labels or name in portion]
-        for name in columns:
-            text = name in labels or name in words
+        shown = [name for name in known if name in heading or name in columns]
+        for name in shown:
+            text = name in heading or name in words
+            room = _WRAPPED if name in words else half // len(heading)
+            longest = max(map(len, " ".join([names[name], *cells[name]]).split()), default=0)
             table.add_column(
                 Text(names[name]),
                 justify="left" if text else "right",
-                min_width=min(least[name] - 2, console.width // 2) if text else None,
+                max_width=min(max(room, longest), half) if text else None,
                 no_wrap=not text,
                 overflow="fold",
             )
-        first = cells[columns[0]]
+        first = cells[shown[0]]
         for k, row in enumerate(rows):
             if k and len(labels) > 1 and first[k] != first[k - 1]:
                 table.add_section()
-            table.add_row(*(Text(cells[name][k]) for name in columns), style=row.get("style"))
-        console.print(table)
+            table.add_row(*(Text(cells[name][k]) for name in shown), style=row.get("style"))
+        return table
+
+    if title:
+        console.print(Text(title, style="bold"))
+    unlimited = console.options.update_width(10_000)
+    left = [name for name in known if name not in heading]
+    while True:
+        count = len(left)
+        while (
+            count > 1 and console.measure(table_of(left[:count]), options=unlimited).maximum > console.width
+        ):
+            count -= 1
+        console.print(table_of(left[:count]))
         console.print()
+        left = left[count:]
+        if not left:
+            return
 
 
 def print_text(text: str) -> None:

@@ -8,8 +8,8 @@ from typing import Annotated
 
 import typer
 
-from mpmfw.cli.arguments import SchedulerOption, jobs_of
-from mpmfw.cli.errors import check_writable, new_path
+from mpmfw.cli import arguments as args
+from mpmfw.cli.paths import new_path
 from mpmfw.cli.progress import campaign_progress
 from mpmfw.errors import MpmfwError, SceneError
 
@@ -49,7 +49,7 @@ def validate(
             show_default=False,
         ),
     ] = None,
-    scheduler: SchedulerOption = None,
+    scheduler: args.Scheduler = None,
     force: Annotated[
         bool, typer.Option("--force", help="Run cases again whose results lie in the output folder.")
     ] = False,
@@ -77,7 +77,7 @@ def validate(
             found,
             output,
             quick=quick,
-            jobs=jobs_of(jobs, scheduler, None),
+            jobs=args.jobs_of(jobs, scheduler, None),
             progress=progress,
             executor=scheduler,
             command=_command(cases, quick, suite if suite != folder else None, jobs, scheduler),
@@ -103,7 +103,7 @@ def validate(
 def _check_places(cases: Sequence[Path], output: Path, document: Path | None, force: bool) -> None:
     """Check that the folder and the page can be written without loss of a file."""
     from mpmfw.campaigns.store import own_files
-    from mpmfw.results.replacing import check_new
+    from mpmfw.results.replacing import check_new, check_writable
     from mpmfw.validation.page import BEGIN
 
     if output.exists() and not output.is_dir():

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
+import importlib
 import os
 import shutil
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import matplotlib as mpl
+import numpy as np
 import xarray as xr
 from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
 
@@ -23,12 +26,7 @@ _DPI = 150
 class Movie:
     """A figure and the outputs that it goes through; colour scale and view are those of all of them.
 
-    Parameters
-    ----------
-    trees
-        Runs by label.
-    name, every, bodies, limits, arrows
-        As of :func:`animate`.
+    ``trees`` are runs by label; the rest is as of :func:`animate`.
     """
 
     def __init__(
@@ -45,7 +43,7 @@ class Movie:
         #: Times of the first run's outputs that are shown [s].
         self.times = times_of(first)[list(chosen_frames(first, every))].tolist()
         self.frames = {
-            label: [frame_at(tree, _within(tree, time)) for time in self.times]
+            label: [frame_at(tree, np.clip(time, *times_of(tree)[[0, -1]])) for time in self.times]
             for label, tree in trees.items()
         }
         self._drawing = Drawing(trees, name, self.frames, bodies, limits, arrows=arrows)
@@ -118,10 +116,16 @@ def animate(
     ffmpeg = check_movie(target)
     with labelled(results, contact=contact) as trees, mpl.rc_context():
         movie = Movie(trees, field, every=every, bodies=bodies, limits=limits, arrows=arrows)
+        writer: AbstractMovieWriter = PillowWriter(fps)
         if ffmpeg is not None:
             mpl.rcParams["animation.ffmpeg_path"] = ffmpeg
-        with replacement(target) as growing:
-            _write(movie, growing, fps, progress)
+            writer = FFMpegWriter(fps, "libx264")
+        with replacement(target) as growing, writer.saving(movie.figure, str(growing), _DPI):
+            for index in range(len(movie)):
+                movie.show(index)
+                writer.grab_frame()
+                if progress is not None:
+                    progress(index + 1, len(movie))
     return target
 
 
@@ -131,38 +135,13 @@ def check_movie(path: Path) -> str | None:
         return None
     if path.suffix != ".mp4":
         raise SceneError(f"{path}: expected a name that ends in .gif or .mp4")
-    ffmpeg = shutil.which("ffmpeg") or _packaged_ffmpeg()
+    ffmpeg = shutil.which("ffmpeg")
+    if ffmpeg is None:
+        with contextlib.suppress(ImportError, RuntimeError):  # absent, or without a binary for this system
+            ffmpeg = str(importlib.import_module("imageio_ffmpeg").get_ffmpeg_exe())
     if ffmpeg is None:
         raise SceneError(
             f"{path}: ffmpeg, which writes .mp4, is not installed; pip install 'mpmfw[animate]' brings it, "
             "and a .gif needs none"
         )
     return ffmpeg
-
-
-def _packaged_ffmpeg() -> str | None:
-    """The ffmpeg of the package imageio-ffmpeg, if it is installed."""
-    try:
-        from imageio_ffmpeg import get_ffmpeg_exe
-    except ImportError:
-        return None
-    try:
-        return str(get_ffmpeg_exe())
-    except RuntimeError:  # the package without a binary for this system
-        return None
-
-
-def _write(movie: Movie, path: Path, fps: int, progress: Callable[[int, int], None] | None) -> None:
-    writer: AbstractMovieWriter = PillowWriter(fps) if path.suffix == ".gif" else FFMpegWriter(fps, "libx264")
-    with writer.saving(movie.figure, str(path), _DPI):
-        for index in range(len(movie)):
-            movie.show(index)
-            writer.grab_frame()
-            if progress is not None:
-                progress(index + 1, len(movie))
-
-
-def _within(tree: xr.DataTree, time: float) -> float:
-    """The time, or that of the run's first or last output where it is before or after."""
-    times = times_of(tree)
-    return min(max(time, float(times[0])), float(times[-1]))

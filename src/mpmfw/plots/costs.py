@@ -19,62 +19,53 @@ _COLOURS = ("#0072B2", "#56B4E9", "#009E73", "#D55E00", "#E69F00", "#CC79A7", "#
 
 @journal_style()
 def cost_bars(dataset: xr.Dataset) -> Figure:
-    """CPU time per material point and step, stacked by stage, one bar for each combination.
-
-    Parameters
-    ----------
-    dataset
-        Of ``mpmfw.compare``.
-    """
+    """CPU time per material point and step of ``mpmfw.compare``, stacked by stage, a bar a combination."""
     rows = []
     for contact, shape, run in combinations(dataset):
         work = run["steps"] * run["material_points"]
-        times = 1e9 * run["cpu_stage"] / work.where(work > 0.0)
-        run = run.assign(stage_time=times)
+        run = run.assign(stage_time=1e9 * run["cpu_stage"] / work.where(work > 0.0))
         rows.append({"contact": contact, "shape": shape, "dims": ["contact", "shape"], "run": run})
-    figure = new_figure(1, 1, 16.0 + 4.2 * (len(rows) + len(_places(rows)[1])))
-    head(figure, dataset)
-    axes = figure.subplots()
-    _draw_bars(axes, rows, list(STEP_STAGES))
-    axes.invert_yaxis()
-    dress(axes, "CPU time [ns per point and step]", "")
-    axes.grid(False, axis="y")
-    handles = axes.get_legend_handles_labels()[0]
-    legend_below(figure, [handles[:3], handles[3:]])
-    return figure
+    return _bars({"": rows}, list(STEP_STAGES), "CPU time [ns per point and step]", dataset)
 
 
 @journal_style()
 def stages(dataset: xr.Dataset) -> Figure:
-    """CPU time by stage as stacked bars, one for each combination at the finest resolution that ran.
-
-    Parameters
-    ----------
-    dataset
-        Of ``mpmfw.study``.
+    """CPU time of ``mpmfw.study`` by stage as stacked bars, one for each combination at the finest resolution
+    that ran.
     """
     named = with_methods(dataset)
     resolution = resolution_of(named)
-    problems = list(problems_of(named))
-    bars = {title: list(runs_of(_finest(problem, resolution))) for title, problem in problems}
+    bars = {}
+    for title, problem in problems_of(named):
+        rows = list(runs_of(_finest(problem, resolution)))
+        finest = "" if resolution is None else label_of(resolution, rows[0][resolution])
+        bars[", ".join(part for part in (title, finest) if part)] = rows
+    return _bars(bars, [str(name) for name in named["stage"].values], "CPU time [s]")
+
+
+def _bars(
+    bars: dict[str, list[dict[str, Any]]], names: list[str], label: str, compared: xr.Dataset | None = None
+) -> Figure:
+    """A panel of bars for each problem, with the head of the comparison that they are of."""
+    columns = min(2, len(bars))
+    lines = -(-len(bars) // columns)
     longest = max(len(rows) + len(_places(rows)[1]) for rows in bars.values())
-    columns = min(2, len(problems))
-    lines = -(-len(problems) // columns)
     figure = new_figure(columns, lines, 16.0 + 4.2 * longest)
+    if compared is not None:
+        head(figure, compared)
     panels = figure.subplots(lines, columns, squeeze=False, sharex=True, sharey=True).ravel()
-    names = [str(name) for name in named["stage"].values]
     for axes, (title, rows) in zip(panels, bars.items(), strict=False):
         _draw_bars(axes, rows, names)
-        finest = "" if resolution is None else label_of(resolution, rows[0][resolution])
-        dress(axes, "CPU time [s]", "", ", ".join(part for part in (title, finest) if part))
+        dress(axes, label, "", title)
         axes.grid(False, axis="y")
     panels[0].invert_yaxis()  # shared: the first combination on top of every panel
-    for axes in panels[len(problems) :]:
+    for axes in panels[len(bars) :]:
         axes.remove()
     drawn = [row["run"]["stage_time"] for rows in bars.values() for row in rows]
     occurs = [any(float(times.sel(stage=name)) > 0.0 for times in drawn) for name in names]
     handles = list(itertools.compress(panels[0].get_legend_handles_labels()[0], occurs))
-    legend_below(figure, [handles[:4], handles[4:]])
+    half = (len(handles) + 1) // 2
+    legend_below(figure, [handles[:half], handles[half:]])
     return figure
 
 

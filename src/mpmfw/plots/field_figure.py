@@ -102,17 +102,8 @@ def side_by_side(
 ) -> Figure:
     """Draw a field of several runs, one panel each, under one colour scale.
 
-    Parameters
-    ----------
-    results
-        Runs by the label of their panel; a sequence is labelled by contact and shape, or by the files' names.
-    name, time, bodies, limits, arrows
-        As of :func:`field`.
-
-    Raises
-    ------
-    SceneError
-        There is no such field, body or time, or a run keeps no material points.
+    ``results`` are runs by the label of their panel; a sequence is labelled by contact and shape, or by the
+    files' names. The rest is as of :func:`field`.
     """
     with labelled(results) as trees:
         frames = {label: [frame_at(tree, time)] for label, tree in trees.items()}
@@ -133,14 +124,8 @@ def labelled(
     """Context with runs by label; files are closed at the end.
 
     A single run has the label "", those of a comparison their methods. Several runs keep their labels; those
-    of a sequence are contact and shape, or the files' names where these do not tell them apart.
-
-    Parameters
-    ----------
-    results
-        A run, a comparison, or several runs.
-    contact, against, name
-        Of a comparison, as of :func:`mpmfw.results.selection.runs_of`.
+    of a sequence are contact and shape, or the files' names where these do not tell them apart. ``contact``,
+    ``against`` and ``name`` choose runs of a comparison, as of :func:`mpmfw.results.selection.runs_of`.
     """
     with ExitStack() as stack:
         if isinstance(results, xr.DataTree | xr.Dataset | str | os.PathLike):
@@ -181,14 +166,8 @@ def _labels(results: Sequence[Results], trees: Sequence[xr.DataTree]) -> list[st
 class Drawing:
     """Panels of several runs with common scales and a colour bar, which move from output to output.
 
-    Parameters
-    ----------
-    trees
-        Runs by label.
-    name, bodies, limits, arrows
-        As of :func:`field`.
-    frames
-        The outputs of each run that will be shown; scales are those of all.
+    ``trees`` are runs by label, ``frames`` the outputs of each that will be shown; scales are those of all.
+    The rest is as of :func:`field`.
     """
 
     @journal_style()
@@ -202,9 +181,8 @@ class Drawing:
         *,
         arrows: bool = False,
     ) -> None:
-        panels = {label: FieldPanel(tree, name, bodies) for label, tree in trees.items()}
-        self.panels = panels
-        self.scales, unit = _scales(self.panels, frames, limits, arrows=arrows)
+        self.panels = panels = {label: FieldPanel(tree, name, bodies) for label, tree in trees.items()}
+        self.scales, unit = _scales(panels, frames, limits, arrows=arrows)
         x0, x1, y0, y1 = self.scales.box
         ratio = (x1 - x0) / (y1 - y0)
         columns = 1 if ratio > _WIDE or len(panels) == 1 else 2
@@ -267,7 +245,7 @@ def _scales(
 ) -> tuple[Scales, str]:
     """Common scales of all panels over all outputs that are drawn, and the unit of the colours."""
     found, boxes = zip(*(panel.survey(frames[label]) for label, panel in panels.items()), strict=True)
-    low, high, colours = _colours(found) if limits is None else _checked(limits)
+    low, high, colours = _colours(found, limits)
     units = next(iter(panels.values())).about["units"]
     size, unit = with_prefix(units, max(abs(low), abs(high)))
     box = _with_margin(np.array(boxes))
@@ -284,18 +262,17 @@ def _extend(found: Sequence[tuple[float, float]], low: float, high: float) -> st
     return {(False, False): "neither", (True, False): "min", (False, True): "max"}.get((below, above), "both")
 
 
-def _checked(limits: tuple[float, float]) -> tuple[float, float, str]:
-    """Return the given scale; zero is white if it is symmetric."""
-    low, high = limits
-    if not low < high:
-        raise SceneError(f"limits {low:g}, {high:g}: expected the lower one first")
-    return low, high, "RdBu_r" if low == -high else "viridis"
-
-
-def _colours(found: Sequence[tuple[float, float]]) -> tuple[float, float, str]:
-    """Ends of the scale and name of the colour map; if values have either sign, zero is in the middle,
-    white.
+def _colours(
+    found: Sequence[tuple[float, float]], limits: tuple[float, float] | None
+) -> tuple[float, float, str]:
+    """Ends of the scale, given or found, and name of the colour map; if values have either sign, zero is in
+    the middle, white.
     """
+    if limits is not None:
+        low, high = limits
+        if not low < high:
+            raise SceneError(f"limits {low:g}, {high:g}: expected the lower one first")
+        return low, high, "RdBu_r" if low == -high else "viridis"
     ends = np.array(found)
     if not np.isfinite(ends).any():
         raise SceneError("the field has no finite value to draw")

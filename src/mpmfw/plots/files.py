@@ -12,19 +12,11 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from mpmfw.errors import MpmfwError, SceneError
+from mpmfw.plots import scene
 from mpmfw.plots.costs import cost_bars
 from mpmfw.plots.histories import history
 from mpmfw.plots.outlines import positions
 from mpmfw.plots.rolling import contact_force, motion
-from mpmfw.plots.scene import (
-    body_motion,
-    energies,
-    gap_history,
-    moving_bodies,
-    near_pairs,
-    pair_forces,
-    touching_pairs,
-)
 from mpmfw.plots.stability import stability_figures
 from mpmfw.plots.study import study_figures
 from mpmfw.plots.style import at_last, drawn_reference, drawn_values, journal_style
@@ -35,26 +27,15 @@ from mpmfw.results.round_off import without_round_off
 from mpmfw.results.selection import series_of
 
 #: Series of a run that are drawn unasked.
-_OVERVIEW = (
-    "centre_of_mass",
-    "mean_velocity",
-    "kinetic_energy",
-    "strain_energy",
-    "contact_force",
-    "min_gap",
-)
+_OVERVIEW = ["centre_of_mass", "mean_velocity", "kinetic_energy", "strain_energy", "contact_force", "min_gap"]
 
 #: Metadata by format without which two drawings of the same figure would differ.
 _UNDATED = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
 
 
 def figures_of(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
-    """Figures of a comparison or a study that its content allows: ``{name: (figure, caption)}``.
-
-    Parameters
-    ----------
-    dataset
-        Of ``mpmfw.compare``, ``mpmfw.study`` or a map of stability, or the series of a run.
+    """Figures that the content of a comparison, a study, a map of stability or the series of a run allows:
+    ``{name: (figure, caption)}``.
     """
     if dataset.attrs.get("kind") == "study":
         return study_figures(dataset)
@@ -89,7 +70,7 @@ def figures_of(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
         figures |= _any_scene(dataset)
     if "min_gap" in dataset and isinstance(reference, RollingReference | RingsReference):
         figures["gap"] = (
-            gap_history(dataset),
+            scene.gap_history(dataset),
             "Least distance between the bodies' outlines, in cells; negative where they penetrate.",
         )
     if "cpu_stage" in dataset and np.isfinite(dataset["cpu_stage"].values).any():
@@ -107,46 +88,40 @@ def _overview(series: xr.Dataset) -> Figure:
 def _any_scene(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
     """Draw a comparison without a closed form: motion, forces, gaps and energies."""
     figures = {}
-    if "centre_of_mass" in dataset and moving_bodies(dataset):
-        figures["motion"] = (
-            body_motion(dataset),
-            "Motion of the bodies that do not stand still, the furthest first.",
-        )
-    if "contact_force" in dataset and touching_pairs(dataset):
-        figures["forces"] = (
-            pair_forces(dataset),
+    if "centre_of_mass" in dataset and scene.moving_bodies(dataset):
+        text = "Motion of the bodies that do not stand still, the furthest first."
+        figures["motion"] = (scene.body_motion(dataset), text)
+    if "contact_force" in dataset and scene.touching_pairs(dataset):
+        text = (
             "Contact force of every pair that touches, mean over the output interval: across the surface and "
-            "along it.",
+            "along it."
         )
-    if "min_gap" in dataset and near_pairs(dataset):
-        figures["gaps"] = (
-            gap_history(dataset),
-            "Least distance between the outlines of every pair that comes near; negative where they overlap.",
+        figures["forces"] = (scene.pair_forces(dataset), text)
+    if "min_gap" in dataset and scene.near_pairs(dataset):
+        text = (
+            "Least distance between the outlines of every pair that comes near; negative where they overlap."
         )
+        figures["gaps"] = (scene.gap_history(dataset), text)
     if {"kinetic_energy", "strain_energy"} <= set(dataset.data_vars):
-        figures["energies"] = (energies(dataset), "Energies of all bodies, and what contact has dissipated.")
+        text = "Energies of all bodies, and what contact has dissipated."
+        figures["energies"] = (scene.energies(dataset), text)
     return figures
 
 
 def plot_file(
     path: str | os.PathLike[str], output: str | os.PathLike[str] | None = None, *, force: bool = False
 ) -> list[Path]:
-    """Draw the figures of a run, a comparison or a study.
+    """Draw the figures of the file of a run, a comparison, a study or a map; return those written.
 
     Parameters
     ----------
     path
-        File of a run, a comparison or a study.
+        The file.
     output
-        Name of the figure, or of all where there are several, whose ending says the format, PNG without one;
-        next to ``path`` by default.
+        Name of the figure, PNG without an ending, next to ``path`` by default; of several figures the stem,
+        ``<stem>-<figure>.<format>``.
     force
         Replace figures that exist.
-
-    Returns
-    -------
-    list of Path
-        What was written: ``<stem>.<format>`` for one figure, else ``<stem>-<figure>.<format>``.
 
     Raises
     ------
@@ -175,21 +150,8 @@ def plot_file(
 
 
 def plot_files(paths: Sequence[str | os.PathLike[str]], output: str | os.PathLike[str]) -> Path:
-    """Draw the motions of several comparisons of a rolling cylinder, one row each.
-
-    Parameters
-    ----------
-    paths
-        Files of the comparisons.
-    output
-        Name of the figure, whose ending says the format.
-
-    Raises
-    ------
-    SceneError
-        A file is no comparison of a rolling cylinder.
-    MpmfwError
-        A file cannot be read, or the figure cannot be written.
+    """Draw the motions of several comparisons of a rolling cylinder, one row each; a SceneError refuses files
+    of others.
     """
     datasets = [series_of(open_results(path)) for path in paths]
     for path, dataset in zip(paths, datasets, strict=True):
@@ -202,19 +164,8 @@ def plot_files(paths: Sequence[str | os.PathLike[str]], output: str | os.PathLik
 
 
 def write_figure(figure: Figure, path: Path) -> Path:
-    """Save a figure.
-
-    Parameters
-    ----------
-    figure
-        Any figure of matplotlib.
-    path
-        File to write, whose ending says the format: ``.png`` (without one as well), ``.pdf``, ``.svg`` …
-
-    Raises
-    ------
-    MpmfwError
-        The file cannot be written; the message names it.
+    """Save a figure of matplotlib as PNG, or as the path's ending says: ``.pdf``, ``.svg`` …; an MpmfwError
+    names a file that cannot be written.
     """
     path = path if path.suffix else path.with_suffix(".png")
     form, content = path.suffix.lower(), io.BytesIO()

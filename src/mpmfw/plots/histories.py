@@ -127,16 +127,8 @@ Beside = tuple[xr.DataArray, str, FloatArray, FloatArray]
 def beside_reference(
     comparisons: Sequence[tuple[xr.Dataset, str, Mapping[str, Beside]]], label: str, noisy: str = ""
 ) -> Figure:
-    """Draw series of comparisons and their reference, which is black.
-
-    Parameters
-    ----------
-    comparisons
-        Comparisons, the titles of their panels, and the series by name, in the order of the panels.
-    label
-        Of the reference.
-    noisy
-        A series that is drawn with thin lines.
+    """Draw series of ``comparisons``, each with the title of its panels, and their reference, which is black
+    and has a ``label``; a ``noisy`` series has thin lines.
     """
     panels, keys = [], []
     for dataset, title, series in comparisons:

@@ -36,15 +36,8 @@ class Marker(NamedTuple):
 
 
 def draw_side_by_side(axes: Any, markers: Sequence[Marker]) -> None:
-    """Draw markers, up or down from their place as far as needed; a thin line leads back to it, and a dot
-    marks it.
-
-    Parameters
-    ----------
-    axes
-        A panel whose limits and layout are final.
-    markers
-        The first ones stay nearest to their places.
+    """Draw markers, the first ones nearest to their places; a thin line leads back from a shifted one, and a
+    dot marks its place. The panel's limits and layout are final.
     """
     if not markers:
         return
@@ -68,16 +61,8 @@ def draw_side_by_side(axes: Any, markers: Sequence[Marker]) -> None:
 
 
 def vertical_shifts(places: FloatArray, sizes: FloatArray, low: float, high: float) -> FloatArray:
-    """Least shifts, one after the other, that keep every marker off those before it.
-
-    Parameters
-    ----------
-    places
-        (n, 2) [pt].
-    sizes
-        (n,) diameters [pt].
-    low, high
-        The panel's edges [pt], which markers keep within where they are within unshifted.
+    """Least shifts (n,) that keep markers at ``places`` (n, 2), of diameters (n,) [pt], off those before them
+    and within the panel's edges ``low`` and ``high`` [pt].
     """
     shifts = np.zeros(len(places))
     for k in range(len(places)):

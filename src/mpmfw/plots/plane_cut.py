@@ -39,20 +39,10 @@ def plane_cut(
 
     Parameters
     ----------
-    results
-        A run's tree, or the name of its file.
-    name
-        Of the field, as of :func:`field`.
-    time
-        [s]; the nearest output is drawn, the last one by default.
-    normal
-        Axis across the plane.
-    at
-        Its place along that axis [m]; the middle of the bodies' material points by default.
-    bodies
-        Only these bodies.
-    limits
-        Ends of the colour scale [SI]; the least and the largest value by default.
+    results, name, time, bodies, limits
+        A run, and the rest as of :func:`field`.
+    normal, at
+        Axis across the plane, and its place along it [m]; the middle of the material points by default.
 
     Returns
     -------

@@ -41,14 +41,8 @@ def rendered(
 
     Parameters
     ----------
-    results
-        A run's tree, or the name of its file.
-    name
-        Of the field, as of :func:`field`.
-    time
-        [s]; the nearest output is drawn, the last one by default.
-    bodies
-        Only these bodies.
+    results, name, time, bodies
+        A run, and the rest as of :func:`field`.
     towards
         Direction in which one looks; the z axis points up.
 

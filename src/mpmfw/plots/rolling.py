@@ -9,16 +9,9 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from mpmfw.plots.histories import Beside, beside_reference
-from mpmfw.plots.style import (
-    drawn_reference,
-    drawn_values,
-)
+from mpmfw.plots.style import drawn_reference, drawn_values
 from mpmfw.results import analysis
-from mpmfw.results.references import (
-    RingsReference,
-    RollingReference,
-    rings_table,
-)
+from mpmfw.results.references import RingsReference, RollingReference, rings_table
 from mpmfw.state.fields import FloatArray
 
 #: Of the averaged force of the rings [s].
@@ -28,17 +21,8 @@ WINDOW = 100e-6
 def motion(datasets: Sequence[xr.Dataset]) -> Figure:
     """Displacement, velocity and spin of the cylinder, and its displacement less that of the closed form.
 
-    Runs whose cylinder hardly moves are left out of the last panel, where they would hide the others.
-
-    Parameters
-    ----------
-    datasets
-        Comparisons of rolling scenes; the closed form (eq. 13 of [H17]) is drawn in black.
-
-    Raises
-    ------
-    ValueError
-        A dataset is not of a rolling cylinder.
+    The closed form (eq. 13 of [H17]) is black. Runs whose cylinder hardly moves are left out of the last
+    panel, where they would hide the others. A ValueError refuses comparisons of other scenes.
     """
     comparisons = []
     for dataset in datasets:
@@ -70,11 +54,8 @@ def motion(datasets: Sequence[xr.Dataset]) -> Figure:
 def contact_force(dataset: xr.Dataset) -> Figure:
     """Contact force of the rings as stored and averaged over 100 µs, and its impulse ([H17] figure 4).
 
-    Parameters
-    ----------
-    dataset
-        Comparison; the finite-element reference is drawn if the scene is the one it was computed for. Methods
-        that report no contact force, such as ``none``, are left out.
+    The finite-element reference is drawn if the scene is the one it was computed for. Methods that report no
+    contact force, such as ``none``, are left out.
     """
     time, table = dataset["time"].values, rings_table("force")
     force = -dataset["contact_force"].isel(pair=0).sel(axis="x")  # on the pair's second body

@@ -9,9 +9,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from mpmfw.plots.histories import history
-from mpmfw.plots.style import (
-    at_last,
-)
+from mpmfw.plots.style import at_last
 from mpmfw.results.references import cell_size
 
 #: Bodies that move no further than this part of the largest motion stand still.
@@ -73,12 +71,8 @@ def pair_forces(dataset: xr.Dataset) -> Figure:
 
 
 def gap_history(dataset: xr.Dataset) -> Figure:
-    """Least distance between the surfaces of every pair that comes near; negative where they penetrate.
-
-    Parameters
-    ----------
-    dataset
-        A comparison with ``min_gap`` [m]. The gap is in cells where the cell size is known.
+    """Least distance between the surfaces of every pair of a comparison that comes near, in cells where their
+    size is known; negative where they penetrate.
     """
     h = cell_size(at_last(dataset))
     known = h > 0.0

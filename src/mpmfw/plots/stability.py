@@ -8,7 +8,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
@@ -67,7 +66,7 @@ def stability_chart(dataset: xr.Dataset) -> Figure:
     _ticks(axes.yaxis, y)
     met = np.unique(dataset["class"].values)
     patches = [Patch(facecolor=COLOURS[k], edgecolor="0.6", linewidth=0.4, label=names[k]) for k in met]
-    legend_below(figure, [patches, _line_key()])
+    legend_below(figure, [patches, axes.get_legend_handles_labels()[0]])
     return figure
 
 
@@ -87,32 +86,12 @@ def _draw_limits(axes: Any, dataset: xr.Dataset, axis: str) -> None:
     """The closed form as a line, the limits of the runs as a marker for each stiffness."""
     x = dataset[axis].values.astype(float)
     axes.plot(x, dataset["closed_form"].values, color="white", linewidth=2.8)
-    axes.plot(x, dataset["closed_form"].values, color="black", linewidth=1.2)
-    axes.plot(x, dataset["limit"].values, **_MARKER)
+    axes.plot(x, dataset["closed_form"].values, color="black", linewidth=1.2, label="closed form")
+    look = {"markerfacecolor": "white", "markeredgecolor": "black", "markeredgewidth": 0.9, "markersize": 4.0}
+    axes.plot(x, dataset["limit"].values, linestyle="", marker="o", label="Gershgorin bound", **look)
     if "courant" in dataset.attrs:
-        axes.axhline(float(dataset.attrs["courant"]), **_REFUSED)
-
-
-_MARKER: dict[str, Any] = {
-    "linestyle": "",
-    "marker": "o",
-    "markersize": 4.0,
-    "markerfacecolor": "white",
-    "markeredgecolor": "black",
-    "markeredgewidth": 0.9,
-}
-
-
-#: Line of the Courant number above which the bulk's step is refused.
-_REFUSED: dict[str, Any] = {"color": "black", "linewidth": 0.8, "linestyle": (0, (4, 2))}
-
-
-def _line_key() -> list[Any]:
-    return [
-        Line2D([], [], color="black", linewidth=1.2, label="closed form"),
-        Line2D([], [], **_MARKER, label="Gershgorin bound"),
-        Line2D([], [], **_REFUSED, label="refused"),
-    ]
+        courant, dashes = float(dataset.attrs["courant"]), (0, (4, 2))
+        axes.axhline(courant, color="black", linewidth=0.8, linestyle=dashes, label="refused")
 
 
 def _ticks(axis: Any, values: FloatArray) -> None:

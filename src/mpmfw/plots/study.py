@@ -18,6 +18,8 @@ from mpmfw.plots.style import Look, dress, journal_style, legend_below, new_figu
 
 #: Marker sizes [pt] of the coarsest and the finest resolution.
 _SIZES = (5.5, 3.5)
+#: Line of the error that a study asks for.
+_LIMIT: dict[str, Any] = {"color": "0.55", "linewidth": 0.6, "linestyle": (0, (4, 3))}
 
 
 def study_figures(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
@@ -40,14 +42,10 @@ def study_figures(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
 
 @journal_style()
 def front(dataset: xr.Dataset) -> Figure:
-    """Error over CPU time on logarithmic axes, one panel a problem, the Pareto front drawn.
+    """Error over CPU time of ``mpmfw.study`` on logarithmic axes, one panel a problem, with the Pareto front.
 
-    Parameters
-    ----------
-    dataset
-        Of ``mpmfw.study``. Colour says the contact, marker the shape function, size the resolution; filled is
-        what is on the front. Markers that would cover each other are moved up or down, a dot is where they
-        belong.
+    Colour says the contact, marker the shape function, size the resolution; what is on the front is filled.
+    Markers that would cover each other are moved up or down, a dot is where they belong.
     """
     named = with_methods(dataset)
     problems = list(problems_of(named))
@@ -63,31 +61,16 @@ def front(dataset: xr.Dataset) -> Figure:
         axes.set_xscale("log")
         axes.set_yscale("log")
         axes.margins(y=0.12)
-        axes.axhline(
-            100.0 * float(dataset.attrs["under"]),
-            color="0.55",
-            linewidth=0.6,
-            linestyle=(0, (4, 3)),
-            zorder=0,
-        )
-        dress(
-            axes,
-            "CPU time [s]",
-            f"error of {_quantity(dataset)} [%]" if axes is panels[0] else "",
-            _title(title, problem),
-        )
+        axes.axhline(100.0 * float(dataset.attrs["under"]), zorder=0, **_LIMIT)
+        quantity = str(dataset.attrs["quantity"]).replace("-", " ")
+        ylabel = f"error of {quantity} [%]" if axes is panels[0] else ""
+        dress(axes, "CPU time [s]", ylabel, _title(title, problem))
         _plain_ticks(axes)
     for axes in panels[len(problems) :]:
         axes.remove()
     key = _key(named, look, resolution)
-    legend_below(
-        figure,
-        key,
-        most=max(map(len, key)),
-        columnspacing=0.8,
-        handlelength=1.3,
-        handletextpad=0.5,
-    )
+    most = max(map(len, key))
+    legend_below(figure, key, most=most, columnspacing=0.8, handlelength=1.3, handletextpad=0.5)
     figure.draw_without_rendering()  # sizes and limits of the panels are final from here on
     for axes, (_, problem) in zip(panels, problems, strict=False):
         drawn = [row for row in runs_of(problem) if _can_be_drawn(row["run"])]
@@ -180,46 +163,30 @@ def _plain_ticks(axes: Any) -> None:
         axis.set_minor_formatter(NullFormatter())
 
 
-def _quantity(dataset: xr.Dataset) -> str:
-    return str(dataset.attrs["quantity"]).replace("-", " ")
-
-
 def _key(dataset: xr.Dataset, look: Look, resolution: str | None) -> list[list[Artist]]:
     """Rows of the legend: colours, markers, sizes, and the front."""
-    colours: list[Artist] = [
-        Line2D([], [], color=colour, linewidth=2.5, label=name) for name, colour in look.colours.items()
-    ]
+    colours, _ = look.key()
     markers: list[Artist] = [
         Line2D([], [], color="0.3", linestyle="", marker=marker, markersize=5, label=name)
         for name, (_, marker) in look.styles.items()
     ]
     limit = 100.0 * float(dataset.attrs["under"])
+    filled: dict[str, Any] = {"markerfacecolor": "0.6", "markeredgecolor": "black", "markersize": 4}
     lines: list[Artist] = [
-        Line2D(
-            [],
-            [],
-            color="0.25",
-            linewidth=0.9,
-            marker="o",
-            markerfacecolor="0.6",
-            markeredgecolor="black",
-            markersize=4,
-            label="front",
-        ),
-        Line2D([], [], color="0.55", linewidth=0.6, linestyle=(0, (4, 3)), label=f"{limit:g} %"),
+        Line2D([], [], color="0.25", linewidth=0.9, marker="o", label="front", **filled),
+        Line2D([], [], label=f"{limit:g} %", **_LIMIT),
     ]
     if resolution is None:
         return [colours, markers, lines]
+    grey: dict[str, Any] = {"color": "0.3", "linestyle": "", "marker": "o"}
     sizes: list[Artist] = [
         Line2D(
-            [], [], color="0.3", linestyle="", marker="o", label=label_of(resolution, label),
+            [],
+            [],
+            label=label_of(resolution, label),
             markersize=_size(dataset, resolution, {resolution: label}),
+            **grey,
         )
         for label in order_of(dataset, resolution)
-    ]  # fmt: skip
-    return [
-        colours,
-        markers,
-        [*sizes, *lines] if len(sizes) <= 2 else sizes,
-        *([] if len(sizes) <= 2 else [lines]),
     ]
+    return [colours, markers, [*sizes, *lines]] if len(sizes) <= 2 else [colours, markers, sizes, lines]

@@ -193,20 +193,11 @@ def combinations(dataset: xr.Dataset) -> Iterator[tuple[str, str, xr.Dataset]]:
 def legend_below(
     figure: Figure, rows: Sequence[Sequence[Artist]], most: int | None = None, **look: float
 ) -> None:
-    """Put the legend outside the panels, where it covers no curve; each row begins a new line of it. In a
-    figure of one column a method's options have lines of their own.
+    """Put the legend below the panels; each row of entries begins a new line of it. In a figure of one column
+    a method's options have lines of their own.
 
-    The figure grows by what a legend of many lines takes, so that the panels keep their size.
-
-    Parameters
-    ----------
-    figure, rows
-        What it belongs to, and its entries.
-    most
-        Largest number of columns, by default four a panel; fewer are taken where they do not fit the figure's
-        width.
-    **look
-        Of ``Figure.legend``.
+    The figure grows by what a legend of many lines takes, so that the panels keep their size. It has at most
+    ``most`` columns, by default four a panel; fewer where they do not fit the figure's width.
     """
     if figure.get_figwidth() <= PANEL:
         for entry in itertools.chain(*rows):

@@ -7,25 +7,13 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Column:
-    """One measure.
+    """One measure."""
 
-    Parameters
-    ----------
-    heading, short
-        On a page, and on a terminal.
-    unit
-        ``1`` for a plain number.
-    meaning
-        How it is measured.
-    signed
-        An error whose sign says something: shown with it.
-    """
-
-    heading: str
-    short: str
-    unit: str
+    heading: str  #: on a page
+    short: str  #: on a terminal
+    unit: str  #: ``1`` for a plain number
     meaning: str
-    signed: bool = False
+    signed: bool = False  #: whether it is shown with its sign
 
 
 _IMPULSE = "impulse on the second body, the integral of the contact force"

@@ -18,23 +18,13 @@ from mpmfw.state.fields import FloatArray
 
 @dataclass(frozen=True)
 class Difference:
-    """A quantity at the end of the runs.
+    """A quantity at the end of the runs."""
 
-    Parameters
-    ----------
-    quantity, unit
-        What it is of which body or pair.
-    values
-        One for each contact and shape, (contact, shape); NaN of a run that did not end.
-    scale
-        What a difference is measured against, in the same unit; ``against`` says what it is.
-    """
-
-    quantity: str
+    quantity: str  #: with its body or pair
     unit: str
-    values: FloatArray
-    scale: float
-    against: str
+    values: FloatArray  #: (contact, shape); NaN of a run that did not end
+    scale: float  #: that a difference is measured against, in the same unit
+    against: str  #: name of the scale
 
     @property
     def spread(self) -> float:
@@ -44,12 +34,8 @@ class Difference:
 
 
 def differences(dataset: xr.Dataset) -> list[Difference]:
-    """Quantities of a comparison by how far its methods differ in them, the largest difference first.
-
-    Parameters
-    ----------
-    dataset
-        Of ``compare``; of varied keys the last value counts.
+    """Quantities of a comparison by how far its methods differ in them, the largest difference first; of
+    varied keys the last value counts.
     """
     last = at_last(without_round_off(dataset))
     return sorted(_quantities(last), key=lambda one: -one.spread)

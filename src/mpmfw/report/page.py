@@ -26,19 +26,8 @@ _MOST_DIFFERENCES, _LEAST_SPREAD = 15, 1e-3
 
 
 def write_report(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
-    """Write a comparison as one HTML page that needs no network; every text in it is escaped.
-
-    Parameters
-    ----------
-    dataset
-        Of ``compare``.
-    path
-        File to write.
-
-    Raises
-    ------
-    MpmfwError
-        The file cannot be written.
+    """Write a comparison of ``compare`` as one HTML page that needs no network; every text in it is escaped.
+    An MpmfwError says that the file cannot be written.
     """
     attributes, rows = dataset.attrs, table(dataset)
     names = list(dict.fromkeys(name for row in rows for name in row))

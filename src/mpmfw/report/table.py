@@ -10,17 +10,9 @@ import numpy as np
 import xarray as xr
 
 from mpmfw.report.columns import CHOICES, Column
-from mpmfw.results import analysis
+from mpmfw.results import analysis, references
 from mpmfw.results.conservation import dissipation
-from mpmfw.results.references import (
-    RingsReference,
-    RollingReference,
-    cell_size,
-    own_attributes,
-    reference_of,
-    rings_table,
-    scene_of_results,
-)
+from mpmfw.results.references import RingsReference, RollingReference, cell_size, own_attributes, rings_table
 from mpmfw.results.round_off import ROUND_OFF
 from mpmfw.state.fields import FloatArray
 
@@ -31,18 +23,10 @@ def method_dims(dataset: xr.Dataset) -> list[Hashable]:
 
 
 def table(dataset: xr.Dataset) -> list[dict[str, Any]]:
-    """Return one row for each combination of a comparison.
+    """Return one row for each combination of a comparison: the method's labels, what ``auto`` chose
+    (:data:`CHOICES`), ``status`` and the measures of :data:`COLUMNS` that apply to the scene.
 
-    Parameters
-    ----------
-    dataset
-        Of ``compare``; which errors there are depends on the scene in its attributes and on the varied keys.
-
-    Returns
-    -------
-    list of dict
-        The method's labels, what ``auto`` chose (:data:`CHOICES`), ``status`` and the measures of
-        :data:`COLUMNS` that apply; errors in per cent; NaN where a run did not reach the time of the measure.
+    Errors are in per cent; NaN where a run did not reach the time of the measure.
     """
     dims = method_dims(dataset)
     rows = []
@@ -52,7 +36,7 @@ def table(dataset: xr.Dataset) -> list[dict[str, Any]]:
         row: dict[str, Any] = {str(dim): label for dim, label in choice.items()}
         row |= {name: str(one[name].item()) for name in CHOICES if name in dataset.data_vars}
         row["status"] = str(one["status"].item())
-        reference = reference_of(own_attributes(one))
+        reference = references.reference_of(own_attributes(one))
         if isinstance(reference, RollingReference):
             row |= rolling_measures(one, reference)
         elif isinstance(reference, RingsReference):
@@ -62,7 +46,7 @@ def table(dataset: xr.Dataset) -> list[dict[str, Any]]:
             forces = one["contact_force"].transpose("pair", "time", ...).values
             most = int(np.argmax(np.nansum(forces.reshape(len(forces), -1) ** 2, axis=1)))
             row |= {"force_noise": 100.0 * analysis.force_noise(one["time"].values, forces[most])}
-        if (scene := scene_of_results(own_attributes(one))) is not None:
+        if (scene := references.scene_of_results(own_attributes(one))) is not None:
             row |= {"dissipation": 100.0 * dissipation(one, scene)}
         if "min_gap" in one:
             row |= gap_measures(one["min_gap"].min("pair").values / cell_size(one))

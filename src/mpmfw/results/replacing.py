@@ -41,16 +41,35 @@ def check_room(path: str, size: int) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
-def check_replaceable(path: str | os.PathLike[str], kind: str, what: str) -> None:
-    """Check, before long work, that a file can be written and replaces no file but an empty one or one of its
-    own kind.
+#: What results of each kind are called.
+_KINDS = {
+    "run": "run's results",
+    "compare": "comparison",
+    "choice": "result of mpmfw choose",
+    "stability": "map of stability",
+    "study": "study's results",
+}
 
-    Parameters
-    ----------
-    path
-        Of the file.
-    kind, what
-        The attribute ``kind`` of such files, and what they are called.
+
+def check_writable(path: Path) -> Path:
+    """Return the path, if a file can be written there; else raise a SceneError."""
+    if os.path.islink(os.path.realpath(path)):
+        raise SceneError(f"{path}: is a link that leads to itself; give the name of a file")
+    if path.is_dir():
+        raise SceneError(f"{path}: is a folder; give the name of a file")
+    if path.exists() and not path.is_file():
+        raise SceneError(f"{path}: is a device or a pipe; give the name of a file")
+    folder = path.parent
+    if not folder.is_dir():
+        raise SceneError(f"{path}: the folder {folder} does not exist")
+    if not all(os.access(one, os.W_OK) for one in (folder, path) if one.exists()):
+        raise SceneError(f"{path}: cannot be written")
+    return path
+
+
+def check_replaceable(path: str | os.PathLike[str], kind: str) -> None:
+    """Check, before long work, that results can be written and replace no file but an empty one or one of
+    their ``kind``; else raise a SceneError.
     """
     try:
         os.fspath(path).encode()
@@ -58,14 +77,10 @@ def check_replaceable(path: str | os.PathLike[str], kind: str, what: str) -> Non
         raise SceneError(
             f"{os.fspath(path)!r}: is not UTF-8, as the name of a NetCDF file must be; give another name"
         ) from error
-    path = Path(os.path.realpath(path))
-    if not path.parent.is_dir():
-        raise MpmfwError(f"cannot create '{path}': there is no folder '{path.parent}'")
-    if not os.access(path.parent, os.W_OK) or path.is_dir():
-        raise MpmfwError(f"cannot create '{path}': not writable")
+    path = check_writable(Path(path))
     if path.is_file() and path.stat().st_size and kind_of_file(path) != kind:
         raise SceneError(
-            f"{path}: is there already and is no {what}, so it is not replaced; give another name"
+            f"{path}: is there already and is no {_KINDS[kind]}, so it is not replaced; give another name"
         )
 
 

@@ -115,7 +115,7 @@ def _begun(
     every = EVERY if checkpoint is None else seconds_between(checkpoint)
     path = None if output is None else os.path.abspath(output)  # a plug-in may change the working folder
     if path is not None:
-        check_replaceable(path, "run", "run's results")
+        check_replaceable(path, "run")
     loaded = load_scene(scene, set={**chosen_methods(contact, shape), **(set or {})})
     try:
         simulation = Simulation(loaded, contact=contact, shape=shape, threads=threads)

@@ -108,7 +108,7 @@ def stability_map(
     check_values(values, cfl, steps)
     check_overrides(loaded, axis)
     if output is not None:
-        check_replaceable(output, "stability", "map of stability")
+        check_replaceable(output, "stability")
     points = _points(loaded, objects, axis, values)
     ticks, closed = np.array([_theory(point) for point in points]).T
     grid = _grid(points, ticks, axis, values, cfl, steps)

@@ -102,7 +102,7 @@ def choose(
     about = About(request.pop("body", None), request.pop("pair", None), request.pop("axis", None))
     execution = Execution.of(request, repeats=1)
     if output is not None:
-        check_replaceable(output, "choice", "result of mpmfw choose")
+        check_replaceable(output, "choice")
     loaded = load_scene(scene, set=shared)
     check_names(about, loaded, _error_at)
     chosen, kind = _known(loaded, measure, about)

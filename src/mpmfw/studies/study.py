@@ -83,7 +83,7 @@ def study(
         raise SceneError(f"timing: '{timing}' is unknown; expected one of {', '.join(get_args(Timing))}")
     path = None if output is None else Path(output)
     if path is not None:
-        check_replaceable(path, "study", "study's results")
+        check_replaceable(path, "study")
     grid = make_grid(loaded)
     judge = Judge(loaded.tables.error, grid, loaded.at, loaded.beside)
     if scheduler is not None and any(running.get(key) is not None for key in ("executor", "jobs")):
