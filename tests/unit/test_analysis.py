@@ -13,6 +13,7 @@ from mpmfw.results.references import (
     RollingReference,
     cell_size_of,
     reference_of,
+    scene_of,
 )
 from mpmfw.scene.loading import shipped_scenes
 
@@ -94,7 +95,7 @@ def test_shipped_scenes_are_recognised():
         assert isinstance(reference, RollingReference)
         assert reference.body == "cylinder"
         assert reference.solution == analysis.rolling_solution(*case)
-        assert cell_size_of(texts[name]) == 0.4
+        assert cell_size_of(scene_of(texts[name])) == 0.4
     for name, tilt, friction in (
         ("rolling-sphere-slip", 60.0, 0.286),
         ("rolling-sphere-no-slip", 45.0, 0.495),
@@ -110,7 +111,7 @@ def test_shipped_scenes_are_recognised():
         10.0 / np.sqrt(2.0) * 5 / 7
     )
     assert reference_of(texts["colliding-rings"]) == RingsReference("left", "right")
-    assert cell_size_of(texts["colliding-rings"]) == pytest.approx(0.002)
+    assert cell_size_of(scene_of(texts["colliding-rings"])) == pytest.approx(0.002)
 
 
 def test_other_scenes_have_no_reference():

@@ -16,7 +16,7 @@ from mpmfw.errors import SceneError
 from mpmfw.geometry.facets import neighbours_of, stars_of
 from mpmfw.geometry.solids import sphere_surface
 from mpmfw.kernels import Facets, minimum_gap
-from mpmfw.paraview.distances import distances_in_space
+from mpmfw.paraview.meshes import distances_in_space
 from scenes_for_tests import ball_on_a_box, with_changes
 
 BODIES = ("upper", "floor")

@@ -26,32 +26,18 @@ class Running(TypedDict, total=False):
 
 @dataclass(frozen=True)
 class Execution:
-    """How runs take place.
+    """How runs take place."""
 
-    Attributes
-    ----------
-    executor, jobs
-        What runs them: an executor of ``concurrent.futures``, a ``Client`` or cluster of
-        ``dask.distributed``, or the address of its scheduler; or so many processes of one thread each, where
-        1 is this process itself and None one for each core.
-    store
-        Folder of finished runs, from which a campaign that was broken off, or changed, takes what still
-        applies. Without it nothing is kept.
-    repeats
-        Runs of each point, of which the least CPU time is its cost: 1, or as a study says, if left out.
-    force
-        Whether runs may be past the limits of steps and frames.
-    progress, run_progress
-        Called after every run, and within runs that take place in this process.
-    """
-
+    #: an executor of ``concurrent.futures``, a ``Client`` or cluster of ``dask.distributed``, or the address
+    #: of its scheduler
     executor: Any = None
-    jobs: int | None = 1
+    jobs: int | None = 1  #: processes of one thread each; 1 is this process itself, None one for each core
+    #: folder of finished runs, from which a campaign takes what applies; without it nothing is kept
     store: str | os.PathLike[str] | None = None
-    repeats: int | None = None
-    force: bool = False
-    progress: Progress | None = None
-    run_progress: Callable[[float, int], None] | None = None
+    repeats: int | None = None  #: runs of each point, of which the least CPU time counts: 1, or as a study says
+    force: bool = False  #: whether runs may be past the limits of steps and frames
+    progress: Progress | None = None  #: called after every run
+    run_progress: Callable[[float, int], None] | None = None  #: called within runs in this process
 
     @classmethod
     def of(cls, running: Mapping[str, Any], **others: Any) -> Execution:

@@ -112,16 +112,10 @@ class RunGrid:
 def make_grid(
     scenes: Mapping[str, Any], vary: Mapping[str, Sequence[Any]], shared: Mapping[str, Any]
 ) -> RunGrid:
-    """Expand what varies.
+    """Expand ``vary``, values by short name or dotted key, over scenes by label.
 
-    Parameters
-    ----------
-    scenes
-        What ``mpmfw.load_scene`` takes, by label; a single one without a label is no dimension.
-    vary
-        Values by short name or dotted key; those of ``contact`` and ``shape`` are names or strategy objects.
-    shared
-        Values by dotted key that all runs share.
+    A single scene without a label is not a dimension. Methods are names or strategy objects. ``shared`` are
+    values by dotted key of all runs.
     """
     names = dimension_names(vary)
     coords: dict[str, list[Any]] = {"scene": list(scenes)} if list(scenes) != [""] else {}

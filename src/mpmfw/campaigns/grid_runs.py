@@ -81,18 +81,9 @@ def timing_of(costs: Sequence[Cost]) -> str:
 class GridRuns:
     """The runs of a grid, which a store keeps and an executor does.
 
-    Parameters
-    ----------
-    grid, execution
-        The points, and how they run.
-    what
-        Name of the whole in the text of an interruption.
-    output
-        File beside whose name finished runs are kept, where the execution has no store.
-    exclusive
-        Whether those costs alone count that were measured one run at a time.
-    threads
-        Of each run in this process.
+    ``what`` names the whole in the text of an interruption. Finished runs are kept beside ``output`` where
+    the execution has no store. With ``exclusive`` only costs count that were measured one run at a time.
+    ``threads`` are those of each run in this process.
     """
 
     def __init__(

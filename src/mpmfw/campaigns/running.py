@@ -54,18 +54,9 @@ def complete(
 ) -> None:
     """Run what the store lacks, results and repeats, and keep each as it ends.
 
-    Parameters
-    ----------
-    tasks
-        Different runs by key.
-    store, executor
-        Where finished runs are, and where others run.
-    repeats
-        Costs that each run is to have.
-    exclusive
-        Whether costs are measured one at a time, in this process, after all results are there.
-    progress, run_progress
-        Called after every run, and within every run in this process.
+    Each run gets ``repeats`` costs; ``exclusive`` ones are measured one at a time, in this process, after all
+    results are there.
+    ``progress`` is called after every run, ``run_progress`` within every run in this process.
     """
 
     def lacking(key: str) -> int:

@@ -72,21 +72,11 @@ _ABANDONED = 3600.0
 
 
 class Store:
-    """A folder of finished runs: ``<key>.nc`` with the results, then ``<key>.json`` with the rest.
+    """A folder of finished runs: ``<key>.nc`` with the results, then ``<key>.json``, which says that the run
+    is complete. Without a folder outcomes are kept for as long as this object lives.
 
-    The second file says that the run is complete. Both get their names only when they are whole, so that
-    several campaigns may share a folder and a kill at any moment leaves none half written. Files and folder
-    have the rights that the umask leaves, so that colleagues may read what the user lets them.
-
-    Parameters
-    ----------
-    folder
-        Made at the first run that is stored; None keeps outcomes for as long as this object lives.
-
-    Raises
-    ------
-    MpmfwError
-        A file cannot be written.
+    Both files get their names only when they are whole, so that several campaigns may share a folder and a
+    kill at any moment leaves none half written. Rights are those that the umask leaves.
     """
 
     def __init__(self, folder: str | os.PathLike[str] | None = None) -> None:
@@ -131,17 +121,11 @@ class Store:
     def prune(
         self, takes: Callable[[Mapping[str, str]], bool], days: float | None = None
     ) -> tuple[int, int, int]:
-        """Forget outcomes whose code ``takes`` refuses or that are older than ``days``; keep other files.
+        """Forget outcomes whose code ``takes`` refuses or that are older than ``days``, and what killed
+        processes left; keep other files.
 
-        Returns the numbers of runs that were forgotten and are kept, and the bytes that became free, with
-        files that a killed process left.
-
-        Raises
-        ------
-        SceneError
-            There are files, and none of them is a store's.
-        MpmfwError
-            The folder cannot be read, or a file cannot be removed.
+        Returns the numbers of runs that were forgotten and are kept, and the bytes that became free. A
+        SceneError refuses a folder with files of which none is a store's.
         """
         try:
             own = own_files(self.folder)

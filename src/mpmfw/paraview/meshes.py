@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import shapely
 import xarray as xr
 
 from mpmfw.errors import MpmfwError, SceneError
-from mpmfw.paraview.distances import distances_in_plane, distances_in_space
-from mpmfw.results.domains import Corners, triangles_of
+from mpmfw.results.domains import Corners, loops, triangles_of
 from mpmfw.results.selection import frame_of
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 
@@ -42,15 +42,10 @@ def mesh_library(user: str = "export", instead: str = "") -> Any:
 def points_mesh(
     tree: xr.DataTree, bodies: Mapping[str, int], corners: Mapping[str, Corners | None], frame: int
 ) -> Mesh:
-    """Return material points of the bodies at one output.
+    """Return material points of the ``bodies``, whose indices become the array ``body``, at one output.
 
-    Parameters
-    ----------
-    bodies
-        Index in the scene by name; the index becomes the array ``body``.
-    corners
-        Of the domains, by body. With domains a material point is a quadrilateral and its fields are cell
-        data; without them it is a vertex and they are point data.
+    With ``corners`` of domains a material point is a quadrilateral and its fields are cell data; without them
+    it is a vertex and they are point data.
     """
     frames = {body: frame_of(tree, f"particles/{body}", frame) for body in bodies}
     points = _joined(frames, bodies, "particle")
@@ -101,10 +96,8 @@ def surface_mesh(tree: xr.DataTree, bodies: Mapping[str, int], frame: int) -> Me
 def _nearest(
     body: str, shapes: Mapping[str, tuple[FloatArray, IntArray]]
 ) -> tuple[FloatArray, FloatArray | None]:
-    """Distance of a body's surface nodes (s,) [m] from the nearest other surface, negative inside of it.
-
-    It is measured as ``min_gap`` is, and NaN without another surface. The second array (s, 3) holds the
-    outward direction of the other surface there; it is None in the plane.
+    """Distance of a body's surface nodes (s,) [m] from the nearest other surface, negative inside, measured
+    as ``min_gap``, NaN without another; and the outward direction (s, 3) there, None in the plane.
     """
     position = shapes[body][0]
     others = [shape for other, shape in shapes.items() if other != body]
@@ -117,6 +110,41 @@ def _nearest(
     )
     nearest, rows = gaps.argmin(axis=0), np.arange(len(position))
     return gaps[nearest, rows], outward[nearest, rows]
+
+
+def distances_in_plane(points: FloatArray, nodes: FloatArray, segments: IntArray) -> FloatArray:
+    """Signed distance (n,) [m] of points (n, 2) from closed polylines, negative inside the material, which
+    lies inside an odd number of them.
+
+    The first node of segment s of ``segments`` (s, 2) is node s of ``nodes`` (s, 2) [m].
+    """
+    rings = [shapely.Polygon(nodes[loop]) for loop in loops(segments[:, 1])]
+    outlines = shapely.MultiLineString([ring.exterior for ring in rings])
+    shapely.prepare(rings)
+    inside = np.logical_xor.reduce([shapely.contains_xy(ring, points) for ring in rings])
+    distance = shapely.distance(outlines, shapely.points(points))
+    return np.asarray(np.where(inside, -distance, distance))
+
+
+def distances_in_space(
+    points: FloatArray, nodes: FloatArray, facets: IntArray
+) -> tuple[FloatArray, FloatArray]:
+    """Signed distance (n,) [m] of points (n, 3) from a closed surface of triangles, negative inside, and the
+    unit vectors (n, 3) along it, zero where it is zero.
+
+    Triangles ``facets`` (k, 3) of ``nodes`` (s, 3) [m] are counter-clockwise as seen from outside. Where the
+    nearest point lies on an edge or a node the angle-weighted normal decides (J. A. Bærentzen, H. Aanæs,
+    2005), as for ``min_gap``.
+    """
+    mesh: Any = mesh_library().PolyData  # its annotations know no fixed width of integers
+    surface = mesh.from_regular_faces(nodes, facets)
+    cloud = mesh(points).compute_implicit_distance(surface)
+    gap = np.asarray(cloud["implicit_distance"])
+    nearest = surface.find_closest_cell(points, return_closest_point=True)[1]
+    away = points - nearest
+    outward = np.zeros_like(points)
+    np.divide(away, gap[:, np.newaxis], out=outward, where=gap[:, np.newaxis] != 0.0)
+    return gap, outward
 
 
 def contact_fields(

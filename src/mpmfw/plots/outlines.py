@@ -22,7 +22,7 @@ from mpmfw.plots.style import (
     new_figure,
 )
 from mpmfw.plots.units import length_scale, time_scale
-from mpmfw.results.references import RollingReference, cell_size, grid_lower_of, own_attributes
+from mpmfw.results.references import RollingReference, cell_size, own_attributes, scene_of_results
 from mpmfw.results.round_off import ROUND_OFF
 
 #: Bodies by colour, in the scene's order; those that stand still are grey.
@@ -136,9 +136,10 @@ def _draw_closer(axes: Any, near: Any, run: xr.Dataset, colours: dict[str, str],
     mover = last[int(np.argmax(far))]
     x, y = mover[np.nanargmin(mover[:, 1])]
     span = 0.22 * float(np.nanmax(mover[:, 0]) - np.nanmin(mover[:, 0]))
-    h, lower = scale * cell_size(run), grid_lower_of(own_attributes(run))
-    if h > 0.0 and len(lower) == 2:
-        for middle, start, draw in zip((x, y), lower, (near.axvline, near.axhline), strict=True):
+    scene = scene_of_results(own_attributes(run))
+    if scene is not None and scene.dim == 2:
+        h = scale * float(scene.grid.cell_size)
+        for middle, start, draw in zip((x, y), scene.grid.lower, (near.axvline, near.axhline), strict=True):
             begin = scale * start
             for k in range(int(np.ceil((middle - span - begin) / h)), int((middle + span - begin) / h) + 1):
                 draw(begin + k * h, color="0.8", linewidth=0.5, zorder=0)

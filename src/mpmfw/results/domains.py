@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import xarray as xr
-from pydantic import ValidationError
 
 from mpmfw.errors import MpmfwError
 from mpmfw.geometry import discretise
@@ -45,11 +43,16 @@ def corners_of(tree: xr.DataTree, body: str) -> Corners | None:
     needed = {"position", "deformation_gradient", "mass"}
     if not str(tree.attrs.get("shape", "")).startswith("cpdi") or not needed <= set(points.data_vars):
         return None
-    half_edges, area = _initial(scene_of({str(name): value for name, value in tree.attrs.items()}), body)
-    mass = np.asarray(points["mass"].values, dtype=float)
-    if half_edges is None or len(area) != len(mass):
+    found = _body(tree, body)
+    try:
+        layout = None if found is None else discretise(found[0].geometry, found[0].particles, None)
+    except (OSError, ValueError, MpmfwError):  # a mesh file that is no longer there
         return None
-    if not np.allclose(mass / area, mass[0] / area[0], rtol=1e-9, atol=0.0):
+    mass = np.asarray(points["mass"].values, dtype=float)
+    if layout is None or layout.half_edges is None or len(layout.volume) != len(mass):
+        return None
+    half_edges, density = layout.half_edges, mass / layout.volume
+    if not np.allclose(density, density[0], rtol=1e-9, atol=0.0):
         return None
 
     def corners(frame: xr.Dataset) -> FloatArray:
@@ -61,18 +64,15 @@ def corners_of(tree: xr.DataTree, body: str) -> Corners | None:
 
 def triangles_of(tree: xr.DataTree, body: str) -> IntArray | None:
     """Triangles (k, 3) of a body's surfaces in space, by its nodes, from the scene that the results carry;
-    None if it has none.
-
-    The surface is made as it was for the run; whether a mesh file is still the same only the number of its
-    nodes says.
+    None if it has none. Of a mesh file that has changed only the number of its nodes tells.
     """
-    attributes = {str(name): value for name, value in tree.attrs.items()}
-    try:
-        table = _table(scene_of(attributes), body)
-        made = table.geometry.surfaces(table.segment_length(cell_size_of(attributes)))
-    except (KeyError, TypeError, ValueError, OSError, ValidationError, MpmfwError):
+    if (found := _body(tree, body)) is None:
         return None
-    return joined(made)[1]
+    table, cell_size = found
+    try:
+        return joined(table.geometry.surfaces(table.segment_length(cell_size)))[1]
+    except (TypeError, OSError, ValueError, MpmfwError):
+        return None
 
 
 def surface_in_space(tree: xr.DataTree, body: str, frame: int) -> tuple[FloatArray, IntArray] | None:
@@ -100,20 +100,15 @@ def loops(following: IntArray) -> list[IntArray]:
     return found
 
 
-def _table(scene: dict[str, Any], body: str) -> Body:
-    """A body of the scene that results carry; code that they name is not imported."""
-    table = scene["bodies"][body]
-    if problem := next(code_in(table), None):
-        raise ValueError(problem.message)
-    return Body.model_validate(table, context=context_of_cells(scene))
-
-
-def _initial(scene: dict[str, Any], body: str) -> tuple[FloatArray | None, FloatArray]:
-    """Half-edges (n, 2, 2) [m] and areas (n,) [m²] before the motion, from the scene; None if it has no such
-    body."""
+def _body(tree: xr.DataTree, body: str) -> tuple[Body, float] | None:
+    """A body of the scene that results carry, and its cell size [m]; None where the scene has none, is of
+    another version, or the body names code, which is not imported.
+    """
+    scene = scene_of({str(name): value for name, value in tree.attrs.items()})
     try:
-        table = _table(scene, body)
-        layout = discretise(table.geometry, table.particles, None)
-    except (KeyError, TypeError, ValueError, OSError, ValidationError, MpmfwError):
-        return None, np.empty(0)  # a scene of another version, or a mesh file that is no longer there
-    return layout.half_edges, layout.volume
+        table = scene["bodies"][body]
+        if next(code_in(table), None):
+            return None
+        return Body.model_validate(table, context=context_of_cells(scene)), cell_size_of(scene)
+    except (KeyError, TypeError, ValueError):
+        return None

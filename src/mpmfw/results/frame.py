@@ -11,73 +11,36 @@ from mpmfw.state.fields import AnyArray, Field, IntArray
 
 @dataclass(frozen=True)
 class RunHeader:
-    """All that is known of a run before its first step.
+    """All that is known of a run before its first step."""
 
-    Parameters
-    ----------
-    dim
-        Number of space dimensions, 2 or 3.
-    bodies, pairs
-        Names of the bodies and labels ``a-b`` of the pairs, in the scene's order.
-    particle_count
-        Number of material points of each body.
-    fields
-        The declarations of every array that frames hold; the ``output`` flag is not read.
-    surface_count
-        Number of surface nodes of each body; a body that is absent or has 0 has no surface.
-    connectivity
-        For each body with a surface, the node ``next[s]`` at which the segment that starts at node ``s``
-        ends, counted within the body, shape (surface_node,).
-    attributes
-        Root attributes: scene text, title, contact, shape, scheme, transfer, effects, plug-ins, versions …
-        Mappings and sequences of mixed type are stored as JSON; a value of ``None`` is left out.
-    per_metre
-        Whether masses, forces and energies in 2D are those of a metre of thickness; else of the thickness
-        that bodies name.
-    more_pairs
-        Whether frames may name pairs that the header does not: bodies of many that come near each other.
-    """
-
-    dim: int
-    bodies: tuple[str, ...]
-    pairs: tuple[str, ...]
-    particle_count: Mapping[str, int]
-    fields: tuple[Field, ...]
-    surface_count: Mapping[str, int] = field(default_factory=dict)
+    dim: int  #: number of space dimensions, 2 or 3
+    bodies: tuple[str, ...]  #: names, in the scene's order
+    pairs: tuple[str, ...]  #: labels ``a-b``, in the scene's order
+    particle_count: Mapping[str, int]  #: material points of each body
+    fields: tuple[Field, ...]  #: declarations of all arrays of frames; the flag ``output`` is not read
+    surface_count: Mapping[str, int] = field(default_factory=dict)  #: surface nodes, of bodies that have any
+    #: by body, the node (surface_node,) at which the segment that starts at each node ends
     connectivity: Mapping[str, IntArray] = field(default_factory=dict)
+    #: root attributes; mappings and sequences are stored as JSON, a value of None is left out
     attributes: Mapping[str, Any] = field(default_factory=dict)
-    more_pairs: bool = False
-    per_metre: bool = True
+    more_pairs: bool = False  #: whether frames may name further pairs
+    per_metre: bool = True  #: whether quantities in 2D are of a metre of thickness, else of the bodies' own
 
 
 @dataclass
 class Frame:
-    """Arrays of one output, by group and name.
+    """Arrays of one output, by group and name; shapes as declared, without the time.
 
-    The writer copies what it is given to the file before it returns, so views of the state are welcome. A
-    declared field that a frame does not hold is missing (NaN) at that time.
-
-    Parameters
-    ----------
-    time
-        [s].
-    particles, surface
-        ``{field: array}`` over the points of all bodies, which follow each other as in the header; shapes as
-        declared, without the time. Particles may be absent from any frame, and have times of their own then.
-    series
-        ``{field: array}`` of shape (body,), (body, axis), (body, rotation), (pair,) or (pair, axis).
-    contact
-        For each pair, ``{field: array}``.
-    grid
-        ``{field: array}``.
-    pairs
-        Labels of all pairs so far, the header's first, where the header says that there may be more.
+    The writer copies them before it returns, so views of the state are welcome. A declared field that a frame
+    does not hold is missing (NaN) at that time.
     """
 
-    time: float
+    time: float  #: [s]
+    #: fields over the points of all bodies, in the header's order; a frame may have none
     particles: Mapping[str, AnyArray] = field(default_factory=dict)
-    surface: Mapping[str, AnyArray] = field(default_factory=dict)
+    surface: Mapping[str, AnyArray] = field(default_factory=dict)  #: as ``particles``, over surface nodes
+    #: fields (body,), (body, axis), (body, rotation), (pair,) or (pair, axis)
     series: Mapping[str, AnyArray] = field(default_factory=dict)
-    contact: Mapping[str, Mapping[str, AnyArray]] = field(default_factory=dict)
+    contact: Mapping[str, Mapping[str, AnyArray]] = field(default_factory=dict)  #: fields by pair
     grid: Mapping[str, AnyArray] = field(default_factory=dict)
-    pairs: tuple[str, ...] = ()
+    pairs: tuple[str, ...] = ()  #: all so far, the header's first, where the header allows more

@@ -52,18 +52,8 @@ def dimensions(field: Field) -> tuple[str, ...]:
 def chunks(
     field: Field, sizes: tuple[int, ...], itemsize: int, *, more_pairs: bool = False
 ) -> tuple[int, ...] | None:
-    """Return the chunk shape: one frame a chunk, or many frames of a short series.
-
-    Parameters
-    ----------
-    field
-        Declaration of the variable.
-    sizes
-        Sizes of its dimensions but the time.
-    itemsize
-        Bytes of one number.
-    more_pairs
-        Whether pairs may be added to the dimension ``pair``.
+    """Return the chunk shape of a variable with ``sizes`` beside the time: one frame a chunk, or many frames
+    of a short series; ``more_pairs`` may be added to the dimension ``pair``.
     """
     if is_static(field):
         return None

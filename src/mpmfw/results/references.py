@@ -32,27 +32,13 @@ EQUATION = " (eq. 13 of Hamad, Giridharan & Moormann 2017, Procedia Engineering 
 
 @dataclass(frozen=True)
 class Incline:
-    """The closed form of a rigid body that leaves rest and runs down a plane along x.
+    """The closed form of a rigid body that leaves rest and runs down a plane along x."""
 
-    Attributes
-    ----------
-    body
-        Its name.
-    solution
-        Motion of its centre along the plane, and its spin.
-    distance
-        At which the displacement is judged, if the scene lasts that long [m].
-    end
-        Of the scene [s].
-    says
-        The closed form in words.
-    """
-
-    body: str
-    solution: RollingSolution
-    distance: float
-    end: float
-    says: str = field(compare=False)
+    body: str  #: its name
+    solution: RollingSolution  #: motion of its centre along the plane, and its spin
+    distance: float  #: at which the displacement is judged, if the scene lasts that long [m]
+    end: float  #: of the scene [s]
+    says: str = field(compare=False)  #: the closed form in words
 
     @property
     def until(self) -> float:
@@ -95,19 +81,11 @@ class RingsReference:
 
 @dataclass(frozen=True)
 class PressedBlocks:
-    """Two blocks, one on the other between smooth walls, under a pressure from above.
+    """Two blocks, one on the other between smooth walls, under a pressure from above."""
 
-    Attributes
-    ----------
-    lower, upper
-        Names of the blocks.
-    pressure
-        On top [Pa]: every vertical stress at rest is its negative.
-    """
-
-    lower: str
+    lower: str  #: name of a block
     upper: str
-    pressure: float
+    pressure: float  #: on top [Pa]: every vertical stress at rest is its negative
 
     def describe(self) -> str:
         """Return the reference in one sentence."""
@@ -131,24 +109,21 @@ def scene_of(attributes: Mapping[str, Any]) -> dict[str, Any]:
     return {}
 
 
-def cell_size_of(attributes: Mapping[str, Any]) -> float:
-    """Cell size h of the scene [m]; NaN if it is not known."""
-    return _si(scene_of(attributes).get("grid", {}).get("cell_size"), "m")
-
-
 def cell_size(run: xr.Dataset) -> float:
     """Cell size h of one combination of a comparison [m]: varied, or the scene's; NaN if it is not known."""
-    return cell_size_of(own_attributes(run))
+    return cell_size_of(scene_of(own_attributes(run)))
+
+
+def cell_size_of(scene: Mapping[str, Any]) -> float:
+    """Cell size h in the tables of a scene [m]; NaN if it is not known."""
+    try:
+        return float(to_si(scene["grid"]["cell_size"], "m"))  # type: ignore[arg-type]
+    except (LookupError, TypeError, ValueError):
+        return float("nan")
 
 
 def own_attributes(run: xr.Dataset) -> dict[str, Any]:
-    """Attributes of one combination of a comparison, its own values of the varied keys set into the scene.
-
-    Parameters
-    ----------
-    run
-        The comparison at one value of each varied key; ``varied`` among its attributes holds their keys.
-    """
+    """Attributes of a comparison at one value of each varied key, these values set into the scene."""
     keys = json.loads(run.attrs.get("varied", "{}"))
     own = {key: run.coords[dim].item() for dim, key in keys.items() if dim in run.coords}
     if not own:
@@ -177,20 +152,8 @@ def described(dataset: xr.Dataset) -> str:
     return references[0].describe() if references and references[0] is not None else ""
 
 
-def grid_lower_of(attributes: Mapping[str, Any]) -> list[float]:
-    """Lower corner of the scene's grid [m]; empty if it is not known."""
-    corner = [_si(value, "m") for value in scene_of(attributes).get("grid", {}).get("lower", [])]
-    return corner if np.all(np.isfinite(corner)) else []
-
-
 def reference_of(attributes: Mapping[str, Any]) -> Reference | None:
-    """Return the reference that the scene of a result declares and is of; None of others.
-
-    Parameters
-    ----------
-    attributes
-        Root attributes of a run, or those of a comparison, with the ``scene``.
-    """
+    """Return the reference that the scene of a run or a comparison declares and meets; None of others."""
     scene = scene_of_results(attributes)
     try:
         return None if scene is None else declared(scene)
@@ -420,16 +383,6 @@ def at_rest(body: Body) -> bool:
     """Return whether a body neither moves nor turns at the start."""
     spin = body.angular_velocity
     return not any(body.velocity or ()) and not np.any(0.0 if spin is None else spin)
-
-
-def _si(value: object, unit: str) -> float:
-    if value is None:
-        return float("nan")
-    try:
-        number = to_si(value, unit)
-    except ValueError:
-        return float("nan")
-    return float(number) if isinstance(number, int | float) else float("nan")
 
 
 @functools.cache

@@ -29,22 +29,10 @@ class _Column:
 
 
 class Timeline:
-    """The times of a group and the variables that have them.
+    """The times of a group of the file, along a dimension ``along``, and the variables that have them.
 
-    Parameters
-    ----------
-    group
-        Of the file; gets the variable ``time``.
-    dim
-        Number of space dimensions, 2 or 3.
-    more_pairs
-        Whether pairs may be added to the dimension ``pair``.
-    per_metre
-        As of :class:`mpmfw.results.RunHeader`.
-    times
-        Of frames that went before, in which nothing of the group was recorded [s].
-    along
-        Name of the dimension of the times.
+    ``times`` [s] are those of frames before, in which nothing of the group was recorded; the rest is as of
+    :class:`mpmfw.results.RunHeader`.
     """
 
     def __init__(

@@ -25,12 +25,7 @@ _OWN: set[str] = set()
 
 
 def claim(path: str) -> int | None:
-    """Take the lock of a file that is to be written, before it is emptied.
-
-    Returns
-    -------
-    What :func:`release` takes; None where there are no locks.
-    """
+    """Take the lock of a file before it is emptied, for :func:`release`; None where there are no locks."""
     if fcntl is None:
         return None
     descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
@@ -50,15 +45,7 @@ def release(path: str | None, descriptor: int | None) -> None:
 
 
 def replace_claimed(part: str, path: str, descriptor: int | None) -> None:
-    """Give a file that is being written the name of another, which this process has claimed as well.
-
-    Parameters
-    ----------
-    part, path
-        Its name so far, and the one that it gets.
-    descriptor
-        The claim of the file that is replaced, which ends.
-    """
+    """Rename ``part``, which is being written, to ``path``, whose claim ends."""
     _OWN.discard(os.path.realpath(part))
     os.replace(part, path)
     release(path, descriptor)

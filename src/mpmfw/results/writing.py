@@ -39,25 +39,16 @@ QUICK = 0.025
 
 
 class RunWriter:
-    """A run's NetCDF-4 file, open for appending frames.
+    """A run's NetCDF-4 file, open for appending frames; ``path`` None keeps the results in memory.
 
-    Frames of a file are written and synced within a quarter of a second, those that follow each other faster
-    together: handing each of a dozen series to the file every other step would take as long as the steps.
-    After the process dies, the frames written so far are readable, unless it is killed within a sync, which
-    only a checkpoint outlives. The file has its final name from the start and may be opened by others while
-    the run goes on.
+    Frames are written and synced within a quarter of a second, those that follow each other faster together:
+    writing a dozen series every other step would take as long as the steps. After the process dies, the
+    frames written so far are readable, unless it is killed within a sync, which only a checkpoint outlives.
 
     The groups are ``series``, ``particles/<body>``, ``surface/<body>``, ``contact/<pair>`` and ``grid``. Each
-    has a dimension and a coordinate ``time`` of its own: a dimension that groups share costs with the square
-    of their number. The root's ``time``, along ``output``, is written last and tells which outputs are
+    has its own dimension and coordinate ``time``: the cost of a shared dimension grows with the square of the
+    number of groups. The root's ``time``, along ``output``, is written last and tells which outputs are
     complete.
-
-    Parameters
-    ----------
-    path
-        File to create; an existing one is replaced. ``None`` keeps the results in memory.
-    header
-        What is known of the run before its first step.
 
     Raises
     ------
@@ -95,7 +86,7 @@ class RunWriter:
         with self._telling(self.frames):
             self._add_pairs(frame.pairs)
             places = self._places(frame)
-            known = [place for place in self._groups if frame.particles or not _is_points(place)]
+            known = [k for k in self._groups if frame.particles or not k.startswith("particles/")]
             for place in dict.fromkeys(("series", *known, *places)):
                 self._timeline(place).add(frame.time, places.get(place, {}))
             self._outputs.add(frame.time, {})
@@ -224,20 +215,13 @@ class RunWriter:
         self.path = path
 
     def finish(self, attributes: Mapping[str, Any]) -> None:
-        """Add what is known at the end as root attributes; ``status`` is ``ok`` unless they say otherwise.
-
-        Parameters
-        ----------
-        attributes
-            steps, material_points, cpu_time, wall_time, peak_memory, settle_time, output_time, gap_time,
-            ``cpu_<stage>``, ``wall_<stage>`` [s, bytes] …
-        """
+        """Add costs and the like as root attributes; ``status`` is ``ok`` unless they say otherwise."""
         self.flush()
         self._set_attributes({"status": "ok", **attributes})
         self._dataset.sync()
 
     def _create(self) -> netCDF4.Dataset:
-        """An empty file of this writer's own."""
+        """Return an empty file."""
         try:
             if self.path is None:
                 return netCDF4.Dataset("results.nc", "w", diskless=True, persist=False)
@@ -262,7 +246,11 @@ class RunWriter:
     def results(self) -> xr.DataTree:
         """Close and return what was written, the same whether it is in memory or in a file."""
         self.close()
-        return read_run(self.path) if self.path is not None else _read_back(self._tree)
+        if self.path is not None:
+            return read_run(self.path)
+        if self._tree is None:
+            raise MpmfwError("the results could not be read back from memory")
+        return self._tree
 
     def __enter__(self) -> Self:
         return self
@@ -308,7 +296,8 @@ class RunWriter:
     def _timeline(self, place: str) -> Timeline:
         """The times and variables of a group; in a new one, all outputs so far lack the variables."""
         if place not in self._groups:
-            times = () if _is_points(place) else tuple(self._times)
+            # Not every output has material points
+            times = () if place.startswith("particles/") else tuple(self._times)
             self._groups[place] = self._new_timeline(self._dataset.createGroup(place), times=times)
         return self._groups[place]
 
@@ -360,11 +349,6 @@ class RunWriter:
         return declared
 
 
-def _is_points(place: str) -> bool:
-    """Whether a group is of material points, which not every output has."""
-    return place.startswith("particles/")
-
-
 def _with_times(group: netCDF4.Dataset) -> Iterator[netCDF4.Dataset]:
     """The groups below one of a file that have times of their own."""
     for child in group.groups.values():
@@ -399,9 +383,3 @@ def _storable(value: Any) -> Any:
     if isinstance(value, Mapping | list | tuple | set | frozenset):
         return json.dumps(sorted(value) if isinstance(value, set | frozenset) else value, default=str)
     return value
-
-
-def _read_back(tree: xr.DataTree | None) -> xr.DataTree:
-    if tree is None:
-        raise MpmfwError("the results could not be read back from memory")
-    return tree

@@ -38,50 +38,27 @@ _RUN_AWAY = (ArithmeticError, ValueError, np.linalg.LinAlgError)
 
 @dataclass(frozen=True)
 class Invariants:
-    """What became of a run.
+    """What became of a run."""
 
-    Attributes
-    ----------
-    status, message
-        ``ok``, ``suspect``, ``refused``, ``failed`` if numbers ran away, ``broken`` if a method raised an
-        error or its process died; and the reason.
-    steps, time
-        Steps taken after time zero, and the time then [s].
-    energy, energy_end
-        Largest energy, and the last, each with dissipation and less the work put in, over the energy at the
-        start and what was put in. Positions and velocities are taken at the same time.
-    stored
-        Largest energy without dissipation, else as ``energy``.
-    momentum
-        Largest change of the total linear momentum, over the sum of each body's largest.
-    penetration
-        Deepest penetration, over the cell size.
-    lost
-        Surface nodes that ended more than half a cell farther from their body's points than they began.
-    contact_steps
-        Fewest steps that a contact of a surface node lasted; NaN where nothing counts them.
-    limit
-        Least stable time step after the first step [s].
-    touched
-        Whether bodies were in contact.
-    travel
-        (body, axis) displacement of the centres at the end, over the cell size.
-    """
-
+    #: ``ok``, ``suspect``, ``refused``, ``failed`` if numbers ran away, ``broken`` if a method raised an
+    #: error or its process died
     status: str
-    message: str = ""
-    steps: int = 0
-    time: float = 0.0
+    message: str = ""  #: the reason
+    steps: int = 0  #: taken after time zero
+    time: float = 0.0  #: after them [s]
+    #: largest energy, with dissipation and less the work put in, over the energy at the start and what was
+    #: put in; positions and velocities are taken at the same time
     energy: float = float("nan")
-    energy_end: float = float("nan")
-    stored: float = float("nan")
-    momentum: float = float("nan")
-    penetration: float = float("nan")
+    energy_end: float = float("nan")  #: last energy, as ``energy``
+    stored: float = float("nan")  #: largest energy without dissipation, else as ``energy``
+    momentum: float = float("nan")  #: largest change of the total, over the sum of each body's largest
+    penetration: float = float("nan")  #: deepest, over the cell size
+    #: surface nodes that ended more than half a cell farther from their body's points than they began
     lost: int = 0
-    contact_steps: float = float("nan")
-    limit: float = float("nan")
-    touched: bool = False
-    travel: FloatArray | None = None
+    contact_steps: float = float("nan")  #: fewest steps of a surface node's contact; NaN if not counted
+    limit: float = float("nan")  #: least stable time step after the first step [s]
+    touched: bool = False  #: whether bodies were in contact
+    travel: FloatArray | None = None  #: (body, axis) displacement of the centres, over the cell size
 
 
 def probe(

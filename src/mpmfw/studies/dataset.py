@@ -171,18 +171,10 @@ def _attributes(study: Study, judge: Judge, runs: GridRuns) -> dict[str, Any]:
 
 
 def front(error: FloatArray, cost: FloatArray) -> NDArray[np.bool_]:
-    """Mark what is not dominated.
+    """Mark what is not dominated; smaller values are better, NaN is never on the front.
 
-    Parameters
-    ----------
-    error, cost
-        Arrays of one shape, smaller is better. NaN: not known, never on the front.
-
-    Returns
-    -------
-    ndarray of bool
-        Same shape. One is dominated where another has no larger error and no larger cost, and one of them
-        smaller; of two that are the same both are on the front or none.
+    One is dominated where another has no larger error and no larger cost, and one of them smaller; of two
+    that are the same both are on the front or none.
     """
     pairs = np.stack([np.ravel(cost), np.ravel(error)], axis=1)
     known = np.isfinite(pairs).all(axis=1)

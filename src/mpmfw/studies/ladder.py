@@ -34,19 +34,10 @@ class Limit:
 
 
 class Ladder:
-    """Runs methods at falling cell sizes until one is known to meet a target.
+    """Runs methods at falling cell sizes until one is known to meet a relative error, the ``target``.
 
-    Parameters
-    ----------
-    runs
-        Of the grid (contact, shape, cell_size), whose cell sizes fall.
-    judge
-        Knows the closed form or the reference, or, of kind ``finest``, nothing: errors are then against
-        :class:`Limit`.
-    target
-        Relative error.
-    at_once
-        Methods that run at a time.
+    ``runs`` are those of the grid (contact, shape, cell_size). A ``judge`` of kind ``finest`` has neither a
+    closed form nor a reference: errors are then against :class:`Limit`. ``at_once`` methods run at a time.
     """
 
     def __init__(self, runs: GridRuns, judge: Judge, target: float, at_once: int = 1) -> None:
