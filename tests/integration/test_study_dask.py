@@ -63,7 +63,7 @@ def test_a_worker_that_is_killed_loses_nothing(cluster, tmp_path):
             workers[0].kill()
             time.sleep(0.3)
 
-    dataset = mpmfw.study(study, output=tmp_path / "s.nc", scheduler=address, progress=kill_one)
+    dataset = mpmfw.study(study, output=tmp_path / "s.nc", executor=address, progress=kill_one)
     assert workers[0].wait(10) == -signal.SIGKILL
     assert workers[1].poll() is None
     names = [event.name for event in events[1:]]
@@ -79,13 +79,13 @@ def test_a_worker_that_is_killed_loses_nothing(cluster, tmp_path):
 def test_a_scheduler_that_does_not_answer_is_said(monkeypatch):
     monkeypatch.setattr("mpmfw.campaigns.executors.PATIENCE", 0.2)
     with pytest.raises(SceneError, match="no scheduler answers there"):
-        mpmfw.study(tiny_study(), scheduler="tcp://127.0.0.1:1")
+        mpmfw.study(tiny_study(), executor="tcp://127.0.0.1:1")
 
 
 @pytest.mark.parametrize("address", ["foo", "tcp://127.0.0.1"])
 def test_a_text_that_is_no_address_is_said_at_once(address):
     with pytest.raises(SceneError, match="expected an address such as tcp"):
-        mpmfw.study(tiny_study(), scheduler=address)
+        mpmfw.study(tiny_study(), executor=address)
 
 
 #: Of a cluster of two workers of one thread each.
@@ -133,6 +133,6 @@ def test_a_cluster_and_a_client_bring_their_certificates(security):
             of_client = mpmfw.study(study, executor=client)
         of_cluster = mpmfw.study(study, executor=cluster)
         with pytest.raises(SceneError, match="for tls:// the certificates in Dask's own configuration"):
-            mpmfw.study(study, scheduler=address)
+            mpmfw.study(study, executor=address)
     assert address.startswith("tls://")
     assert of_client["status"].item() == of_cluster["status"].item() == "ok"

@@ -189,12 +189,7 @@ def dask_cluster(place: Any) -> Futures:
     """Return the workers of a Dask cluster, which share no files with this process.
 
     ``place`` is a ``distributed.Client``, which is left open, a cluster's object, or the scheduler's address.
-    It needs the extra ``mpmfw[dask]``.
-
-    Raises
-    ------
-    SceneError
-        Dask is not installed, no scheduler answers there, or it has no workers.
+    A SceneError says that Dask is not installed, no scheduler answers there, or it has no workers.
     """
     try:
         import distributed
@@ -212,11 +207,7 @@ def dask_cluster(place: Any) -> Futures:
                 _knock(distributed.comm, place)  # a client that cannot connect complains when it is collected
             dask: Any = distributed
             made = dask.Client(place, timeout=PATIENCE, set_as_default=False)
-        except (
-            ValueError,
-            OSError,
-            TypeError,
-        ) as error:  # TypeError: tls:// without certificates
+        except (ValueError, OSError, TypeError) as error:  # TypeError: tls:// without certificates
             raise SceneError(
                 f"{said}: no scheduler answers there ({error}); expected an address such as "
                 "tcp://127.0.0.1:8786, or a Client or cluster, and for tls:// the certificates in Dask's own "
@@ -273,12 +264,8 @@ def _one_thread() -> Iterator[None]:
 
 
 def executor_of(executor: Any = None, jobs: int | None = None) -> Executor:
-    """Return what runs tasks: an ``executor`` as ``Execution`` names it, or so many processes.
-
-    Raises
-    ------
-    SceneError
-        It is none of these, or both are given; one job is the default and says nothing beside an executor.
+    """Return what runs tasks: an ``executor`` as ``Execution`` names it, or so many processes; a SceneError
+    refuses both, but one job, which is the default.
     """
     if executor is not None and jobs not in (None, 1):
         raise SceneError("jobs: has no effect with an executor, whose workers are as many as they are")

@@ -41,12 +41,8 @@ def measure(
     norm: Literal["largest", "l2"] = "largest",
     particles: bool = False,
 ) -> Callable[[Extract], Extract]:
-    """Register the function below under a name; the first line of its docstring says what it means.
-
-    Parameters
-    ----------
-    name, unit, kind, keys, exact, norm, particles
-        As of a :class:`mpmfw.api.results.Measure`.
+    """Register the function below under a name, with the attributes of a :class:`mpmfw.api.results.Measure`;
+    the first line of its docstring says what it means.
     """
 
     def register(function: Extract) -> Extract:
@@ -66,13 +62,7 @@ def measure(
 
 
 def measure_of(name: str) -> Measure:
-    """Return the measure of a name: registered here, announced, or ``module:Class``.
-
-    Raises
-    ------
-    SceneError
-        There is none, or the plug-in's cannot be imported or is no measure.
-    """
+    """Return the measure of a name: registered here, announced, or ``module:Class``; else a SceneError."""
     if name not in MEASURES:
         if name not in available("measure"):
             raise SceneError(f"'{name}' is unknown; {did_you_mean(name, names_of_measures())}")

@@ -81,7 +81,7 @@ def study(
             output=path,
             timing=timing.value,
             jobs=args.jobs_of(jobs, scheduler, None),
-            scheduler=scheduler,
+            executor=scheduler,
             repeats=repeats,
             under=under,
             about=args.named(body=body, pair=pair, axis=axis),

@@ -52,16 +52,8 @@ class Scales:
 
 
 class FieldPanel:
-    """A field of one run on its material points.
-
-    Parameters
-    ----------
-    tree
-        Results of a run in 2D; arrays are read when they are drawn.
-    name
-        Of the field, see :func:`mpmfw.results.point_fields.point_field`.
-    bodies
-        Only these bodies.
+    """A field of one run in 2D on the material points of all ``bodies`` or some; arrays are read when they
+    are drawn.
     """
 
     def __init__(self, tree: xr.DataTree, name: str, bodies: Sequence[str] | None = None) -> None:

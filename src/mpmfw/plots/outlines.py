@@ -34,19 +34,9 @@ _DASHED = (0, (3, 3))
 def positions(dataset: xr.Dataset, shape: str | None = None) -> Figure:
     """First outlines (dashed) and last ones, one panel for each method, all at one scale.
 
-    Of a rolling cylinder, one row for each contact, the place under the body enlarged beside it.
-
-    Parameters
-    ----------
-    dataset
-        Comparison with ``outline``.
-    shape
-        Shape function whose outlines are drawn; all by default, of a rolling cylinder the last one.
-
-    Raises
-    ------
-    ValueError
-        No run of that shape stored an outline.
+    Of a rolling cylinder, one row for each contact, the place under the body enlarged beside it. ``shape`` is
+    the shape function whose outlines are drawn; all by default, of a rolling cylinder the last one. A
+    ValueError says that no run of it stored an outline.
     """
     runs = [one for one in combinations(dataset) if np.isfinite(one[2]["outline"].values).any()]
     if not runs:

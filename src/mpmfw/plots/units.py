@@ -41,15 +41,8 @@ def with_prefix(unit: str, largest: float) -> tuple[float, str]:
 
 
 def scaled_label(axis: Any, words: str, unit: str) -> str:
-    """``words [unit]`` for an axis of matplotlib whose ticks are then counted in an engineer's unit; drawn
-    data stay as they are.
-
-    Parameters
-    ----------
-    axis
-        ``axes.yaxis`` of a panel with curves.
-    words, unit
-        What is drawn, and its CF unit.
+    """``words [unit]`` for ``axes.yaxis`` of a panel with curves, whose ticks are then counted in an
+    engineer's unit; drawn data stay as they are.
     """
     curves = [np.abs(np.asarray(line.get_ydata(), float)) for line in axis.axes.get_lines()]
     largest = max((np.nanmax(curve) for curve in curves if np.isfinite(curve).any()), default=0.0)

@@ -84,19 +84,10 @@ def value_at(time: FloatArray, values: FloatArray, at: float) -> float:
 
 
 def fitted_acceleration(time: FloatArray, displacement: FloatArray, start: float, end: float) -> float:
-    """Acceleration a of the least-squares fit d0 + v0 t + a t²/2 between ``start`` and ``end``.
+    """Acceleration a [m/s²] of the least-squares fit d0 + v0 t + a t²/2 between ``start`` and ``end`` [s].
 
-    Parameters
-    ----------
-    time, displacement
-        Series of shape (time,) [s], [m].
-    start, end
-        Window [s]; the last 80 % of the motion is the convention here: ``start = 0.2 * end``.
-
-    Returns
-    -------
-    float
-        [m/s²]; NaN if the series ends before the window does, or holds fewer than four outputs in it.
+    NaN if the series (time,) [s], [m] ends before the window does, or holds fewer than four outputs in it.
+    The window is the last 80 % of the motion by convention: ``start = 0.2 * end``.
     """
     slack = 1e-9 * abs(end)
     known = np.isfinite(displacement)
@@ -110,31 +101,16 @@ def fitted_acceleration(time: FloatArray, displacement: FloatArray, start: float
 def end_displacement_error(
     time: FloatArray, displacement: FloatArray, acceleration: float, distance: float = 10.0
 ) -> float:
-    """Relative error of the displacement when the exact one, a t²/2, is ``distance`` [m].
-
-    Returns
-    -------
-    float
-        (d - distance) / distance; NaN if the series ends before.
+    """Relative error (d − distance) / distance of the displacement when the exact one, a t²/2, is
+    ``distance`` [m]; NaN if the series ends before.
     """
     return value_at(time, displacement, float(np.sqrt(2.0 * distance / acceleration))) / distance - 1.0
 
 
 def impulse(time: FloatArray, force: FloatArray) -> FloatArray:
-    """Impulse since the first output of a force that is stored as its mean over each output interval.
+    """Impulse (time, …) [N s/m] since the first output of a force (time, …) [N/m].
 
-    Parameters
-    ----------
-    time
-        (time,) [s].
-    force
-        (time, …) [N/m]; ``force[k]`` is the mean between ``time[k - 1]`` and ``time[k]``, ``force[0]``
-        belongs to no interval.
-
-    Returns
-    -------
-    ndarray
-        Same shape as ``force`` [N s/m].
+    ``force[k]`` is the mean between ``time[k - 1]`` and ``time[k]`` [s]; ``force[0]`` has no interval.
     """
     steps = np.diff(time, prepend=time[0]).reshape(-1, *(1,) * (force.ndim - 1))
     return np.asarray(np.cumsum(np.where(steps > 0.0, force * steps, 0.0), axis=0))
@@ -164,21 +140,10 @@ NOISE_WINDOW = 20
 
 def force_noise(time: FloatArray, force: FloatArray, window: float | None = None) -> float:
     """Share of a contact force that is noise: rms of the force less its running mean, over the rms of that
-    mean.
+    mean; NaN where there is no force, or not twice the window of it.
 
-    Parameters
-    ----------
-    time
-        (time,) [s].
-    force
-        (time,) or (time, axis) [N/m]: means over the output intervals.
-    window
-        Of the mean [s]; :data:`NOISE_WINDOW` output intervals by default.
-
-    Returns
-    -------
-    float
-        NaN where there is no force, or not twice the window of it.
+    The force (time,) or (time, axis) [N/m] holds means over the output intervals. The ``window`` of the mean
+    [s] is :data:`NOISE_WINDOW` output intervals by default.
     """
     known = np.isfinite(np.atleast_2d(force.T).T).all(axis=1)
     if known.sum() < 2 * NOISE_WINDOW:
@@ -208,10 +173,7 @@ class ContactPhases:
 def contact_phases(time: FloatArray, force: FloatArray, threshold: float = 1e-6) -> ContactPhases:
     """Find first contact, the longest interruption and the final separation of a force of shape (time,).
 
-    Parameters
-    ----------
-    threshold
-        Fraction of the largest force below which there is none.
+    Below the ``threshold``, a fraction of the largest force, there is none.
     """
     size = np.abs(np.nan_to_num(force))
     acting = (
@@ -239,14 +201,10 @@ _WORKS = ("contact_energy", "frictional_work", "damping_work")
 
 
 def energy_kept(run: xr.Dataset) -> FloatArray:
-    """Energy and the work of friction and contact damping, of the energy at the start; shape (time,).
+    """Energy and the work of friction and contact damping (time,) of a run, of the energy at the start.
 
-    Parameters
-    ----------
-    run
-        Series of one run, with dims (time, body) and (time, pair). A series that is absent, or NaN throughout
-        since only other methods of a comparison have it, counts as nothing, and so does a pair before it is
-        listed.
+    A series that is absent, or NaN throughout since only other methods of a comparison have it, counts as
+    nothing, and so does a pair before it is listed.
     """
     total = np.zeros(run.sizes["time"])
     for names, dim in ((_ENERGIES, "body"), (_WORKS, "pair")):

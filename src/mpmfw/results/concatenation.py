@@ -30,23 +30,11 @@ Index = tuple[int, ...]
 def concatenate_runs(
     coords: Mapping[str, Sequence[Any]], trees: Mapping[Index, xr.DataTree], *, fields: bool = True
 ) -> xr.Dataset:
-    """Join the runs of a grid.
+    """Join the runs of a grid over new dimensions, whose values are ``coords``; ``trees`` are by index.
 
-    Parameters
-    ----------
-    coords
-        Values of the new dimensions, in their order.
-    trees
-        Results of runs, by index into them.
-    fields
-        Join the fields of material points as well, where runs have any.
-
-    Returns
-    -------
-    xarray.Dataset
-        Scheme and transfer, as far as they are known and not varied; series, costs, costs by stage, first and
-        last outlines, and fields as ``particle_<name>``, over the new dimensions. Where material points
-        differ, the attribute ``fields`` says so.
+    The dataset has scheme and transfer, as far as they are known and not varied; series, costs, costs by
+    stage, first and last outlines, and, with ``fields``, those of material points as ``particle_<name>``.
+    Where material points differ, the attribute ``fields`` says so.
     """
     shape = tuple(len(values) for values in coords.values())
     joined: dict[str, Any] = {}

@@ -49,20 +49,8 @@ def dissipation(run: xr.DataTree | xr.Dataset, scene: Scene) -> float:
 
     Kinetic energy is that of the points with their affine motion, strain energy also that of contact springs.
     What is left is what the transfer, the strain's integration, impulses and dashpots take; negative where a
-    run gains energy.
-
-    Parameters
-    ----------
-    run
-        Results of a run, or its series with dims (time, body) and (time, pair).
-    scene
-        What ran.
-
-    Returns
-    -------
-    float
-        NaN where nothing is put in, of a run that did not end, and without a ledger in scenes with gravity,
-        loads or sides that move.
+    run gains energy. NaN where nothing is put in, of a run that did not end, and without a ledger in scenes
+    with gravity, loads or sides that move.
     """
     series, works = _series(run), _works(scene)
     if "total_energy" not in series or (scene.gravity and not _has(series, "gravity_work")):

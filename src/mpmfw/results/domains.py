@@ -28,12 +28,8 @@ def corners_of(tree: xr.DataTree, body: str) -> Corners | None:
 
     CPDI2 stores its corners. Those of CPDI are x_p + F R_0 ξ: x_p and F are stored, and the half-edges R_0 at
     the start follow from the scene, which the file carries, by the same discretisation as that of the run.
-
-    Returns
-    -------
-    Corners or None
-        None in 3D, with other shape functions than CPDI and CPDI2, and where the scene in the file does not
-        give the stored points back: their masses over the initial areas must be one density, to 1e-9.
+    None in 3D, with other shape functions, and where the scene does not give the stored points back: their
+    masses over the initial areas must be one density, to 1e-9.
     """
     points = tree[f"particles/{body}"].to_dataset()
     if points.sizes.get("axis") != 2:

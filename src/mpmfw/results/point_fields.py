@@ -34,22 +34,8 @@ def point_field(points: xr.Dataset, name: str) -> xr.DataArray:
     ``pressure``, −tr σ/3, in 3D; ``in_plane_pressure``, −(σ_xx + σ_yy)/2, in 2D, where the stress across the
     plane is not stored. A field that a plug-in stores under one of these names takes its place.
 
-    Parameters
-    ----------
-    points
-        Stored arrays of the points.
-    name
-        Of the field.
-
-    Returns
-    -------
-    xarray.DataArray
-        (particle,) or (time, particle), with ``units``, ``1`` if there is none, and ``long_name``.
-
-    Raises
-    ------
-    SceneError
-        There is no such field; the message lists those that are there.
+    The array (particle,) or (time, particle) has ``units``, ``1`` if there is none, and ``long_name``. A
+    SceneError lists the fields that are there.
     """
     parts = point_fields(points)
     if name not in parts:

@@ -28,14 +28,9 @@ _MARGIN = 1_000_000
 
 
 def check_room(path: str, size: int) -> None:
-    """Check that the disk of a file has room for ``size`` bytes and a margin.
+    """Raise an OSError if the disk of a file has no room for ``size`` bytes and a margin.
 
     A NetCDF file whose writing fails half-way cannot be opened again, and all frames before are lost.
-
-    Raises
-    ------
-    OSError
-        There is no room.
     """
     if shutil.disk_usage(os.path.dirname(path) or ".").free < size + _MARGIN:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))

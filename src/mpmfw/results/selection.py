@@ -110,14 +110,8 @@ def frame_at(tree: xr.DataTree, time: float | None = None) -> int:
 
 
 def frame_of(tree: xr.DataTree, place: str, index: int) -> xr.Dataset:
-    """Read the arrays of one group at one output.
-
-    Parameters
-    ----------
-    place
-        Path of the group, such as ``particles/cylinder``.
-    index
-        Of the output among those that hold material points.
+    """Read the arrays of a group, such as ``particles/cylinder``, at one output; its ``index`` is among
+    those that hold material points.
     """
     group, times = tree[place].to_dataset(), times_of(tree)
     if group.sizes.get("time", len(times)) != len(times):  # a surface has more outputs
@@ -194,17 +188,11 @@ def _tree(run: xr.Dataset) -> xr.DataTree:
 def runs_of(
     comparison: xr.Dataset, against: str | None = None, name: str = "", *, contact: str | None = None
 ) -> dict[str, xr.DataTree]:
-    """Return the runs of a comparison that keep material points, by their labels.
+    """Return the runs of a comparison that keep material points, all or those with a ``contact``, by their
+    labels.
 
-    Parameters
-    ----------
-    comparison
-        Of :func:`mpmfw.compare`.
-    against, name
-        A contact and a field: every other run then has the field ``NAME_difference`` against the run with
-        that contact and its own other choices.
-    contact
-        Only the runs with this contact.
+    With a contact ``against`` and the ``name`` of a field every other run has the field ``NAME_difference``
+    against the run with that contact and the same other choices.
     """
     if "particle_position" not in comparison:
         why = "the comparison keeps no fields; run it with --set output.particles=true"

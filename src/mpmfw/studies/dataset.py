@@ -33,22 +33,7 @@ BESIDE = {
 
 
 def assemble(study: Study, judge: Judge, runs: GridRuns) -> xr.Dataset:
-    """Join what is known of every combination.
-
-    Parameters
-    ----------
-    study, judge
-        What was asked for, and how it is judged.
-    runs
-        Of the study's grid.
-
-    Returns
-    -------
-    xarray.Dataset
-        ``error``, ``cpu_time``, ``cpu_time_spread``, ``stage_time`` and ``settle_stage_time`` (…, stage),
-        ``pareto``, ``scheme``, ``transfer``, ``status``, ``timing``, ``repeats`` and the other costs of a
-        run, over the dimensions of the grid.
-    """
+    """Join what is known of every combination, as :func:`mpmfw.study` returns it."""
     grid, costs = judge.grid, runs.costs()
     dataset = xr.Dataset(coords={dim: list(labels) for dim, labels in grid.coords.items()})
     dataset = dataset.assign_coords(_methods(grid))

@@ -90,20 +90,11 @@ def shipped_studies() -> dict[str, str]:
 
 
 def load_study(study: str | os.PathLike[str] | Mapping[str, Any] | Study, trust: bool = False) -> Study:
-    """Read and validate a study.
+    """Read and validate a study: a TOML file, the name of a shipped study such as ``rolling-cylinder``, or
+    nested mappings; a study passes through.
 
-    Parameters
-    ----------
-    study
-        A TOML file, the name of a shipped study such as ``rolling-cylinder``, or nested mappings; a study
-        passes through.
-    trust
-        Whether its file and its scenes' files may name ``module:Class``, whose code is imported.
-
-    Raises
-    ------
-    SceneError
-        One line for each thing that is wrong: file, line, key, what was expected, the nearest valid name.
+    With ``trust`` its file and its scenes' files may name ``module:Class``, whose code is imported. A
+    SceneError has one line for each thing that is wrong.
     """
     if isinstance(study, Study):
         return study

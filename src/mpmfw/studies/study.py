@@ -33,7 +33,6 @@ def study(
     *,
     output: str | os.PathLike[str] | None = None,
     timing: Timing = "shared",
-    scheduler: str | None = None,
     under: float | str | None = None,
     trust: bool = False,
     about: Mapping[str, str] | None = None,
@@ -57,8 +56,6 @@ def study(
         As :class:`mpmfw.campaigns.execution.Execution` takes them, but that the store is ``<output>.runs``
         and jobs are by default one for each core, for exclusive costs a single one. ``repeats`` stands in
         for the study's ``cost.repeats``.
-    scheduler
-        Address of a Dask scheduler, such as ``tcp://127.0.0.1:8786``, whose workers run the study instead.
     under
         Stands in for the study's ``under``, the relative error: 0.01 or ``"1 %"``.
     trust
@@ -86,17 +83,11 @@ def study(
         check_replaceable(path, "study")
     grid = make_grid(loaded)
     judge = Judge(loaded.tables.error, grid, loaded.at, loaded.beside)
-    if scheduler is not None and any(running.get(key) is not None for key in ("executor", "jobs")):
-        raise SceneError("jobs and executor: have no effect with a scheduler, whose workers run the study")
     exclusive = timing == "exclusive"
     # One at a time from the start: what ran beside others would give no cost that counts
-    alone = exclusive and scheduler is None and running.get("executor") is None
-    how = Execution.of({"jobs": 1 if alone else None, **running})
-    if how.jobs is None and alone:
-        how = replace(how, jobs=1)
-    how = replace(
-        how, executor=how.executor if scheduler is None else scheduler, repeats=loaded.tables.cost.repeats
-    )
+    alone = exclusive and running.get("executor") is None
+    jobs = 1 if alone and running.get("jobs") is None else running.get("jobs")
+    how = Execution.of(running, jobs=jobs, repeats=loaded.tables.cost.repeats)
     runs = GridRuns(grid, "study", how, output=path, exclusive=exclusive)
     try:
         runs.complete()
