@@ -65,7 +65,11 @@ def complete(
             return 0  # a failed one needs no more
         return max(0, repeats - len(counted(outcome, exclusive)))
 
-    missing = [task for task in tasks.values() if _is_missing(task, store)]
+    missing = [
+        task
+        for key, task in tasks.items()
+        if (known := store.outcome(key)) is None or (task.force and status_code(known.status) == "refused")
+    ]  # a refusal of what is forced now
     timer: Executor = InProcess() if exclusive else executor
     # A result gives a cost as well, unless that one does not count
     for_free = executor.timing == "exclusive" or not exclusive
@@ -77,7 +81,10 @@ def complete(
 
     once = work if run_progress is not None and isinstance(executor, InProcess) else run_once
     _do(once, [replace(task, timing=executor.timing) for task in missing], store, executor, count, left)
-    again = _rounds({key: (replace(task, timing=timer.timing), lacking(key)) for key, task in tasks.items()})
+    # In rounds, so that all share an hour of a slow machine
+    times = {key: lacking(key) for key in tasks}
+    rounds = range(max(times.values(), default=0))
+    again = [replace(tasks[key], timing=timer.timing) for k in rounds for key, n in times.items() if n > k]
     count.total = count.done + len(again)
     if again:
         count.coming = _names(again, timer)
@@ -87,18 +94,6 @@ def complete(
         if known is not None:
             store.put(_with_repeat(known, finished))
         count(task.name, "repeat")
-
-
-def _rounds(times: Mapping[str, tuple[Task, int]]) -> list[Task]:
-    """Return each task as often as named, in rounds, so that all share an hour of a slow machine."""
-    last = max((n for _, n in times.values()), default=0)
-    return [task for k in range(last) for task, n in times.values() if n > k]
-
-
-def _is_missing(task: Task, store: Store) -> bool:
-    """Whether there is no outcome, or a refusal of what is forced now."""
-    outcome = store.outcome(task.key)
-    return outcome is None or (task.force and status_code(outcome.status) == "refused")
 
 
 def _do(

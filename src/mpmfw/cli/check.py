@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from textwrap import indent
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -92,6 +92,7 @@ def check(
         given += [part for name in only or () for part in ("--only", name)]
         _run_with_bounds([plugin, "--kind", asked, *given])
         return
+    from mpmfw.scene.override import parse_value
     from mpmfw_testing import examine, subject_of
     from mpmfw_testing.examination import justified
     from mpmfw_testing.parametrised import checks_of, chosen
@@ -101,7 +102,8 @@ def check(
     if os.environ.get("NUMBA_BOUNDSCHECK"):
         say_lines()
     hypothesis()  # a missing extra is said before anything is checked
-    subject = subject_of(plugin, asked, _options(set_))
+    options = {key: parse_value(text) for key, text in args.assignments(set_).items()}
+    subject = subject_of(plugin, asked, options)
     known = checks_of(asked)
     checks = chosen(known, only)
     table = justified({} if expected_failures is None else _table(expected_failures), known)
@@ -168,12 +170,6 @@ def _kind_of(text: str, kind: str | None) -> Kind:
             f"'{plugin}' is the name of plug-ins of several kinds ({', '.join(found)}); say --kind"
         )
     return found[0]
-
-
-def _options(texts: list[str] | None) -> dict[str, Any]:
-    from mpmfw.scene.override import parse_value
-
-    return {key: parse_value(text) for key, text in args.assignments(texts).items()}
 
 
 def _table(path: Path) -> dict[str, str]:

@@ -44,11 +44,13 @@ def rank(
     method solves within a cost.
     """
     from mpmfw.studies import ranking
+    from mpmfw.studies.study import relative_error
 
     output = None if output is None else new_path(figure_path(output), force)
+    reached = [relative_error(part.strip(), "--levels") for part in levels.split(",")]
 
     about = args.named(body=body, pair=pair, axis=axis)
-    found = ranking.rank(results, by, _levels(levels), about)
+    found = ranking.rank(results, by, reached, about)
     known = [name for name in ranking.QUANTITIES if found["over_best"].sel(quantity=name).notnull().any()]
     if form is not Format.table:
         write_rows([{"quantity": name} | row for name in known for row in ranking.summary(found, name)], form)
@@ -69,12 +71,6 @@ def rank(
 
         write_figure(profiles(found), output)
         typer.echo(str(output), err=form is not Format.table)
-
-
-def _levels(text: str) -> list[float]:
-    from mpmfw.studies.study import relative_error
-
-    return [relative_error(part.strip(), "--levels") for part in text.split(",")]
 
 
 def _print_failures(failures: list[dict[str, Any]], *, err: bool) -> None:

@@ -92,12 +92,14 @@ def _attributes(coords: Mapping[str, Sequence[Any]], trees: Mapping[Index, xr.Da
         for label, run in runs.items()
     }
     scene = {"scene": first["scene"]} if "scene" in first else {}
-    return {**common, **scene, "kind": "compare", "methods": json.dumps(methods, default=_number)}
-
-
-def _number(value: Any) -> Any:
-    """Return a NumPy scalar as Python's own, for JSON."""
-    return value.item() if isinstance(value, np.generic) else str(value)
+    return {
+        **common,
+        **scene,
+        "kind": "compare",
+        "methods": json.dumps(
+            methods, default=lambda one: one.item() if isinstance(one, np.generic) else str(one)
+        ),
+    }
 
 
 def union_of_times(times: Sequence[FloatArray]) -> FloatArray:

@@ -110,7 +110,13 @@ def read(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree | x
     results = tree if tree.children or tree.attrs.get("kind") == "run" else tree.to_dataset()
     if lazy:
         _OPEN.add(dataset)
-        results.set_close(lambda: _close(dataset))
+
+        def close() -> None:
+            _OPEN.discard(dataset)
+            if dataset.isopen():
+                dataset.close()
+
+        results.set_close(close)
     else:
         dataset.close()
     return results
@@ -158,9 +164,11 @@ def check_results(path: str | os.PathLike[str]) -> None:
 def tree_of(dataset: netCDF4.Dataset, *, load: bool = True) -> xr.DataTree:
     """Return the groups of an open file as a tree, without outputs that are not complete."""
     import xarray as xr
+    from xarray.backends import NetCDF4DataStore
 
+    store: Any = NetCDF4DataStore
     try:
-        groups = {name: xr.open_dataset(_store(group)) for name, group in _groups(dataset)}
+        groups = {name: xr.open_dataset(store(group)) for name, group in _groups(dataset)}
         bodies = groups["/"]["body"].values.tolist() if "body" in groups["/"] else []
         if not all(re.fullmatch("[A-Za-z0-9_]+", str(body)) for body in bodies):
             raise ValueError("no scene can have a body of this name")
@@ -192,15 +200,3 @@ def _groups(group: netCDF4.Dataset) -> Iterator[tuple[str, netCDF4.Dataset]]:
     yield group.path, group
     for child in group.groups.values():
         yield from _groups(child)
-
-
-def _store(group: netCDF4.Dataset) -> Any:
-    from xarray.backends import NetCDF4DataStore
-
-    return NetCDF4DataStore(group)  # type: ignore[no-untyped-call]
-
-
-def _close(dataset: netCDF4.Dataset) -> None:
-    _OPEN.discard(dataset)
-    if dataset.isopen():
-        dataset.close()

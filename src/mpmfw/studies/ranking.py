@@ -6,7 +6,6 @@ import itertools
 import json
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,9 @@ import xarray as xr
 from mpmfw.campaigns.judging import said
 from mpmfw.errors import SceneError
 from mpmfw.plugin.measure import About
+from mpmfw.results import check_results
+from mpmfw.results.reading import read
+from mpmfw.results.selection import series_of
 from mpmfw.state.fields import AnyArray, FloatArray
 from mpmfw.studies.conclusion import rows
 
@@ -162,7 +164,11 @@ def check_levels(levels: Sequence[float]) -> None:
 
 def _study(given: str | os.PathLike[str] | xr.Dataset, by: str, about: Mapping[str, str]) -> xr.Dataset:
     """Return a study's results; refuse others, and those without the dimension or of something else."""
-    dataset, file = (given, "dataset") if isinstance(given, xr.Dataset) else (_opened(given), str(given))
+    if isinstance(given, xr.Dataset):
+        dataset, file = given, "dataset"
+    else:
+        check_results(given)
+        dataset, file = series_of(read(given)), str(given)
     if dataset.attrs.get("kind") != "study" or "status" not in dataset:
         raise SceneError(f"{file}: expected the results of a study, mpmfw study STUDY -o FILE.nc")
     if by not in dataset["status"].dims:
@@ -208,15 +214,6 @@ def _runs(dataset: xr.Dataset, by: str) -> Iterator[dict[str, Any]]:
             "method": label,
             "settings": " ".join(part for part in named if part),
         }
-
-
-def _opened(path: str | os.PathLike[str]) -> xr.Dataset:
-    from mpmfw.results import check_results
-    from mpmfw.results.reading import read
-    from mpmfw.results.selection import series_of
-
-    check_results(Path(path))
-    return series_of(read(path))
 
 
 def summary(ranking: xr.Dataset, quantity: str) -> list[dict[str, Any]]:
