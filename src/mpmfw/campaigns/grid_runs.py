@@ -15,7 +15,6 @@ from mpmfw.campaigns.execution import Execution
 from mpmfw.campaigns.executors import InProcess
 from mpmfw.campaigns.grid import Combination, Index, RunGrid
 from mpmfw.campaigns.judging import measured
-from mpmfw.campaigns.measures import inferred
 from mpmfw.campaigns.running import Progress, complete, counted, do, resumable
 from mpmfw.campaigns.store import COSTS, Cost, Finished, Outcome
 from mpmfw.campaigns.work import LOADED, Task
@@ -170,13 +169,6 @@ class GridRuns:
 
     def numbers(self, measure: Measure) -> xr.DataArray:
         """A measure that is a number, over the grid; NaN where it is not known."""
-        succeeded = self.succeeded()
-        about = About()
-        for index, one in self.grid.combinations.items():  # the first decides for all
-            tree = self.results(index) if succeeded.get(index) else None
-            if tree is not None and one.scene is not None:
-                about = inferred(measure, tree, one.scene, about)
-                break
-        found = measured(measure, self.grid, self.results, succeeded, about)
+        found = measured(measure, self.grid, self.results, self.succeeded(), About())
         values = {index: float(one.values[0]) for index, one in found.items()}
         return self.grid.array(values, measure.meaning, measure.unit)

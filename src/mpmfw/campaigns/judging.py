@@ -126,12 +126,11 @@ class Judge:
         plain = exact_of(self.measure, scene, About())
         if known is None and given and plain is not None and plain.kind == error.kind:
             alone = {key: replace(About(), **{key: getattr(error, key)}) for key in given}
-            guilty = [key for key in given if exact_of(self.measure, scene, alone[key]) is None] or given
-            text = " and ".join(f"{key} = '{getattr(error, key)}'" for key in guilty)
+            key = next((key for key in given if exact_of(self.measure, scene, alone[key]) is None), given[0])
             raise self.at(
-                ("error", guilty[0]),
-                f"the scene '{scene.name}' has a {what} of {error.quantity}, but none for {text}; leave "
-                f"{' and '.join(guilty)} out, or take kind = 'finest'",
+                ("error", key),
+                f"the scene '{scene.name}' has a {what} of {error.quantity}, but none for {key} = "
+                f"'{getattr(error, key)}'; leave {key} out, or take kind = 'finest'",
             )
         others = [f"kind = '{known.kind}'"] if known is not None else []
         others += ["kind = 'finest'"] if self.measure.kind != "field" else []
@@ -235,11 +234,12 @@ def measured(
     succeeded: Mapping[Index, bool],
     about: About,
 ) -> dict[Index, Measured]:
-    """Read a measure off all runs that went through."""
-    found = {}
+    """Read a measure off all runs that went through; the first decides on body, pair and axis."""
+    found: dict[Index, Measured] = {}
     for index, one in grid.combinations.items():
         tree = results(index) if succeeded.get(index) else None
         if tree is not None and one.scene is not None:
+            about = about if found else inferred(measure, tree, one.scene, about)
             found[index] = measure.of(tree, one.scene, about)
     return found
 

@@ -132,7 +132,6 @@ def _incline(scene: Scene) -> Incline | None:
 
 
 # -- which body, pair and axis
-# ------------------------------------------------------------------------------------------------------------
 
 
 def inferred(measure: Measure, run: xr.DataTree, scene: Scene, about: About) -> About:
@@ -212,7 +211,6 @@ def _until(scene: Scene) -> float:
 
 
 # -- numbers
-# ------------------------------------------------------------------------------------------------------------
 
 
 @measure(
@@ -292,7 +290,6 @@ def change_of_momentum(run: xr.DataTree, scene: Scene, about: About) -> Measured
 
 
 # -- curves
-# ------------------------------------------------------------------------------------------------------------
 
 
 def _parabola(scene: Scene, about: About) -> Exact | None:
@@ -356,7 +353,6 @@ def kinetic_energy(run: xr.DataTree, scene: Scene, about: About) -> Measured:  #
 
 
 # -- fields
-# ------------------------------------------------------------------------------------------------------------
 
 
 def _uniform(scene: Scene, about: About) -> Exact | None:  # noqa: ARG001

@@ -180,7 +180,6 @@ def store_of(output: str | os.PathLike[str] | None) -> Path | None:
 
 
 # -- which files of a folder are a store's: known by what they are called and by what they hold, both
-# ------------------------------------------------------------------------------------------------------------
 
 #: What is written with every outcome, in every version.
 _FIELDS = frozenset({"key", "status", "name", "digest", "costs"})

@@ -92,14 +92,8 @@ def _attributes(coords: Mapping[str, Sequence[Any]], trees: Mapping[Index, xr.Da
         for label, run in runs.items()
     }
     scene = {"scene": first["scene"]} if "scene" in first else {}
-    return {
-        **common,
-        **scene,
-        "kind": "compare",
-        "methods": json.dumps(
-            methods, default=lambda one: one.item() if isinstance(one, np.generic) else str(one)
-        ),
-    }
+    text = json.dumps(methods, default=lambda one: one.item() if isinstance(one, np.generic) else str(one))
+    return {**common, **scene, "kind": "compare", "methods": text}
 
 
 def union_of_times(times: Sequence[FloatArray]) -> FloatArray:
