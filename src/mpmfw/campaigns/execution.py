@@ -34,7 +34,7 @@ class Execution:
     jobs: int | None = 1  #: processes of one thread each; 1 is this process itself, None one for each core
     #: folder of finished runs, from which a campaign takes what applies; without it nothing is kept
     store: str | os.PathLike[str] | None = None
-    repeats: int | None = None  #: runs of each point, of which the least CPU time counts: 1, or as a study says
+    repeats: int | None = None  #: runs of each point, of which the cheapest counts; 1, or as a study says
     force: bool = False  #: whether runs may be past the limits of steps and frames
     progress: Progress | None = None  #: called after every run
     run_progress: Callable[[float, int], None] | None = None  #: called within runs in this process
