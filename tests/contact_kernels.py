@@ -9,15 +9,14 @@ import numpy as np
 from mpmfw.contact.springs import SpringArrays, add_friction
 from mpmfw.contact.surfaces import search
 from mpmfw.contact.surfaces.assembly import assemble
-from mpmfw.contact.surfaces.candidates import Candidates
 from mpmfw.contact.surfaces.detection import SurfaceRows
 from mpmfw.contact.surfaces.near_facets import VerletList
-from mpmfw.contact.surfaces.outline import Outline
+from mpmfw.contact.surfaces.outline import Candidates, Outline
 from mpmfw.geometry.facets import neighbours_of, stars_of, tributaries_of
 from mpmfw.kernels import struct
 from mpmfw.kernels.contact import Records, match_rows
-from mpmfw.kernels.facets import signed_distance
-from mpmfw.kernels.pair_table import pair_table as pair_of_bodies
+from mpmfw.kernels.contact import pair_table as pair_of_bodies
+from mpmfw.kernels.surfaces import signed_distance
 from mpmfw_contact.penalty import spring_forces
 
 #: Tells kernels that they work in the plane.

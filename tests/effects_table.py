@@ -81,32 +81,28 @@ _SURFACES = " ".join(
     ["mpmfw.contact.surfaces"]
     + [
         f"mpmfw.contact.surfaces.{name}"
-        for name in (
-            *("detection", "near_facets", "search", "boxes", "assembly", "candidates", "outline"),
-            *("facing", "tracking", "travel", "covering"),
-        )
+        for name in (*("detection", "near_facets", "search", "assembly", "outline", "tracking", "covering"),)
     ]
 )
 EFFECTS = {
-    "linear": brings("linear", hooks=_SHAPE, modules="mpmfw_shape.linear mpmfw_shape._at_points"),
+    "linear": brings("linear", hooks=_SHAPE, modules="mpmfw_shape.linear mpmfw_shape._tables"),
     "gimp": brings(
         "gimp",
         hooks=f"{_SHAPE} declare_fields",
         arrays="half_length",
-        modules="mpmfw_shape.gimp mpmfw_shape._packed_rows mpmfw_shape._at_points",
+        modules="mpmfw_shape.gimp mpmfw_shape._tables",
     ),
     "cpdi": brings(
         "cpdi",
         hooks=_SHAPE,
         arrays="layout/half_edges",
-        modules="mpmfw_shape.cpdi mpmfw_shape._at_points mpmfw_shape._packed_rows "
-        "mpmfw_shape._degenerate_domains",
+        modules="mpmfw_shape.cpdi mpmfw_shape._tables mpmfw_shape._degenerate_domains",
     ),
-    "bspline": brings("bspline", hooks=_SHAPE, modules="mpmfw_shape.bspline mpmfw_shape._at_points"),
+    "bspline": brings("bspline", hooks=_SHAPE, modules="mpmfw_shape.bspline mpmfw_shape._tables"),
     "cubic_bspline": brings(
-        "cubic_bspline", hooks=_SHAPE, modules="mpmfw_shape.cubic_bspline mpmfw_shape._at_points"
+        "cubic_bspline", hooks=_SHAPE, modules="mpmfw_shape.cubic_bspline mpmfw_shape._tables"
     ),
-    "ck": brings("ck", hooks=_SHAPE, modules="mpmfw_shape.ck mpmfw_shape._at_points"),
+    "ck": brings("ck", hooks=_SHAPE, modules="mpmfw_shape.ck mpmfw_shape._tables"),
     "neo_hookean": brings(
         "neo_hookean soft",
         hooks="setup update_stress",
@@ -129,8 +125,7 @@ EFFECTS = {
         "cpdi2",
         hooks=f"{_SHAPE} declare_fields update_particle_domains diagnostics",
         arrays="corners layout/half_edges",
-        modules="mpmfw_shape.cpdi2 mpmfw_shape._at_points mpmfw_shape._packed_rows "
-        "mpmfw_shape._degenerate_domains",
+        modules="mpmfw_shape.cpdi2 mpmfw_shape._tables mpmfw_shape._degenerate_domains",
         points="corners",
     ),
     "affine field": brings(arrays="particles/affine", series="affine_energy"),

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.kernels import rows, scratch
+from mpmfw.kernels import arithmetic, scratch
 
 #: What :mod:`mpmfw.kernels.scratch` gives on the stack; NaN until it is written.
 ON_THE_HEAP = SimpleNamespace(
@@ -32,8 +32,8 @@ def _add_scaled_row(out: Any, i: int, factor: float, other: Any, j: int, _spacin
 #: In place of what emits its own code.
 IN_PYTHON = [
     (scratch, ON_THE_HEAP),
-    (rows.set_scaled_row, _set_scaled_row),
-    (rows.add_scaled_row, _add_scaled_row),
+    (arithmetic.set_scaled_row, _set_scaled_row),
+    (arithmetic.add_scaled_row, _add_scaled_row),
 ]
 
 

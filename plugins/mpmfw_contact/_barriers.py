@@ -9,7 +9,8 @@ from mpmfw.contact.surfaces.assembly import Places
 from mpmfw.contact.surfaces.outline import Outline, hidden
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.contact import Records, Rows
-from mpmfw.kernels.facets import read_point, signed_distance
+from mpmfw.kernels.facets import read_point
+from mpmfw.kernels.surfaces import signed_distance
 from mpmfw.kernels.types import Float, Floats, Table
 
 #: Least part of a distance that is left when the stiffness of the step's end is foreseen.

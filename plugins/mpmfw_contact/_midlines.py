@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from mpmfw.contact.surfaces.facing import opposition
 from mpmfw.contact.surfaces.near_facets import NearFacets
 from mpmfw.contact.surfaces.outline import Outline, area_of, hidden
+from mpmfw.contact.surfaces.search import opposition
 from mpmfw.kernels import device, kernel, scratch
-from mpmfw.kernels.contact import Rows
+from mpmfw.kernels.contact import Rows, pair_index
 from mpmfw.kernels.facets import length_of, read_corners, write_gradients
-from mpmfw.kernels.pair_table import pair_index
 from mpmfw.kernels.types import Float, Floats, Ints, Table
 
 #: Least cosine between one segment's normal and the other's reversed one. It is more than that of nodes,

@@ -86,7 +86,6 @@ class Impulse(ImpulseLaw):
     """
 
     name = "impulse"
-    checks_others = True
     uses_friction = True
 
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:  # noqa: ARG002

@@ -31,9 +31,8 @@ from mpmfw.api import (
     State,
     Stencil,
 )
-from mpmfw.contact.surfaces.near_facets import VerletList
+from mpmfw.contact.surfaces.near_facets import TravelLimit, VerletList
 from mpmfw.contact.surfaces.outline import outline_of, tracked_surface
-from mpmfw.contact.surfaces.travel import TravelLimit
 from mpmfw_contact._midlines import write_midlines
 from mpmfw_contact.hamad2017 import Hamad2017Law
 
@@ -58,7 +57,6 @@ class Midplane(Detection):
     Options = MidplaneDetectionOptions
     options: MidplaneDetectionOptions
     provides = frozenset({"facets", "steady gap"})
-    needs_surface = True
     range_option = "search_radius"
     dimensions = (2,)
     dimensions_note = "the plane form of a method for space: polygons that two facets share are not built"

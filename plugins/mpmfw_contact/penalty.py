@@ -86,7 +86,6 @@ class PenaltyLaw(SpringLaw):
     energy."""
 
     name = "penalty"
-    checks_others = True
     leaves_bodies_out = True
     Options = PenaltyLawOptions
     options: PenaltyLawOptions

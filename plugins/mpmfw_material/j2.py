@@ -12,7 +12,7 @@ from mpmfw.api.types import AnyArray, FloatArray, Particles, Setup, State, hooki
 from mpmfw.api.types import Field as ArrayField
 from mpmfw.api.units import Pressure
 from mpmfw.kernels import Struct, device, kernel, scratch
-from mpmfw.kernels.small_matrix import determinant, invert
+from mpmfw.kernels.arithmetic import determinant, invert
 from mpmfw.kernels.types import Float, Floats
 from mpmfw_material._isotropic import Isotropic, Moduli, pad_plane_strain
 

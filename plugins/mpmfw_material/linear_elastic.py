@@ -9,7 +9,7 @@ import numpy as np
 
 from mpmfw.api.types import FloatArray
 from mpmfw.kernels import device, kernel, scratch
-from mpmfw.kernels.small_matrix import invert
+from mpmfw.kernels.arithmetic import invert
 from mpmfw.kernels.types import Floats
 from mpmfw_material._isotropic import Elastic, pad_plane_strain
 

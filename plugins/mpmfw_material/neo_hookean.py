@@ -11,7 +11,7 @@ from pydantic import Field
 
 from mpmfw.api.types import FloatArray
 from mpmfw.kernels import kernel, scratch
-from mpmfw.kernels.small_matrix import determinant
+from mpmfw.kernels.arithmetic import determinant
 from mpmfw.kernels.types import Floats
 from mpmfw_material._isotropic import Elastic, Moduli
 

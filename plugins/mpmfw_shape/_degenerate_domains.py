@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 
 from mpmfw.kernels import device
-from mpmfw.kernels.small_matrix import determinant
+from mpmfw.kernels.arithmetic import determinant
 from mpmfw.kernels.types import Float, Floats
 
 #: An edge that is longer or shorter than at the start by more than this factor makes a domain degenerate.

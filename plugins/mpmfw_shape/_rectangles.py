@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 
 from mpmfw.api.types import AnyArray, FloatArray, IntArray, Particles, Stencil, Surface
 from mpmfw.kernels import kernel
-from mpmfw.kernels.table import entries
+from mpmfw.kernels.stencil import entries
 from mpmfw.kernels.types import Floats, Indices, Ints
 
 #: Distance over a rectangle's size within which a node is its centre, or its corners are those of a point's

@@ -7,7 +7,7 @@ import math
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.stencil import fill_tensor_product, fits, read_window
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
-from mpmfw_shape._at_points import AtPoints
+from mpmfw_shape._tables import AtPoints
 
 WIDTH = 3
 

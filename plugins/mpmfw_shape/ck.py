@@ -18,7 +18,7 @@ import math
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.stencil import fits, read_window
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
-from mpmfw_shape._at_points import AtPoints
+from mpmfw_shape._tables import AtPoints
 
 #: Nodes along each axis whose kernels hold a point, two of each grid.
 WIDTH = 4

@@ -11,12 +11,11 @@ import numpy as np
 
 from mpmfw.api.types import FloatArray, Grid, IntArray, Particles, Setup, Stencil, hookimpl
 from mpmfw.kernels import device, kernel, scratch
-from mpmfw.kernels.packed import CORNERS, FULL, OUTSIDE, fill_domain
-from mpmfw.kernels.small_matrix import invert
-from mpmfw.kernels.stencil import read_window
+from mpmfw.kernels.arithmetic import invert
+from mpmfw.kernels.stencil import CORNERS, FULL, OUTSIDE, fill_domain, read_window
 from mpmfw.kernels.types import Floats, Indices, Ints
 from mpmfw_shape._degenerate_domains import is_degenerate, make_rectangle
-from mpmfw_shape._packed_rows import PackedRows
+from mpmfw_shape._tables import PackedRows
 
 if TYPE_CHECKING:
     from mpmfw_shape._rectangles import Rectangles

@@ -9,12 +9,11 @@ import numpy as np
 
 from mpmfw.api.types import Field, FloatArray, Grid, Particles, SceneError, Setup, hookimpl
 from mpmfw.kernels import device, kernel, scratch
-from mpmfw.kernels.packed import CORNERS as EACH_CORNER
-from mpmfw.kernels.packed import FULL, OUTSIDE, fill_domain
-from mpmfw.kernels.stencil import read_window
+from mpmfw.kernels.stencil import CORNERS as EACH_CORNER
+from mpmfw.kernels.stencil import FULL, OUTSIDE, fill_domain, read_window
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
 from mpmfw_shape._degenerate_domains import is_degenerate, make_rectangle
-from mpmfw_shape._packed_rows import PackedRows
+from mpmfw_shape._tables import PackedRows
 
 CORNERS = Field(
     "corners",

@@ -17,7 +17,7 @@ from mpmfw.api.types import FloatArray, Grid, IntArray, Particles, Stencil, hook
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.stencil import fill_tensor_product, fits, read_window
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
-from mpmfw_shape._at_points import AtPoints
+from mpmfw_shape._tables import AtPoints
 
 #: Splines, hence nodes, along each axis whose support holds a point.
 WIDTH = 4

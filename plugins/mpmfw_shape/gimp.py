@@ -10,7 +10,7 @@ from mpmfw.api.types import Field, FloatArray, Particles, SceneError, Setup, hoo
 from mpmfw.kernels import FULL, device, kernel, scratch
 from mpmfw.kernels.stencil import fits, read_window
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
-from mpmfw_shape._packed_rows import PackedRows
+from mpmfw_shape._tables import PackedRows
 
 WIDTH = 3
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mpmfw_shape._at_points import AtPoints
+from mpmfw_shape._tables import AtPoints
 
 
 class Linear(AtPoints):

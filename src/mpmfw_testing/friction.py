@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.contact.friction import FrictionLaw
-from mpmfw.contact.rows import ContactRows
+from mpmfw.contact.rows import ContactRows, FrictionLaw
 from mpmfw.state.fields import FloatArray, IntArray
 from mpmfw_testing.check import Violation
 from mpmfw_testing.generic import unchanged

@@ -8,13 +8,15 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from mpmfw.contact.detection import Detection
-from mpmfw.contact.row_contact import ContactLaw
+from mpmfw.contact.parts import ContactLaw, Detection
 from mpmfw.errors import SceneError
-from mpmfw.plugin.discovery import Kind, available, full_name, load
+from mpmfw.plugin.discovery import Kind, full_name, load
 
 #: Base classes of the parts of a contact.
 PARTS: dict[Kind, type[Any]] = {"detection": Detection, "law": ContactLaw}
+
+#: Parts that others are joined with, in the order of the trials.
+PARTNERS: dict[Kind, tuple[str, ...]] = {"detection": ("surfaces", "nodes"), "law": ("penalty", "impulse")}
 
 
 def part_of(plugin: Any) -> Kind | None:
@@ -49,12 +51,5 @@ def whole(part: type[Any], kind: Kind, options: Mapping[str, Any]) -> type[Any]:
 
 
 def _partners(kind: Kind) -> list[type[Any]]:
-    """Installed parts that declare ``checks_others``; facets and laws of forces come first."""
-    plugins = [load(kind, name) for name in available(kind)]
-    declared = [
-        plugin for plugin in plugins if vars(plugin).get("checks_others")
-    ]  # heirs have faults of their own
-    return sorted(
-        declared,
-        key=lambda plugin: not (getattr(plugin, "gives_forces", False) or getattr(plugin, "provides", False)),
-    )
+    """Return the parts that others are joined with; facets and laws of forces come first."""
+    return [load(kind, name) for name in PARTNERS[kind]]

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import Any
 
 from mpmfw.effects.surface import move_points, weigh_plain
-from mpmfw.kernels import gather, nodal, projection
+from mpmfw.kernels import particle_grid
 from mpmfw.kernels.stencil import fill_linear
 from mpmfw.runs.simulation import Simulation
 from mpmfw_material.neo_hookean import neo_hookean_split
@@ -33,7 +33,7 @@ class OneBody:
         dt = self.safety * self.limit
         self.interpolate()
         self.project()
-        projection.add_internal_force(self.p, None, self.phi, self.g, self.g.spacing)
+        particle_grid.add_internal_force(self.p, None, self.phi, self.g, self.g.spacing)
         self.move(dt)
 
     def interpolate(self) -> None:
@@ -52,18 +52,18 @@ class OneBody:
         g.mass.fill(0.0)
         g.momentum.fill(0.0)
         g.force.fill(0.0)
-        projection.project_mass_momentum(p, p.affine, phi, g, g.spacing)
-        nodal.velocity_of_momentum(g.mass, g.momentum, g.start_velocity, g.spacing)
+        particle_grid.project_mass_momentum(p, p.affine, phi, g, g.spacing)
+        particle_grid.velocity_of_momentum(g.mass, g.momentum, g.start_velocity, g.spacing)
 
     def move(self, dt: float) -> None:
         """Everything after the forces."""
         p, g, phi = self.p, self.g, self.phi
-        nodal.integrate_momentum(g.mass, g.momentum, g.force, dt, g.spacing)
-        nodal.velocity_of_momentum(g.mass, g.momentum, g.velocity, g.spacing)
-        gather.gather(p, p.affine, phi, g, True, 1.0, dt, g.spacing)
-        gather.transport_affine(p, p.affine, dt, g.spacing)
+        particle_grid.integrate_momentum(g.mass, g.momentum, g.force, dt, g.spacing)
+        particle_grid.velocity_of_momentum(g.mass, g.momentum, g.velocity, g.spacing)
+        particle_grid.gather(p, p.affine, phi, g, True, 1.0, dt, g.spacing)
+        particle_grid.transport_affine(p, p.affine, dt, g.spacing)
         self.advect(dt)
-        inverted = gather.update_deformation(p, dt, g.spacing)
+        inverted = particle_grid.update_deformation(p, dt, g.spacing)
         assert inverted < 0
         neo_hookean_split(0, p.count, p.deformation_gradient, p.stress, self.bulk, self.shear, g.spacing)
 
@@ -103,7 +103,7 @@ class TwoApart(OneBody):
         self.contact.detect(self.g, self.phi, self.p)
         limits = [self.contact.stable_timestep(), self.travel.stable_timestep(self.state)]
         dt = self.safety * min([self.limit, *(limit[0] for limit in limits if limit is not None)])
-        projection.add_internal_force(self.p, None, self.phi, self.g, self.g.spacing)
+        particle_grid.add_internal_force(self.p, None, self.phi, self.g, self.g.spacing)
         self.state.dt = dt
         self.contact.add_nodal_force(self.g, dt)
         self.move(dt)

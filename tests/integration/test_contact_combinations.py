@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from contact_scenes import impact, run
-from mpmfw.contact.row_contact import joined
+from mpmfw.contact.parts import joined
 from mpmfw.contact.surfaces import Surfaces
 from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.plugin.discovery import available, choices

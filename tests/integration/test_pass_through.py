@@ -15,7 +15,7 @@ import shapely
 from contact_scenes import CELL, material
 from mpmfw import run
 from mpmfw.api import SimulationError
-from mpmfw.contact.surfaces import detection, travel
+from mpmfw.contact.surfaces import detection, near_facets
 from mpmfw.effects.verdict import DEEP
 from mpmfw.errors import ResultsWarning
 from mpmfw.runs.simulation import Simulation
@@ -211,7 +211,7 @@ def test_with_a_longer_way_in_a_step_discs_at_the_speed_of_waves_are_torn(
     soft = SCENES["head-on"](1.0)
     soft["contact"]["penalty"] = {"kappa": 1.0}
     assert not fate(soft).message
-    monkeypatch.setattr(travel, "SHARE", 100.0)
+    monkeypatch.setattr(near_facets, "SHARE", 100.0)
     assert "inverted" in fate(soft).message
 
 

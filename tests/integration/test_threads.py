@@ -271,10 +271,10 @@ from scenes_for_tests import two_blocks
 from mpmfw.runs.simulation import Simulation
 simulation = Simulation(two_blocks("penalty"))
 simulation.advance(2)
-from mpmfw.kernels import projection
+from mpmfw.kernels import particle_grid
 assert simulation.state.particles.threads is None
 names = ("mpmfw.state.threads", "mpmfw.kernels._waiting", "scipy.linalg")
-print([name for name in sys.modules if name in names], len(projection.add_internal_force.signatures))
+print([name for name in sys.modules if name in names], len(particle_grid.add_internal_force.signatures))
 print(numba.njit(lambda a, b: a @ b)(np.eye(2), np.eye(2)).trace(), "scipy.linalg" in sys.modules)
 """
     assert run_python(code) == "[] 1\n2.0 True"

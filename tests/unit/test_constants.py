@@ -51,7 +51,7 @@ TESTS = [
 
 
 def test_the_constants_are_found() -> None:
-    assert {("mpmfw.contact.surfaces.facing", "FLUSH"), ("mpmfw_contact.lcp", "FACING")} <= set(constants())
+    assert {("mpmfw.contact.surfaces.search", "FLUSH"), ("mpmfw_contact.lcp", "FACING")} <= set(constants())
     assert len(constants()) > 25
 
 

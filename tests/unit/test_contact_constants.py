@@ -12,18 +12,17 @@ from contact_kernels import PLANE, empty_candidates, flat, join, star
 from contact_scenes import CELL, impact, rectangle, scene, wave_speed
 from interpreted import interpreted
 from mpmfw.api import SimulationError
-from mpmfw.contact import detection, nodes
+from mpmfw.contact import nodes, parts
 from mpmfw.contact.events import FEWEST_STEPS
 from mpmfw.contact.nodes import LEAST_MASS
 from mpmfw.contact.surfaces import search
 from mpmfw.contact.surfaces.assembly import equally_close
 from mpmfw.contact.surfaces.detection import THIN
-from mpmfw.contact.surfaces.facing import FLUSH, LEAST_COSINE, ROUND_THE_CORNER, opposes
 from mpmfw.contact.surfaces.outline import distance_to
-from mpmfw.contact.surfaces.search import ROUNDING
+from mpmfw.contact.surfaces.search import FLUSH, LEAST_COSINE, ROUND_THE_CORNER, ROUNDING, opposes
 from mpmfw.contact.surfaces.tracking import THROUGH, find_crossings, keep_inside
-from mpmfw.kernels.facets import node_normal
-from mpmfw.kernels.gaps import BLOCK, minimum_gap
+from mpmfw.kernels.boxes import BLOCK
+from mpmfw.kernels.surfaces import minimum_gap, node_normal
 from mpmfw.runs.simulation import Simulation
 
 H = 0.25  #: cell size, and radius of the search
@@ -338,8 +337,8 @@ def test_contacts_of_fewer_steps_gain_more_than_those_that_are_let_be():
 def test_bodies_are_equal_up_to_a_millionth(monkeypatch):
     """Of equals each is slave once; rounding of a modulus, or of a sum of areas, must not choose a master."""
     values = np.array([1.0, 2.0, 2.0 * (1.0 + 1e-9), 2.0 * (1.0 + 1e-5)])
-    assert detection.ranks_of(values).tolist() == [0, 1, 1, 2]
-    monkeypatch.setattr(detection, "EQUAL", 0.0)
-    assert detection.ranks_of(values).tolist() == [0, 1, 2, 3]
-    monkeypatch.setattr(detection, "EQUAL", 1e-4)
-    assert detection.ranks_of(values).tolist() == [0, 1, 1, 1]
+    assert parts.ranks_of(values).tolist() == [0, 1, 1, 2]
+    monkeypatch.setattr(parts, "EQUAL", 0.0)
+    assert parts.ranks_of(values).tolist() == [0, 1, 2, 3]
+    monkeypatch.setattr(parts, "EQUAL", 1e-4)
+    assert parts.ranks_of(values).tolist() == [0, 1, 1, 1]

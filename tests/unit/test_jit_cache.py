@@ -33,7 +33,7 @@ FILES = {
 
 SCRIPT = """
 import json
-from mpmfw.kernels.nodal import velocity_of_momentum
+from mpmfw.kernels.particle_grid import velocity_of_momentum
 from own_shape.fill import fill
 import numpy as np
 
@@ -93,7 +93,7 @@ def folders(tmp_path, monkeypatch):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     forget = (_jit._hash_of, _jit._usable)
 
-    def folder(module="mpmfw.kernels.nodal"):
+    def folder(module="mpmfw.kernels.particle_grid"):
         for function in forget:
             function.cache_clear()
         return _jit.cache_folder(module)

@@ -9,8 +9,8 @@ import numpy_twins as twin
 import pytest
 
 from mpmfw.api import Stencil
-from mpmfw.kernels import gather, kernel, nodal, projection, struct
-from mpmfw.kernels.small_matrix import determinant, invert
+from mpmfw.kernels import kernel, particle_grid, struct
+from mpmfw.kernels.arithmetic import determinant, invert
 
 N_POINTS, N_NODES = 23, 41
 
@@ -64,9 +64,9 @@ def test_projection_adds_mass_and_momentum(problem, with_affine):
     x, t, p, g = problem, problem.table, problem.points, problem.grid
     affine = x.affine if with_affine else None
     g.mass = np.ones(N_NODES)
-    projection.project_mass_momentum(p, affine, t, g, x.spacing)
+    particle_grid.project_mass_momentum(p, affine, t, g, x.spacing)
     momentum, g.momentum = g.momentum, np.ones_like(g.momentum)
-    projection.project_momentum(p, p.position, affine, t, g, x.spacing)
+    particle_grid.project_momentum(p, p.position, affine, t, g, x.spacing)
     close(g.mass, 1.0 + twin.scatter(t, t.weight * p.mass[twin.owner(t)], N_NODES))
     close(momentum, 1.0 + twin.projected_momentum(t, p.mass, p.velocity, p.position, affine, g.position))
     close(g.momentum, momentum)
@@ -76,7 +76,7 @@ def test_projection_adds_mass_and_momentum(problem, with_affine):
 def test_internal_force(problem, thick):
     p, t, g = problem.points, problem.table, problem.grid
     thickness = np.linspace(1.0, 2.0, N_POINTS) if thick else None
-    projection.add_internal_force(p, thickness, t, g, problem.spacing)
+    particle_grid.add_internal_force(p, thickness, t, g, problem.spacing)
     volume = p.volume * thickness if thick else p.volume
     close(g.force, 1.0 + twin.internal_force(t, volume, p.stress, N_NODES))
 
@@ -84,7 +84,7 @@ def test_internal_force(problem, thick):
 def test_affine_from_moment(problem):
     x, t, p, g = problem, problem.table, problem.points, problem.grid
     affine = np.zeros_like(x.affine)
-    projection.affine_from_moment(p, p.position, p.stress, affine, t, g, x.spacing)
+    particle_grid.affine_from_moment(p, p.position, p.stress, affine, t, g, x.spacing)
     tiny = 1e-10 * x.spacing[0] ** 2 * np.eye(x.dim)
     spread = twin.spread(t, p.position, g.position) + tiny
     filled = np.diff(t.row) > 0
@@ -97,7 +97,7 @@ def test_gather(problem, flip, affine):
     x, t, dt, p, g = problem, problem.table, 0.01, problem.points, problem.grid
     velocity, position, field = p.velocity.copy(), p.position.copy(), np.zeros_like(x.affine)
     filled_in = None if affine == "none" else field
-    gather.gather(p, filled_in, t, g, affine == "least_squares", flip, dt, x.spacing)
+    particle_grid.gather(p, filled_in, t, g, affine == "least_squares", flip, dt, x.spacing)
     new = twin.collect(t, t.weight[:, None] * g.velocity[t.nodes])
     start = twin.collect(t, t.weight[:, None] * g.start_velocity[t.nodes])
     close(p.velocity, flip * (velocity + new - start) + (1.0 - flip) * new)
@@ -115,14 +115,14 @@ def test_gather(problem, flip, affine):
 def test_transport_of_the_affine_field(problem):
     x, dt = problem, 0.01
     affine = x.affine.copy()
-    gather.transport_affine(x.points, affine, dt, x.spacing)
+    particle_grid.transport_affine(x.points, affine, dt, x.spacing)
     close(affine, x.affine @ np.linalg.inv(np.eye(x.dim) + dt * x.affine))
 
 
 def test_deformation_and_volume(problem):
     p, dt = problem.points, 0.01
     expected = (np.eye(problem.dim) + dt * p.velocity_gradient) @ p.deformation_gradient
-    bad = gather.update_deformation(p, dt, problem.spacing)
+    bad = particle_grid.update_deformation(p, dt, problem.spacing)
     close(p.deformation_gradient, expected)
     close(p.volume, np.linalg.det(expected) * p.initial_volume)
     assert bad == -1
@@ -134,19 +134,19 @@ def test_first_inverted_point_is_reported(problem, value):
     p.deformation_gradient[:] = np.eye(problem.dim)
     p.deformation_gradient[[7, 11], 0, 0] = value
     p.velocity_gradient[:] = 0.0
-    assert gather.update_deformation(p, 1.0, problem.spacing) == 7
+    assert particle_grid.update_deformation(p, 1.0, problem.spacing) == 7
 
 
 def test_nodal_kernels(problem):
     x, g, dt = problem, problem.grid, 0.3
     momentum, velocity = g.velocity.copy(), np.ones((N_NODES, x.dim))
     has_mass = g.mass[:, None] > 0.0
-    nodal.integrate_momentum(g.mass, momentum, g.start_velocity, dt, x.spacing)
+    particle_grid.integrate_momentum(g.mass, momentum, g.start_velocity, dt, x.spacing)
     close(momentum, g.velocity + np.where(has_mass, dt * g.start_velocity, 0.0))
-    nodal.velocity_of_momentum(g.mass, momentum, velocity, x.spacing)
+    particle_grid.velocity_of_momentum(g.mass, momentum, velocity, x.spacing)
     close(velocity, np.where(has_mass, momentum / np.where(has_mass, g.mass[:, None], 1.0), 0.0))
     force = g.start_velocity.copy()
-    nodal.add_body_force(g.mass, np.arange(1.0, x.dim + 1.0), force, x.spacing)
+    particle_grid.add_body_force(g.mass, np.arange(1.0, x.dim + 1.0), force, x.spacing)
     close(force, g.start_velocity + g.mass[:, None] * np.arange(1.0, x.dim + 1.0))
 
 
@@ -154,7 +154,7 @@ def test_results_are_bitwise_repeatable(problem):
     runs = []
     for _ in range(2):
         problem.grid.force[:] = 0.0
-        projection.add_internal_force(problem.points, None, problem.table, problem.grid, problem.spacing)
+        particle_grid.add_internal_force(problem.points, None, problem.table, problem.grid, problem.spacing)
         runs.append(problem.grid.force.tobytes())
     assert runs[0] == runs[1]
 

@@ -6,15 +6,13 @@ import numpy as np
 import pytest
 
 from mpmfw.contact.surfaces.assembly import assemble
-from mpmfw.contact.surfaces.candidates import Candidates
 from mpmfw.contact.surfaces.detection import SurfaceRows
-from mpmfw.contact.surfaces.outline import Outline
+from mpmfw.contact.surfaces.outline import Candidates, Outline
 from mpmfw.contact.surfaces.turning import write_spins
 from mpmfw.geometry.facets import neighbours_of, stars_of
 from mpmfw.kernels import kernel, signed_distance, struct
-from mpmfw.kernels.contact import add_turned
+from mpmfw.kernels.contact import add_turned, pair_table
 from mpmfw.kernels.facets import project
-from mpmfw.kernels.pair_table import pair_table
 
 SPACE = (1.0, 1.0, 1.0)
 #: Where the foot lies on facet (1, 2, 3) of the master, a tetrahedron of nodes 1 to 4: node 0 is the slave.

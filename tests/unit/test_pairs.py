@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mpmfw.kernels.boxes import sweep_strips
-from mpmfw.kernels.pair_table import pair_index, pair_table
+from mpmfw.kernels.contact import pair_index, pair_table
 from mpmfw.state.pairs import FEW, BodyPairs, _strips, overlapping
 
 

@@ -11,7 +11,7 @@ import shapely
 from contact_kernels import PLANE, Law, find, flat, forces, join, rows_of, star
 from mpmfw.contact.surfaces.layer import gather_layer, project_layer
 from mpmfw.kernels.contact import couplings
-from mpmfw.kernels.gaps import minimum_gap
+from mpmfw.kernels.surfaces import minimum_gap
 
 H = 0.25
 
@@ -226,7 +226,7 @@ def test_frequency_bounds_the_largest_eigenvalue_closely(name):
     made = rows_of(loops, found, ties=False, table=t)
     scratch, sums = np.zeros(n_nodes), np.zeros(made.count)
     stiffness = np.full(made.count, 1e4)
-    bound = couplings(0, made.count, made, stiffness, node_mass, scratch, sums)
+    bound = couplings(made, made.count, stiffness, node_mass, scratch, sums)
     assert not scratch.any()
     assert bound == sums.max()
     rows = []

@@ -156,7 +156,7 @@ def correct(f, rows, friction):
     rows.set(friction=friction[rows.pair])
     impulse.impulses(rows, grid, np.zeros(len(f.mass)), records.frictional_work, projected=True)
     rows.add_to(f.momentum, f.spacing)
-    add_records(0, rows.count, rows, 1.0, records, f.spacing)
+    add_records(rows, rows.count, 1.0, records, f.spacing)
     return records
 
 

@@ -10,13 +10,11 @@ import numpy as np
 
 from mpmfw.contact.springs import add_friction
 from mpmfw.contact.surfaces.assembly import assemble
-from mpmfw.contact.surfaces.candidates import Candidates
 from mpmfw.contact.surfaces.detection import SurfaceRows
-from mpmfw.contact.surfaces.outline import Outline
+from mpmfw.contact.surfaces.outline import Candidates, Outline
 from mpmfw.kernels import struct
-from mpmfw.kernels.contact import Records
+from mpmfw.kernels.contact import Records, pair_table
 from mpmfw.kernels.facets import segment_coordinate
-from mpmfw.kernels.pair_table import pair_table
 from mpmfw.state.fields import FloatArray
 from mpmfw.validation import Case
 from mpmfw_contact.penalty import PenaltyLaw, spring_forces

@@ -10,14 +10,13 @@ from pydantic import Field
 from mpmfw.api import AnyArray, ContactRows, FloatArray, Grid, Particles, Setup, Stencil
 from mpmfw.contact.surfaces import Surfaces, SurfacesOptions
 from mpmfw.contact.surfaces.assembly import Places, add_point, write_geometry
-from mpmfw.contact.surfaces.boxes import Boxes, square_between
 from mpmfw.contact.surfaces.detection import SurfaceRows
 from mpmfw.contact.surfaces.outline import Outline
 from mpmfw.kernels import device, kernel, scratch
-from mpmfw.kernels.contact import Rows
-from mpmfw.kernels.facets import read_corners, signed_distance, squared_distance
-from mpmfw.kernels.gaps import bounding_boxes
-from mpmfw.kernels.pair_table import pair_index
+from mpmfw.kernels.boxes import Boxes, bounding_boxes, square_between
+from mpmfw.kernels.contact import Rows, pair_index
+from mpmfw.kernels.facets import read_corners, squared_distance
+from mpmfw.kernels.surfaces import signed_distance
 from mpmfw.kernels.types import Float, Floats, Ints, Table
 from mpmfw_contact import _springs as springs
 from mpmfw_contact.penalty import PenaltyLaw

@@ -9,13 +9,11 @@ strategies.
 
 from __future__ import annotations
 
-from mpmfw.contact.detection import Detection
 from mpmfw.contact.force_contact import ForceContact, ForceLaw
-from mpmfw.contact.friction import FrictionLaw
 from mpmfw.contact.impulse_contact import ImpulseContact, ImpulseLaw
-from mpmfw.contact.records import PairRecords
-from mpmfw.contact.row_contact import ContactLaw
-from mpmfw.contact.rows import ContactRows
+from mpmfw.contact.parts import ContactLaw, Detection
+from mpmfw.contact.row_contact import PairRecords
+from mpmfw.contact.rows import ContactRows, FrictionLaw
 from mpmfw.contact.strategy import ContactStrategy
 from mpmfw.state.fields import CONTACT_SERIES
 

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from mpmfw.contact.records import PairRecords
-from mpmfw.contact.row_contact import ContactLaw, RowContact
+from mpmfw.contact.parts import ContactLaw
+from mpmfw.contact.row_contact import PairRecords, RowContact
 from mpmfw.contact.rows import ContactRows
-from mpmfw.kernels.contact import add_records, any_touches, match_rows, relative_motion
+from mpmfw.kernels.contact import add_records, match_rows, relative_motion
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import AnyArray, Field, FloatArray
@@ -130,7 +130,7 @@ class ForceContact(RowContact):
             stiffness = self.law.stiffness(rows, old)
             self.omega_squared = rows.couplings(stiffness, grid, self.scratch(grid), stiffness)
             self.longest_step = self.law.longest_step(rows, grid)
-            if not any_touches(rows, rows.count):
+            if not np.any(rows.gap[: rows.count] <= 0.0):
                 # The step in which they touch must not be longer than the next: springs begin with the depth
                 # that it leaves, and with its square the energy that nothing paid for
                 self.omega_squared = max(self.omega_squared, self.law.estimate_frequency(self.bulk_frequency))
@@ -147,7 +147,7 @@ class ForceContact(RowContact):
         dashpot = 2.0 * self.law.damping / period if period > 0.0 else 0.0
         self.law.forces(rows, old, dashpot, self.records)
         rows.add_to(grid.force, grid.spacing)
-        add_records(0, rows.count, rows, dt, self.records, grid.spacing)
+        add_records(rows, rows.count, dt, self.records, grid.spacing)
 
     def work_over_last_step(self) -> float:
         """Return the work [J/m] of this step's forces on the motion of their rows over the last one, before
@@ -161,7 +161,7 @@ class ForceContact(RowContact):
         next."""
         rows = self.rows
         if "moved" in rows.own.member_names and rows.count:
-            relative_motion(0, rows.count, rows, grid.velocity, dt, rows.own.moved, grid.spacing)
+            relative_motion(rows, rows.count, grid.velocity, dt, rows.own.moved, grid.spacing)
         self.detection.end_step()
         self.rows, self.old = self.old, rows
 

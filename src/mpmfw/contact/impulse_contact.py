@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from mpmfw.contact.row_contact import ContactLaw, RowContact
+from mpmfw.contact.parts import ContactLaw
+from mpmfw.contact.row_contact import RowContact
 from mpmfw.contact.rows import ContactRows
 from mpmfw.kernels.contact import add_records
 from mpmfw.plugin.hookspecs import hookimpl
@@ -94,7 +95,7 @@ class ImpulseContact(RowContact):
             return
         self.law.impulses(rows, grid, self.node_sum, records.frictional_work, projected=projected)
         rows.add_to(grid.momentum, grid.spacing)
-        add_records(0, rows.count, rows, 1.0, records, grid.spacing)
+        add_records(rows, rows.count, 1.0, records, grid.spacing)
 
     @hookimpl
     def advect(self) -> None:

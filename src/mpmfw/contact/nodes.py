@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from mpmfw.contact.detection import Detection, stiffness_ranks
+from mpmfw.contact.parts import Detection, stiffness_ranks
 from mpmfw.contact.rows import ContactRows
 from mpmfw.contact.shared_nodes import (
     GridNodes,
@@ -188,7 +188,6 @@ class Nodes(AtNodes):
     """Rows where the normal of the volume gradients, or the given one, says that bodies touch."""
 
     name = "nodes"
-    checks_others = True
     Options = NodesOptions
     options: NodesOptions
 

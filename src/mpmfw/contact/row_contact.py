@@ -1,125 +1,92 @@
-"""Contact of a detection and a law: what both share, whether the law gives forces or impulses."""
+"""Contact of a detection and a law: what all share, whether the law gives forces or impulses."""
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from pydantic import BaseModel, create_model
 
-from mpmfw.contact.detection import Detection
-from mpmfw.contact.friction import FrictionLaw
-from mpmfw.contact.records import PairRecords
-from mpmfw.contact.rows import ContactRows
+from mpmfw.contact.parts import ContactLaw, Detection, make_part, options_of_both
+from mpmfw.contact.rows import ContactRows, FrictionLaw
 from mpmfw.contact.strategy import ContactStrategy
 from mpmfw.errors import SceneError
-from mpmfw.plugin.base import PlugIn
-from mpmfw.plugin.checks import bundled
+from mpmfw.kernels.contact import Records
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup
-from mpmfw.state.fields import AnyArray, Field, FloatArray
+from mpmfw.state.fields import CONTACT_SERIES, AnyArray, Field, FloatArray
 from mpmfw.state.structs import Grid, Pair, Particles, State, Stencil
 
 if TYPE_CHECKING:
     from mpmfw.state.index_map import IndexMap
 
-#: What a law may need of a detection, as messages name it.
-NEEDS = {
-    "facets": "facets of surfaces",
-    "nodes": "surface nodes against facets",
-    "steady gap": "gaps that do not jump",
-}
+
+_DECLARED = (
+    Field("impulse", ("pair", "axis"), "N s m-1", "impulse on the pair's first body", "contact"),
+    Field("friction_impulse", ("pair", "axis"), "N s m-1", "its part along the surface", "contact"),
+    Field("frictional_work", ("pair",), "J m-1", "energy dissipated by friction", "contact"),
+    Field("damping_work", ("pair",), "J m-1", "energy dissipated by dashpots", "contact"),
+    Field("energy", ("pair",), "J m-1", "energy stored in contact springs", "contact"),
+    Field("count", ("pair",), "1", "nodes in contact", "contact"),
+)
+
+#: Records whose mean rates are the forces of the series.
+_IMPULSES = ("impulse", "friction_impulse")
 
 
-class ContactLaw(PlugIn):
-    """Base of laws, announced as entry points of the group ``mpmfw.law``; a law is a :class:`ForceLaw` or an
-    :class:`ImpulseLaw`."""
+class PairRecords(Records):
+    """Accumulators of all pairs, written by kernels, which take them as one argument, and read at outputs.
 
-    #: What it needs of the rows: ``gap`` for a signed gap, ``steady gap`` for one that does not jump as rows
-    #: come and go, ``facets``, ``nodes`` for nodes against facets.
-    needs: ClassVar[frozenset[str]] = frozenset()
-    #: Whether it gives forces, and not impulses.
-    gives_forces: ClassVar[bool] = False
-    #: Whether the law uses the pairs' friction.
-    uses_friction: ClassVar[bool] = False
-    #: Its option that makes contact softer where it is smaller, for advice; None where there is none.
-    softness_option: ClassVar[str | None] = None
-    #: Whether the conformance kit checks detections by joining them with it.
-    checks_others: ClassVar[bool] = False
-    #: Whether bodies at rest may be left out for a while: its history is in its rows.
-    leaves_bodies_out: ClassVar[bool] = False
-    #: Dimensions that it works in.
-    dimensions: ClassVar[tuple[int, ...]] = (2, 3)
-    #: Reason for these dimensions, for the message that refuses others.
-    dimensions_note: ClassVar[str] = ""
+    They are impulse, friction_impulse, frictional_work, damping_work, energy and count
+    (:class:`mpmfw.kernels.contact.Records`). Work and impulse are those since time zero; ``restart`` forgets
+    what happened while the scene settled.
+    """
 
-    @classmethod
-    def strategy(cls) -> type[RowContact]:
-        """Return the base of contacts with this law."""
-        raise NotImplementedError
+    history = ("_last",)
 
-    @classmethod
-    def joined_with(cls, detection: type[Any]) -> type[Any]:
-        """Return the contact strategy of a class ``detection`` and this law, ``DETECTION+LAW``.
+    def __init__(self, setup: Setup, owner: str) -> None:
+        super().__init__(**{field.name: setup.allocate(owner, field) for field in _DECLARED})
+        self._last = {name: np.zeros_like(self.impulse) for name in _IMPULSES}
+        self._owner = owner
 
-        Raises
-        ------
-        SceneError
-            They do not go together.
-        """
-        return joined(detection, cls)
-
-    def row_arrays(self, *, friction: bool) -> dict[str, int | None]:  # noqa: ARG002
-        """Return the law's own arrays of the rows, by name: the number of further dimensions, or None for an
-        array without rows.
-
-        They are its history, ``rows.own`` as one argument of kernels. ``friction`` is true if any pair has
-        friction. An array called ``moved`` is filled with B v Δt at the end of the step.
-        """
-        return {}
-
-    def unused(self, pairs: Sequence[Pair]) -> list[str]:  # noqa: ARG002
-        """Return facts of these ``pairs`` that have no effect with its options, one line each."""
-        return []
-
-    def fields(self) -> list[Field]:
-        """Return the declarations of series beside those that all contacts have."""
-        return []
-
-    def prepare(self, setup: Setup, owner: str) -> None:
-        """Take facts of the scene from ``setup``, and list arrays under ``owner``."""
-
-    def measure(self, rows: ContactRows, grid: Grid, phi: Stencil, particles: Particles) -> None:
-        """Take what the law needs of the material points, once the rows of the step are there; nothing by
-        default.
-
-        ``phi`` is the table of interpolation of the points.
-        """
-
-    def range(self) -> float:
-        """Return the gap up to which the law acts [m], after :meth:`prepare`; 0 where it acts on bodies that
-        touch alone.
-
-        A detection that lists no rows so far apart (:meth:`Detection.range`) is refused.
-        """
-        return 0.0
-
-    def list_pairs(self, state: State) -> None:
-        """Take facts of ``state.pairs`` as arrays: bodies have come near that were apart."""
-
-    def series(self) -> dict[str, AnyArray]:
-        """Return values of the declared series."""
-        return {}
+    def add_pairs(self, state: State) -> None:
+        """Rows for the pairs that were added to the state's: nothing has acted between them so far."""
+        rows = len(state.pairs)
+        self.set(**{name: state.lengthen(f"{self._owner}/{name}", rows) for name in self.member_names})
+        self._last = {
+            name: np.concatenate([last, getattr(self, name)[len(last) :]])
+            for name, last in self._last.items()
+        }
 
     def restart(self) -> None:
-        """Forget accumulated work at time zero, after settling."""
+        """Set the accumulators to zero."""
+        for array in (self.impulse, self.friction_impulse, self.frictional_work, self.damping_work):
+            array.fill(0.0)
+        for last in self._last.values():
+            last.fill(0.0)
 
-    def remarks(self) -> list[str]:
-        """Return warnings for a reader of the results, a sentence each, after the last step."""
-        return []
+    @staticmethod
+    def declarations() -> list[Field]:
+        """The series made from the records."""
+        return list(CONTACT_SERIES)
+
+    def series(self, interval: float) -> dict[str, AnyArray]:
+        """Values at an output; the force is the mean over the ``interval`` [s] since the last one."""
+        now = {name: getattr(self, name).copy() for name in _IMPULSES}
+        contact_force, friction_force = (
+            (now[name] - self._last[name]) / interval if interval > 0.0 else np.zeros_like(now[name])
+            for name in _IMPULSES
+        )
+        self._last = now
+        return {
+            "contact_force": contact_force,
+            "friction_force": friction_force,
+            "contact_count": self.count.copy(),
+            "frictional_work": self.frictional_work.copy(),
+            "contact_energy": self.energy.copy(),
+            "damping_work": self.damping_work.copy(),
+        }
 
 
 class RowContact(ContactStrategy):
@@ -141,8 +108,8 @@ class RowContact(ContactStrategy):
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
-        self.detection: Detection = _part(self.Detection, self.options)
-        self.law: Any = _part(self.Law, self.options)
+        self.detection: Detection = make_part(self.Detection, self.options)
+        self.law: Any = make_part(self.Law, self.options)
         self.detection.configure(self.Law.needs, forces=self.Law.gives_forces)
         self._parts: list[Any] = self.detection.parts(self)
         self.surface_map = self.detection.surface_map
@@ -158,14 +125,14 @@ class RowContact(ContactStrategy):
         if not hasattr(cls, "Detection"):
             return
         detection, law = cls.Detection, cls.Law
-        cls.needs_surface = detection.needs_surface
+        cls.needs_surface = "facets" in detection.provides
         cls.dimensions = tuple(d for d in detection.dimensions if d in law.dimensions)
         cls.dimensions_note = detection.dimensions_note or law.dimensions_note
         cls.uses_friction = cls.takes_friction_law = law.uses_friction
         if law.remarks is not ContactLaw.remarks:
             cls.concerns = _concerns
         if "Options" not in vars(cls) and ("Detection" in vars(cls) or "Law" in vars(cls)):
-            cls.Options = _options_of_both(cls)
+            cls.Options = options_of_both(cls)
 
     def parts(self) -> list[Any]:
         """Return the parts of the detection."""
@@ -301,82 +268,3 @@ class RowContact(ContactStrategy):
 def _concerns(self: RowContact) -> list[str]:
     """Return the law's warnings."""
     return self.law.remarks()  # type: ignore[no-any-return]
-
-
-def _part(kind: type[Any], options: BaseModel) -> Any:
-    """Make a detection or law from the options of both: those that were set, and those with a default of the
-    contact's own."""
-    own, both = kind.Options.model_fields, type(options).model_fields
-    given = [
-        name for name in own if name in options.model_fields_set or both[name].default != own[name].default
-    ]
-    return kind(**{name: getattr(options, name) for name in given})
-
-
-def _options_of_both(contact: type[RowContact]) -> type[BaseModel]:
-    """Make the model of a contact's options from both parts' models, with the contact's own defaults."""
-    models = tuple(dict.fromkeys((contact.Law.Options, contact.Detection.Options)))
-    fields: dict[str, Any] = {}
-    for model in models:
-        for name in model.model_fields.keys() & contact.defaults.keys():
-            info = copy.copy(model.model_fields[name])
-            info.default = contact.defaults[name]
-            fields[name] = (info.annotation, info)
-    text = f"Options of law '{contact.Law.name}' and of detection '{contact.Detection.name}'."
-    made: type[BaseModel] = create_model(
-        "Options", __base__=models, __module__=contact.__module__, __doc__=text, **fields
-    )
-    made.__qualname__ = f"{contact.__qualname__}.Options"
-    return made
-
-
-#: Classes that were joined, each once.
-_JOINED: dict[tuple[type[Any], type[Any]], type[RowContact]] = {}
-
-
-def joined(detection: type[Detection], law: type[ContactLaw]) -> type[RowContact]:
-    """Return the contact of a detection and a law, called ``DETECTION+LAW``.
-
-    Raises
-    ------
-    SceneError
-        The law cannot act on what the detection lists, or both have an option of one name.
-    """
-    if (detection, law) in _JOINED:
-        return _JOINED[detection, law]
-    for need in sorted((law.needs & NEEDS.keys()) - detection.provides):
-        raise SceneError(
-            f"law '{law.name}' acts on {NEEDS[need]}, and detection '{detection.name}' lists none"
-        )
-    twice = sorted(set(detection.Options.model_fields) & set(law.Options.model_fields))
-    if twice:
-        raise SceneError(
-            f"detection '{detection.name}' and law '{law.name}' both have an option '{twice[0]}'"
-        )
-
-    def parts_of(options: BaseModel, *, contact: bool = False) -> tuple[Any, ...]:
-        return _made_again, (detection, law, options.model_dump(exclude_unset=True), contact)
-
-    # The classes are in no module, where pickle would look for them. Theirs is that of the part which is not
-    # mpmfw's own: what it does wrong is its distribution's.
-    name = f"{detection.name}+{law.name}"
-    body = {
-        "name": name,
-        "Detection": detection,
-        "Law": law,
-        "__reduce__": lambda self: parts_of(self.options, contact=True),
-        "__module__": (detection if bundled(law) else law).__module__,
-        "__doc__": f"Detection '{detection.name}' with law '{law.name}'.",
-    }
-    made: type[RowContact] = type(name, (law.strategy(),), body)
-    made.Options.__reduce__ = parts_of  # type: ignore[assignment]
-    _JOINED[detection, law] = made
-    return made
-
-
-def _made_again(
-    detection: type[Detection], law: type[ContactLaw], options: dict[str, Any], contact: bool
-) -> BaseModel | RowContact:
-    """Make a joined ``contact``, or its options alone, in another process."""
-    kind = joined(detection, law)
-    return kind(**options) if contact else kind.Options(**options)

@@ -1,20 +1,22 @@
-"""Rows: the places where two bodies may touch, whichever way they were detected."""
+"""Rows: the places where two bodies may touch, and how much they hold along their planes."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from mpmfw.kernels import struct
-from mpmfw.kernels.contact import Rows, add_row_forces, couplings, relative_velocity
+from mpmfw.kernels import struct, velocity_of_momentum
+from mpmfw.kernels.contact import Rows, add_row_forces, couplings, relative_motion
+from mpmfw.plugin.base import PlugIn
 from mpmfw.state.fields import AnyArray, FloatArray
 from mpmfw.state.history import NotSaved, check_indices
 from mpmfw.state.structs import Grid
 
 if TYPE_CHECKING:
     from mpmfw.state.index_map import IndexMap
+
 
 #: Which arrays have a vector in every row, which are of integers, and which have rows for the entries of B.
 _VECTORS = ("normal", "motion", "force", "couple", "tilt")
@@ -145,7 +147,9 @@ class ContactRows(Rows):
 
     def momentary_velocity(self, grid: Grid, out: FloatArray) -> None:
         """B v of the grid's present momentum, into ``out`` (n, dim) [m/s]."""
-        relative_velocity(0, self.count, self, grid.mass, grid.momentum, out, grid.spacing)
+        velocity = np.empty_like(grid.momentum)
+        velocity_of_momentum(grid.mass, grid.momentum, velocity, grid.spacing)
+        relative_motion(self, self.count, velocity, 1.0, out, grid.spacing)
 
     def add_to(self, nodal: FloatArray, spacing: tuple[float, ...]) -> None:
         """Bᵀ f of ``force``, added to ``nodal``: the grid's forces, or its momenta where it is an impulse
@@ -153,11 +157,43 @@ class ContactRows(Rows):
 
         ``spacing`` is the cell size h [m], once for each dimension.
         """
-        add_row_forces(0, self.count, self, nodal, spacing)
+        add_row_forces(self, self.count, nodal, spacing)
 
     def couplings(self, stiffness: FloatArray, grid: Grid, scratch: FloatArray, out: FloatArray) -> float:
         """Row sums of ``abs(B) M⁻¹ abs(B)ᵀ K`` into ``out`` (n,), and the largest of them.
 
         ``stiffness`` K is (n,) [N/m^2] in 2D; ``scratch`` (n_nodes,) is zero on entry and on return.
         """
-        return couplings(0, self.count, self, stiffness, grid.mass, scratch, out)
+        return couplings(self, self.count, stiffness, grid.mass, scratch, out)
+
+
+class FrictionLaw(PlugIn):
+    """Base of friction laws, announced as entry points of the group ``mpmfw.friction``; itself it is
+    Coulomb's.
+
+    The tangential force on a row is at most T = μ N + a, with N the normal one. A friction law says μ and a,
+    once a step, after the rows are detected and before the step's length is chosen: what depends on the slip
+    follows that of the step before. A contact law obeys it with ``mpmfw.kernels.contact.slip_limit``.
+    """
+
+    #: Whether rows hold something without a normal force, a > 0, so that pairs with μ = 0 have friction as
+    #: well.
+    cohesive: ClassVar[bool] = False
+    #: Whether T is μ N with the μ of the pairs, of which closed forms are known.
+    is_coulomb: ClassVar[bool] = False
+
+    def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:  # noqa: ARG002
+        """Write ``rows.friction`` (n,) [1], and ``rows.cohesion`` (n,) [N m^(dim−3)] where the law is
+        :attr:`cohesive`.
+
+        Parameters
+        ----------
+        rows
+            Of this step: pair, area and normal; ``motion`` is that over the last step.
+        friction
+            μ of every pair in the scene (n_pairs,) [1].
+        dt
+            Length of the last step [s]; 0 before the first.
+        """
+        n = rows.count
+        rows.friction[:n] = friction[rows.pair[:n]]

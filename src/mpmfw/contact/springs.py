@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from mpmfw.contact.force_contact import ForceLaw
-from mpmfw.contact.records import PairRecords
+from mpmfw.contact.row_contact import PairRecords
 from mpmfw.contact.rows import ContactRows
 from mpmfw.errors import SceneError
 from mpmfw.kernels import Struct, device, kernel

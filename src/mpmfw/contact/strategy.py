@@ -36,10 +36,6 @@ class ContactStrategy(PlugIn):
     leaves_bodies_out: bool = False
     #: Dotted key of the scene that makes the strategy softer, for advice; None where nothing does.
     softer_by: str | None = None
-    #: Dimensions that the strategy works in.
-    dimensions: ClassVar[tuple[int, ...]] = (2, 3)
-    #: Why it does not work in others, for the message that refuses them.
-    dimensions_note: ClassVar[str] = ""
 
     def parts(self) -> list[Any]:
         """Plug-ins that the strategy's options call for beside it, registered with it."""

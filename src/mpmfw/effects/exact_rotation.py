@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from mpmfw.effects.second_moments import inertia_of, moments_of_domains, moments_of_nodes
 from mpmfw.kernels import device, kernel, scratch
-from mpmfw.kernels.small_matrix import invert
+from mpmfw.kernels.arithmetic import invert
 from mpmfw.kernels.types import Floats
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup

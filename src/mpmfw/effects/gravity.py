@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mpmfw.kernels.nodal import add_body_force
+from mpmfw.kernels.particle_grid import add_body_force
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.state.fields import FloatArray

@@ -14,8 +14,7 @@ import numpy as np
 
 from mpmfw.effects.second_moments import inertia_of, moments_of_domains, moments_of_nodes
 from mpmfw.kernels import device, kernel, scratch
-from mpmfw.kernels.rows import add_scaled_row, set_scaled_row
-from mpmfw.kernels.small_matrix import determinant, invert
+from mpmfw.kernels.arithmetic import add_scaled_row, determinant, invert, set_scaled_row
 from mpmfw.kernels.types import Float, Floats, Ints
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup

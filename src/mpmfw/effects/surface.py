@@ -9,8 +9,8 @@ from typing import Literal
 import numpy as np
 
 from mpmfw.kernels import kernel, scratch
-from mpmfw.kernels.rows import add_scaled_row
-from mpmfw.kernels.table import entries
+from mpmfw.kernels.arithmetic import add_scaled_row
+from mpmfw.kernels.stencil import entries
 from mpmfw.kernels.types import Floats, Indices, Ints
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Setup

@@ -8,7 +8,7 @@ call with :func:`device`, and takes scratch memory from :mod:`mpmfw.kernels.scra
 - **Projection** from points to the grid: :func:`project_mass_momentum`, :func:`project_momentum`,
   :func:`add_internal_force`, :func:`affine_from_moment`; on nodes alone: :func:`velocity_of_momentum`,
   :func:`integrate_momentum`, :func:`add_body_force`. The grid's answer to the points is in
-  ``mpmfw.kernels.gather``.
+  ``mpmfw.kernels.particle_grid``.
 - **Point stencils**, to fill tables (:class:`mpmfw.api.types.Stencil`): :func:`fill_linear` is a whole shape
   function;
   :func:`read_window`, :func:`cell_coordinate`, :func:`linear_weights`, :func:`fits`,
@@ -98,7 +98,6 @@ argument                    shape [unit]             meaning
 ``normal``                  (dim,)                   e_n
 ``rows``, ``old``                                    rows of contact (``mpmfw.kernels.contact.Rows``), of this
                                                      and the last step
-``begin``, ``end``                                   rows that are worked on
 ``count``, ``old_count``                             number of rows in ``rows`` and ``old``
 ``o``, ``c``                                         a row of the last step, a row of this step
 ``vector``                  (n, dim)                 of rows of the last step
@@ -106,7 +105,7 @@ argument                    shape [unit]             meaning
 ``records``                                          sums of every pair (``mpmfw.kernels.contact.Records``)
 ``node_sum``, ``out``                                scratch (N,); where the result is written
 ``first``, ``second``       (pair,) int64            bodies of every pair
-``pair_of``, ``a``, ``b``                            table of ``mpmfw.kernels.pair_table.pair_table``, two
+``pair_of``, ``a``, ``b``                            table of ``mpmfw.kernels.contact.pair_table``, two
                                                      bodies
 =========================== ======================== =========================================================
 """
@@ -114,33 +113,31 @@ argument                    shape [unit]             meaning
 from mpmfw.kernels import scratch
 from mpmfw.kernels._jit import device, kernel
 from mpmfw.kernels._struct import Struct, struct
-from mpmfw.kernels.facets import (
-    Facets,
-    closest_point,
-    segment_coordinate,
-    signed_distance,
-    squared_distance,
-)
-from mpmfw.kernels.gaps import bounding_boxes, minimum_gap
-from mpmfw.kernels.nodal import add_body_force, integrate_momentum, velocity_of_momentum
-from mpmfw.kernels.packed import FULL, OUTSIDE, fill_domain
-from mpmfw.kernels.projection import (
+from mpmfw.kernels.arithmetic import add_scaled_row, determinant, invert, set_scaled_row
+from mpmfw.kernels.boxes import bounding_boxes
+from mpmfw.kernels.facets import closest_point, segment_coordinate, squared_distance
+from mpmfw.kernels.particle_grid import (
+    add_body_force,
     add_internal_force,
     affine_from_moment,
+    integrate_momentum,
     project_mass_momentum,
     project_momentum,
+    velocity_of_momentum,
 )
-from mpmfw.kernels.rows import add_scaled_row, set_scaled_row
-from mpmfw.kernels.small_matrix import determinant, invert
 from mpmfw.kernels.stencil import (
+    FULL,
+    OUTSIDE,
     cell_coordinate,
+    entries,
+    fill_domain,
     fill_linear,
     fill_tensor_product,
     fits,
     linear_weights,
     read_window,
 )
-from mpmfw.kernels.table import entries
+from mpmfw.kernels.surfaces import Facets, minimum_gap, signed_distance
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
 
 __all__ = [

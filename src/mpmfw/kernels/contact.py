@@ -1,11 +1,10 @@
-"""Operators on rows of contact: B v, Bᵀ f, the bound of B M⁻¹ Bᵀ K, and the sums of every pair.
-
-Kernels take the rows as one argument, and work on the rows ``begin:end``.
-"""
+"""Operators on rows of contact: B v, Bᵀ f, the bound of B M⁻¹ Bᵀ K; sums and indices of pairs."""
 
 from __future__ import annotations
 
 import math
+
+import numpy as np
 
 from mpmfw.kernels import scratch
 from mpmfw.kernels._jit import device, kernel
@@ -74,15 +73,6 @@ def match_rows(rows: Rows, count: int, old: Rows, old_count: int) -> None:
         rows.previous[c] = o if o < old_count and old.identity[o] == rows.identity[c] else -1
 
 
-@kernel
-def any_touches(rows: Rows, count: int) -> bool:
-    """Whether a row has no gap left."""
-    touches = False
-    for c in range(count):
-        touches = touches or rows.gap[c] <= 0.0
-    return touches
-
-
 @device
 def row_velocity(c: int, rows: Rows, velocity: Floats, out: Floats, spacing: tuple[float, ...]) -> None:
     """(B v)_c = Σ w v + Σ c (n·v) of row c with the nodes' ``velocity`` (n_nodes, dim) [m/s], into ``out``
@@ -102,48 +92,22 @@ def row_velocity(c: int, rows: Rows, velocity: Floats, out: Floats, spacing: tup
 
 @kernel
 def relative_motion(
-    begin: int, end: int, rows: Rows, velocity: Floats, scale: float, out: Floats, spacing: tuple[float, ...]
+    rows: Rows, count: int, velocity: Floats, scale: float, out: Floats, spacing: tuple[float, ...]
 ) -> None:
     """``scale`` B v of every row, into ``out`` (n, dim)."""
     motion = scratch.vector(spacing)
-    for c in range(begin, end):
+    for c in range(count):
         row_velocity(c, rows, velocity, motion, spacing)
         for d in range(len(spacing)):
             out[c, d] = scale * motion[d]
 
 
 @kernel
-def relative_velocity(
-    begin: int,
-    end: int,
-    rows: Rows,
-    node_mass: Floats,
-    node_momentum: Floats,
-    out: Floats,
-    spacing: tuple[float, ...],
-) -> None:
-    """B v of every row with v = (m v) / m, into ``out`` (n, dim); nodes without mass stand still."""
-    dim = len(spacing)
-    for c in range(begin, end):
-        for d in range(dim):
-            out[c, d] = 0.0
-        for k in range(rows.start[c], rows.start[c + 1]):
-            i, along = rows.dof[k], 0.0
-            inverse = 1.0 / node_mass[i] if node_mass[i] > 0.0 else 0.0
-            for d in range(dim):
-                out[c, d] += rows.weight[k] * (node_momentum[i, d] * inverse)
-                along += rows.normal[c, d] * (node_momentum[i, d] * inverse)
-            if len(rows.couple) > 0:
-                for d in range(dim):
-                    out[c, d] += rows.couple[k, d] * along
-
-
-@kernel
-def add_row_forces(begin: int, end: int, rows: Rows, node_force: Floats, spacing: tuple[float, ...]) -> None:
+def add_row_forces(rows: Rows, count: int, node_force: Floats, spacing: tuple[float, ...]) -> None:
     """f_i += Σ_c w f_c + (c·f_c) n + (f_c·n) t: Bᵀ f, with the tilt t of the normal where a method varies it
     (eq. 7 of [H17])."""
     dim = len(spacing)
-    for c in range(begin, end):
+    for c in range(count):
         along = 0.0
         acts = False
         for d in range(dim):
@@ -164,7 +128,7 @@ def add_row_forces(begin: int, end: int, rows: Rows, node_force: Floats, spacing
 
 @kernel
 def couplings(
-    begin: int, end: int, rows: Rows, stiffness: Floats, node_mass: Floats, node_sum: Floats, out: Floats
+    rows: Rows, count: int, stiffness: Floats, node_mass: Floats, node_sum: Floats, out: Floats
 ) -> float:
     """Row sums Σ_i |b_ci| (Σ_d k_d |b_di|) / m_i of B M⁻¹ Bᵀ K into ``out`` (n,), and the largest: it bounds
     λ_max (Gershgorin).
@@ -172,12 +136,12 @@ def couplings(
     With k = 1 and 0 it is the inverse of the mass that a row has if others share its nodes. ``node_sum`` is
     scratch, zero on entry and on return; nodes without mass do not count.
     """
-    for c in range(begin, end):
+    for c in range(count):
         if stiffness[c] != 0.0:
             for k in range(rows.start[c], rows.start[c + 1]):
                 node_sum[rows.dof[k]] += stiffness[c] * abs(rows.weight[k])
     largest = 0.0
-    for c in range(begin, end):
+    for c in range(count):
         total = 0.0
         for k in range(rows.start[c], rows.start[c + 1]):
             i = rows.dof[k]
@@ -185,16 +149,14 @@ def couplings(
                 total += abs(rows.weight[k]) * node_sum[i] / node_mass[i]
         out[c] = total
         largest = max(largest, total)
-    for c in range(begin, end):
+    for c in range(count):
         for k in range(rows.start[c], rows.start[c + 1]):
             node_sum[rows.dof[k]] = 0.0
     return largest
 
 
 @kernel
-def add_records(
-    begin: int, end: int, rows: Rows, scale: float, records: Records, spacing: tuple[float, ...]
-) -> None:
+def add_records(rows: Rows, count: int, scale: float, records: Records, spacing: tuple[float, ...]) -> None:
     """Impulse ``scale`` Σ f on every pair's first body, added, its tangential part, and the number of places
     with a force.
 
@@ -203,7 +165,7 @@ def add_records(
     dim = len(spacing)
     records.count[:] = 0.0
     last = -1
-    for c in range(begin, end):
+    for c in range(count):
         p, acts, along = rows.pair[c], False, 0.0
         for d in range(dim):
             along += rows.normal[c, d] * rows.force[c, d]
@@ -243,3 +205,34 @@ def add_turned(vector: Floats, o: int, old: Rows, c: int, rows: Rows, out: Float
         ahead = vector[o, e] - share * (normal[c, e] + old.normal[o, e])
         behind = vector[o, f] - share * (normal[c, f] + old.normal[o, f])
         out[c, d] += c_turn * in_plane + s_turn * (normal[c, e] * behind - normal[c, f] * ahead)
+
+
+def pair_table(first: Ints, second: Ints) -> Ints:
+    """Table that :func:`pair_index` reads: (n_pairs, 2), a key of the two bodies that ascends, and the pair's
+    index.
+
+    Parameters
+    ----------
+    first, second
+        Indices of both bodies of every pair, (n_pairs,).
+    """
+    key = (np.minimum(first, second) << 32) | np.maximum(first, second)
+    order = np.argsort(key)
+    return np.ascontiguousarray(np.stack([key[order], order], axis=1))
+
+
+@device
+def pair_index(pair_of: Ints, a: int, b: int) -> int:
+    """Index of the pair of bodies a and b, in either order; −1 for none. Bisection of the table's keys."""
+    key = (min(a, b) << 32) | max(a, b)
+    low, high = 0, len(pair_of)
+    while low < high:
+        middle = (low + high) // 2
+        if pair_of[middle, 0] < key:
+            low = middle + 1
+        else:
+            high = middle
+    if low < len(pair_of) and pair_of[low, 0] == key:
+        index: int = pair_of[low, 1]
+        return index
+    return -1

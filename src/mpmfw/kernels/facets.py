@@ -1,33 +1,96 @@
-"""Geometry of facets: segments of closed polylines in the plane, triangles of closed surfaces in space.
+"""Geometry of one facet: a segment of a closed polyline in the plane, a triangle in space.
 
 A facet is given by its ``corners``, one a row. In the plane the material lies on the left of the direction of
 travel, so that the outward unit normal of a segment with unit tangent e_t is e_n = (e_t,y, −e_t,x); in space
 the corners run counter-clockwise as seen from outside. What depends on the dimension stands in this module;
-the dimension is the length of ``spacing``."""
+the dimension is the length of ``spacing``.
+"""
 
 from __future__ import annotations
 
 import math
-from typing import Any, TypeAlias
 
 from mpmfw.kernels import scratch
 from mpmfw.kernels._jit import device
-from mpmfw.kernels._struct import Struct
-from mpmfw.kernels.triangle import closest_on_triangle, coordinates_on_triangle
 from mpmfw.kernels.types import Float, Floats, Ints
 
 
-class Facets(Struct):
-    """Closed surfaces as facets. Kernels take any struct that has these members, whatever else it has."""
+@device
+def product_along(x: Floats, a: int, b: int, c: int, corners: Floats) -> Float:
+    """(x_c − x_b)·(x − x_a) of three corners of a triangle [m²]."""
+    total = 0.0
+    for d in range(3):
+        total += (corners[c, d] - corners[b, d]) * (x[d] - corners[a, d])
+    return total
 
-    position: Floats  #: (n_s, dim) surface nodes [m]
-    facets: Ints  #: (n_f, dim) nodes at the corners of every facet, those of a body one after the other
-    neighbours: Ints  #: (n_f, dim) facet across the side that is opposite each corner
-    star_first: Ints  #: (n_s + 1,) facets round node s are ``star[star_first[s]:star_first[s + 1]]``
-    star: Ints  #: (n_f dim,) in the plane the segment that ends at the node, and the one that starts there
+
+@device
+def coordinates_on_triangle(x: Floats, corners: Floats, share: Floats, normal: Floats) -> Float:
+    """Gap g_n [m] of a point from the plane of a triangle, and the barycentric coordinates of its foot, into
+    ``share``.
+
+    ``normal`` is e_n times twice the area on entry, and e_n on return.
+    """
+    square = normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]
+    size, gap = math.sqrt(square), 0.0
+    for a in range(3):
+        b, c = (a + 1) % 3, (a + 2) % 3
+        share[a] = 0.0
+        for d in range(3):
+            e, f = (d + 1) % 3, (d + 2) % 3
+            share[a] += normal[d] * (
+                (corners[b, e] - x[e]) * (corners[c, f] - x[f])
+                - (corners[b, f] - x[f]) * (corners[c, e] - x[e])
+            )
+        share[a] /= square
+    for d in range(3):
+        normal[d] /= size
+        gap += (x[d] - corners[0, d]) * normal[d]
+    return gap
 
 
-Faceted: TypeAlias = Any  #: ``Facets``, or another struct with its members
+@device
+def closest_on_triangle(x: Floats, corners: Floats, share: Floats) -> None:
+    """Barycentric coordinates of the point of a triangle that is closest to x, into ``share``.
+
+    The regions of the plane, told by products of the edges with x − corner: those of the corners, where x
+    lies behind both edges' starts; of the edges, on the far side of one and between its ends; of the face,
+    the rest (C. Ericson, Real-Time Collision Detection, 2005, section 5.1.5). Coordinates that a region has
+    none of are exactly 0."""
+    # of corner i: along the edge to the second corner, and along that to the third
+    to_b_a, to_c_a = product_along(x, 0, 0, 1, corners), product_along(x, 0, 0, 2, corners)
+    to_b_b, to_c_b = product_along(x, 1, 0, 1, corners), product_along(x, 1, 0, 2, corners)
+    to_b_c, to_c_c = product_along(x, 2, 0, 1, corners), product_along(x, 2, 0, 2, corners)
+    share[0], share[1], share[2] = 0.0, 0.0, 0.0
+    if to_b_a <= 0.0 and to_c_a <= 0.0:
+        share[0] = 1.0
+        return
+    if to_b_b >= 0.0 and to_c_b <= to_b_b:
+        share[1] = 1.0
+        return
+    if to_c_c >= 0.0 and to_b_c <= to_c_c:
+        share[2] = 1.0
+        return
+    # signed areas of x with each edge, times twice that of the triangle
+    area_c = to_b_a * to_c_b - to_b_b * to_c_a
+    if area_c <= 0.0 and to_b_a >= 0.0 and to_b_b <= 0.0:
+        share[1] = to_b_a / (to_b_a - to_b_b)
+        share[0] = 1.0 - share[1]
+        return
+    area_b = to_b_c * to_c_a - to_b_a * to_c_c
+    if area_b <= 0.0 and to_c_a >= 0.0 and to_c_c <= 0.0:
+        share[2] = to_c_a / (to_c_a - to_c_c)
+        share[0] = 1.0 - share[2]
+        return
+    area_a = to_b_b * to_c_c - to_b_c * to_c_b
+    ahead, behind = to_c_b - to_b_b, to_b_c - to_c_c
+    if area_a <= 0.0 and ahead >= 0.0 and behind >= 0.0:
+        share[2] = ahead / (ahead + behind)
+        share[1] = 1.0 - share[2]
+        return
+    total = area_a + area_b + area_c
+    share[1], share[2] = area_b / total, area_c / total
+    share[0] = 1.0 - share[1] - share[2]
 
 
 @device
@@ -156,23 +219,6 @@ def squared_distance(x: Floats, corners: Floats, spacing: tuple[float, ...]) -> 
 
 
 @device
-def angle_at(a: int, corners: Floats, spacing: tuple[float, ...]) -> Float:
-    """Angle of a triangle at its corner ``a`` [rad]; 1 of a segment: the weight of a facet's normal in that
-    of its node.
-    """
-    if len(spacing) == 2:
-        return 1.0
-    b, c = (a + 1) % 3, (a + 2) % 3
-    along, square, other = 0.0, 0.0, 0.0
-    for d in range(3):
-        u, v = corners[b, d] - corners[a, d], corners[c, d] - corners[a, d]
-        along += u * v
-        square += u * u
-        other += v * v
-    return math.atan2(math.sqrt(max(square * other - along * along, 0.0)), along)
-
-
-@device
 def way_across(
     so_far: Float, part: Float, a: int, start: Floats, corners: Floats, spacing: tuple[float, ...]
 ) -> Float:
@@ -193,122 +239,6 @@ def way_across(
         away = start[d] - corners[b, d] - share * (corners[c, d] - corners[b, d])
         square += away * away
     return math.sqrt(square)
-
-
-@device
-def add_normal(s: int, m: int, surface: Faceted, out: Floats, spacing: tuple[float, ...]) -> None:
-    """Add the outward unit normal of facet m, in space times its angle at its node s, to ``out``."""
-    dim = len(spacing)
-    corners, area = scratch.matrix(spacing, spacing), scratch.vector(spacing)
-    read_corners(m, surface.position, surface.facets, corners, spacing)
-    area_vector(corners, area, spacing)
-    size, weight = length_of(area, spacing), 1.0
-    if dim == 3:
-        for a in range(dim):
-            if surface.facets[m, a] == s:
-                weight = angle_at(a, corners, spacing)
-    for d in range(dim):
-        out[d] += weight * (area[d] / size)
-
-
-@device
-def node_normal(s: int, surface: Faceted, out: Floats, spacing: tuple[float, ...]) -> None:
-    """Sum of the outward unit normals of a surface node's facets, in space weighted by their angles, into
-    ``out``.
-    """
-    for d in range(len(spacing)):
-        out[d] = 0.0
-    for k in range(surface.star_first[s], surface.star_first[s + 1]):
-        add_normal(s, surface.star[k], surface, out, spacing)
-
-
-@device
-def rim_normal(
-    m: int, share: Floats, surface: Faceted, normal: Floats, out: Floats, spacing: tuple[float, ...]
-) -> Float:
-    """Pseudo-normal where the closest point lies on the rim of facet m, whose own unit ``normal`` is, into
-    ``out``.
-
-    On the side that two facets have in common it is the sum of their normals; on the corner of a triangle
-    that of the node.
-
-    Returns
-    -------
-    A length of a facet there [m].
-    """
-    dim = len(spacing)
-    corners, zeros, side = scratch.matrix(spacing, spacing), 0, 0
-    for a in range(dim):
-        if share[a] == 0.0:
-            zeros += 1
-            side = a
-    read_corners(surface.neighbours[m, side], surface.position, surface.facets, corners, spacing)
-    area_vector(corners, out, spacing)
-    square = 0.0
-    for d in range(dim):
-        square += out[d] * out[d]
-    size = math.sqrt(square)
-    if dim == 3 and zeros > 1:
-        for a in range(dim):
-            if share[a] != 0.0:
-                node_normal(surface.facets[m, a], surface, out, spacing)
-    else:
-        for d in range(dim):
-            out[d] = normal[d] + out[d] / size
-    return extent_of(size, spacing)
-
-
-@device
-def signed_distance(
-    x: Floats, m: int, surface: Faceted, share: Floats, normal: Floats, spacing: tuple[float, ...]
-) -> Float:
-    """Distance of a point from facet ``m`` of a closed surface, negative inside the material.
-
-    Where the closest point lies on the facet's rim, the pseudo-normal there decides inside or outside, and
-    nothing else (in space: J. A. Bærentzen, H. Aanæs, 2005); the direction is that of x − x_closest, along
-    which an action and its reaction leave no moment.
-
-    Returns
-    -------
-    Signed distance g [m]. Barycentric coordinates of the closest point are written to ``share``, and the unit
-    direction e_n to ``normal``: x = x_closest + g e_n."""
-    dim = len(spacing)
-    corners = scratch.matrix(spacing, spacing)
-    read_corners(m, surface.position, surface.facets, corners, spacing)
-    gap = project(x, corners, share, normal, spacing)
-    beside = False
-    for a in range(dim):
-        if not share[a] > 0.0:
-            beside = True
-    if not beside:
-        return gap
-    closest_point(x, corners, share, spacing)
-    if not at_rim(share, spacing):
-        return gap
-    pseudo, away = scratch.vector(spacing), scratch.vector(spacing)
-    length = rim_normal(m, share, surface, normal, pseudo, spacing)
-    square, side, norm = 0.0, 0.0, 0.0
-    for d in range(dim):
-        foot = 0.0
-        for a in range(dim):
-            foot += share[a] * corners[a, d]
-        away[d] = x[d] - foot
-        square += away[d] * away[d]
-        side += away[d] * pseudo[d]
-        norm += pseudo[d] * pseudo[d]
-    distance = math.sqrt(square)
-    if distance < 1e-14 * length:
-        norm = math.sqrt(norm)
-        for d in range(dim):
-            normal[d] = pseudo[d] / norm
-        return 0.0
-    if side < 0.0:
-        for d in range(dim):
-            normal[d] = -away[d] / distance
-        return -distance
-    for d in range(dim):
-        normal[d] = away[d] / distance
-    return distance
 
 
 @device

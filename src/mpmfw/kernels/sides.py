@@ -10,9 +10,10 @@ import numpy as np
 
 from mpmfw.kernels import scratch
 from mpmfw.kernels._jit import device, kernel
-from mpmfw.kernels.facets import Faceted, length_of, node_normal, read_point, signed_distance
-from mpmfw.kernels.gaps import BLOCK, block_boxes, bounding_boxes, closest_facet, turns_round
-from mpmfw.kernels.types import Float, Floats, Ints
+from mpmfw.kernels.boxes import BLOCK, block_boxes, bounding_boxes
+from mpmfw.kernels.facets import length_of, read_point
+from mpmfw.kernels.surfaces import closest_facet, node_normal, signed_distance, turns_round
+from mpmfw.kernels.types import Faceted, Float, Floats, Ints
 
 #: Largest cosine between the normals of a node and of the facet by which it enters a body, and least cosine
 #: where it leaves a body that it has gone through. A node that slides off round a right angle, such as a

@@ -17,3 +17,4 @@ Float: TypeAlias = Any  #: a compiled scalar: numpy's and Python's float at once
 Points: TypeAlias = Struct  #: arrays of the material points, ``mpmfw.api.Particles``
 Nodes: TypeAlias = Struct  #: arrays of the grid's nodes, ``mpmfw.api.Grid``
 Table: TypeAlias = Struct  #: an interpolation table, ``mpmfw.api.Stencil``
+Faceted: TypeAlias = Any  #: surfaces, :class:`mpmfw.kernels.Facets` or another struct with its members

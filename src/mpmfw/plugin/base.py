@@ -34,6 +34,10 @@ class PlugIn:
     name: ClassVar[str]
     #: Model of the options; :class:`NoOptions` takes none. The validated instance is ``self.options``.
     Options: ClassVar[type[BaseModel]] = NoOptions
+    #: Dimensions that it works in.
+    dimensions: ClassVar[tuple[int, ...]] = (2, 3)
+    #: Reason for these dimensions, for the message that refuses others.
+    dimensions_note: ClassVar[str] = ""
     #: Stage of the clock that its hooks are charged to; None leaves them with the stage of the core that
     #: calls them.
     stage: ClassVar[str | None] = None

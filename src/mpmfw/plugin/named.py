@@ -18,8 +18,6 @@ class NamedPlugIn(PlugIn):
     """Base of plug-ins with a table of their own in the scene, such as ``[loads.NAME]``, with that table's
     options."""
 
-    #: Dimensions that it works in.
-    dimensions: ClassVar[tuple[int, ...]] = (2, 3)
     #: Whether surfaces must be tracked for it.
     needs_surface: ClassVar[bool] = False
     #: What the scene calls it.

@@ -13,7 +13,7 @@ from mpmfw.state.fields import AnyArray, Field, FloatArray
 from mpmfw.state.structs import Body, Pair, State
 
 if TYPE_CHECKING:
-    from mpmfw.contact.friction import FrictionLaw
+    from mpmfw.contact.rows import FrictionLaw
     from mpmfw.contact.strategy import ContactStrategy
     from mpmfw.geometry import Layout
     from mpmfw.plugin.material import Material

@@ -16,8 +16,6 @@ class ShapeFunction(PlugIn):
     Subclasses implement the hooks ``particle_reach``, ``interpolate`` and ``interpolate_surface``.
     """
 
-    #: Dimensions that the shape function works in.
-    dimensions: ClassVar[tuple[int, ...]] = (2, 3)
     #: Whether boundary nodes may carry no mass of the body whose surface touches them (point-like particles).
     massless_boundary: ClassVar[bool] = False
     #: Degree of the B-splines that are the boundary basis: 1 bilinear.

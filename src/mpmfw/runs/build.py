@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mpmfw.contact.friction import FrictionLaw
+from mpmfw.contact.rows import FrictionLaw
 from mpmfw.contact.strategy import ContactStrategy
 from mpmfw.errors import SceneError
 from mpmfw.geometry import BodyGeometry, Layout
@@ -289,7 +289,7 @@ def _check_methods(scene: Scene, shape: ShapeFunction, contact: ContactStrategy 
         refuse_nameless(type(plugin))
         if scene.dim not in plugin.dimensions:
             works = " and ".join(f"{d}D" for d in plugin.dimensions)
-            note = f" ({plugin.dimensions_note})" if getattr(plugin, "dimensions_note", "") else ""
+            note = f" ({plugin.dimensions_note})" if plugin.dimensions_note else ""
             raise SceneError(
                 f"{kind} '{plugin.name}' works in {works}{note}; the scene's grid is {scene.dim}D"
             )

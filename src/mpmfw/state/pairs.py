@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.kernels.boxes import sweep_strips
-from mpmfw.kernels.gaps import bounding_boxes
+from mpmfw.kernels.boxes import bounding_boxes, sweep_strips
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 from mpmfw.state.history import NotSaved
 from mpmfw.state.structs import Pair, State

@@ -6,7 +6,7 @@ import numpy as np
 
 from mpmfw.geometry.facets import neighbours_of, stars_of, tributaries_of
 from mpmfw.kernels import Facets
-from mpmfw.kernels.gaps import minimum_gaps
+from mpmfw.kernels.surfaces import minimum_gaps
 from mpmfw.state.fields import FloatArray, IntArray
 from mpmfw.state.structs import Body, Surface
 

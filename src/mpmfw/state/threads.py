@@ -27,8 +27,7 @@ from typing import Any, TypeAlias, TypeVar
 import numpy as np
 
 from mpmfw.kernels import _waiting as waiting
-from mpmfw.kernels.packed import FULL
-from mpmfw.kernels.table import NodeRange
+from mpmfw.kernels.stencil import FULL, NodeRange
 from mpmfw.state.fields import FloatArray, IndexArray, IntArray
 
 Result = TypeVar("Result")

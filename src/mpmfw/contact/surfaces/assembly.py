@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from mpmfw.contact.surfaces.candidates import Candidates
-from mpmfw.contact.surfaces.facing import node_outward, opposes
-from mpmfw.contact.surfaces.outline import Outline, area_of, distance_to, dot, hidden
+from mpmfw.contact.surfaces.outline import Candidates, Outline, area_of, distance_to, dot, hidden
+from mpmfw.contact.surfaces.search import node_outward, opposes
 from mpmfw.kernels import Struct, device, kernel, scratch
-from mpmfw.kernels.contact import Rows
+from mpmfw.kernels.contact import Rows, pair_index
 from mpmfw.kernels.facets import (
     at_rim,
     extent_of,
@@ -15,8 +14,7 @@ from mpmfw.kernels.facets import (
     write_gradients,
     write_own_gradients,
 )
-from mpmfw.kernels.pair_table import pair_index
-from mpmfw.kernels.table import entries
+from mpmfw.kernels.stencil import entries
 from mpmfw.kernels.types import Float, Floats, Ints, Table
 
 #: Difference of distances, in lengths of a facet, below which two facets are equally close: what rounding

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from mpmfw.contact.surfaces.boxes import Boxes, Partners, boxes_apart, read_box
-from mpmfw.contact.surfaces.outline import Outline, area_of, dot, hidden
+from mpmfw.contact.surfaces.outline import Outline, Partners, area_of, dot, hidden
 from mpmfw.kernels import device, kernel, scratch
+from mpmfw.kernels.boxes import Boxes, boxes_apart, read_box
 from mpmfw.kernels.facets import at_rim, closest_point, length_of, read_corners, read_point
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
 

@@ -7,16 +7,13 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from mpmfw.contact.detection import Detection, ranks_of, stiffness_ranks
+from mpmfw.contact.parts import Detection, ranks_of, stiffness_ranks
 from mpmfw.contact.rows import ContactRows
 from mpmfw.contact.surfaces.assembly import Places, assemble, point_forces
-from mpmfw.contact.surfaces.candidates import no_candidates
-from mpmfw.contact.surfaces.facing import ROUND, ROUND_THE_CORNER
-from mpmfw.contact.surfaces.near_facets import VerletList
-from mpmfw.contact.surfaces.outline import node_error, outline_of, tracked_surface
-from mpmfw.contact.surfaces.search import find_candidates
+from mpmfw.contact.surfaces.near_facets import TravelLimit, VerletList
+from mpmfw.contact.surfaces.outline import no_candidates, node_error, outline_of, tracked_surface
+from mpmfw.contact.surfaces.search import ROUND, ROUND_THE_CORNER, find_candidates
 from mpmfw.contact.surfaces.tracking import CROSSED, find_crossings, keep_inside, remember_inside
-from mpmfw.contact.surfaces.travel import TravelLimit
 from mpmfw.errors import SceneError, SimulationError
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
@@ -81,11 +78,9 @@ class Surfaces(Detection):
     """
 
     name = "surfaces"
-    checks_others = True
     Options: ClassVar[type[FacetOptions]] = SurfacesOptions
     options: FacetOptions
     provides = frozenset({"facets", "nodes", "steady gap"})
-    needs_surface = True
     range_option = "search_radius"
     #: Whether a node meets every facet that it penetrates (eq. 10), and not the closest one of a body.
     every_facet: bool = False

@@ -6,7 +6,7 @@ import numpy as np
 
 from mpmfw.contact.surfaces.outline import tracked_surface
 from mpmfw.kernels import kernel
-from mpmfw.kernels.nodal import velocity_of_momentum
+from mpmfw.kernels.particle_grid import velocity_of_momentum
 from mpmfw.kernels.types import Floats, Indices, Ints
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup

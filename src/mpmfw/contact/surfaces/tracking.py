@@ -6,12 +6,20 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from mpmfw.contact.surfaces.boxes import Boxes, Partners, boxes_apart
-from mpmfw.contact.surfaces.candidates import Candidates, put
 from mpmfw.contact.surfaces.covering import past_a_seam
-from mpmfw.contact.surfaces.facing import LEAST_COSINE, node_outward, opposition
-from mpmfw.contact.surfaces.outline import Outline, distance_to, dot, hidden, square_of
+from mpmfw.contact.surfaces.outline import (
+    Candidates,
+    Outline,
+    Partners,
+    distance_to,
+    dot,
+    hidden,
+    put,
+    square_of,
+)
+from mpmfw.contact.surfaces.search import LEAST_COSINE, node_outward, opposition
 from mpmfw.kernels import device, kernel, scratch
+from mpmfw.kernels.boxes import Boxes, boxes_apart
 from mpmfw.kernels.facets import at_rim, length_of, project
 from mpmfw.kernels.types import Float, Floats
 

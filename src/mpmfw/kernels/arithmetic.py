@@ -1,13 +1,10 @@
-"""Arithmetic on short rows: ``out[i, :] += factor other[j, :]`` as one operation.
+"""Arithmetic on short rows, ``out[i, :] += factor other[j, :]`` in one operation, and on small matrices.
 
-Written as a loop over ``range(dim)``, the same sum costs 1.3 to 2 times as much: numba multiplies by a row
-length that is known at run time alone, asks of every index whether it counts from the end, and leaves
-neighbouring components in separate registers. Here the row length is that of a tuple and therefore known to
-the compiler, indices are taken as they are (no negative ones), and a row is one vector: of two components a
-register, of three what the compiler makes of it, in space half the time of three scalars, whose sums do not
-all fit into registers.
-
-``out`` and ``other`` are C-contiguous, of shape ``(n, len(spacing))``.
+Written as a loop over ``range(dim)``, the sum of a row costs 1.3 to 2 times as much: numba multiplies by a
+row length that is known at run time alone, checks every index for a negative one, and leaves neighbouring
+components in separate registers. Here the row length is that of a tuple, known to the compiler, indices are
+not negative, and a row is one vector. ``out`` and ``other`` are C-contiguous, of shape
+``(n, len(spacing))``. Determinant and inverse are written out: a library call costs more than the arithmetic.
 """
 
 from __future__ import annotations
@@ -18,7 +15,8 @@ from llvmlite import ir  # type: ignore[import-untyped]
 from numba.core import types
 from numba.np import arrayobj
 
-from mpmfw.kernels._jit import intrinsic
+from mpmfw.kernels._jit import device, intrinsic
+from mpmfw.kernels.types import Float, Floats
 
 _arrayobj: Any = arrayobj  # numba has no annotations here
 
@@ -90,4 +88,31 @@ def set_scaled_row(_typing: Any, out: Any, i: Any, factor: Any, other: Any, j: A
     return types.void(out, i, factor, other, j, spacing), codegen
 
 
-__all__ = ["add_scaled_row", "set_scaled_row"]
+@device
+def determinant(a: Floats, spacing: tuple[float, ...]) -> Float:
+    """det a; the length of ``spacing`` is the dimension."""
+    if len(spacing) == 2:
+        return a[0, 0] * a[1, 1] - a[0, 1] * a[1, 0]
+    return (
+        a[0, 0] * (a[1, 1] * a[2, 2] - a[1, 2] * a[2, 1])
+        - a[0, 1] * (a[1, 0] * a[2, 2] - a[1, 2] * a[2, 0])
+        + a[0, 2] * (a[1, 0] * a[2, 1] - a[1, 1] * a[2, 0])
+    )
+
+
+@device
+def invert(a: Floats, out: Floats, spacing: tuple[float, ...]) -> Float:
+    """Write a⁻¹ to ``out`` and return det a; a singular matrix gives inf or nan, as in NumPy."""
+    det = determinant(a, spacing)
+    if len(spacing) == 2:
+        out[0, 0] = a[1, 1] / det
+        out[0, 1] = -a[0, 1] / det
+        out[1, 0] = -a[1, 0] / det
+        out[1, 1] = a[0, 0] / det
+    else:
+        for i in range(3):
+            j, k = (i + 1) % 3, (i + 2) % 3
+            for m in range(3):
+                n, o = (m + 1) % 3, (m + 2) % 3
+                out[m, i] = (a[j, n] * a[k, o] - a[j, o] * a[k, n]) / det
+    return det

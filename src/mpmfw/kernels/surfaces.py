@@ -1,4 +1,4 @@
-"""Bounding boxes of surfaces, the facet that is closest to a point, and the least gap between bodies."""
+"""Closed surfaces of facets: signed distance of a point, its closest facet, least gap of two bodies."""
 
 from __future__ import annotations
 
@@ -8,41 +8,163 @@ import numpy as np
 
 from mpmfw.kernels import scratch
 from mpmfw.kernels._jit import device, kernel
-from mpmfw.kernels.facets import Faceted, read_corners, read_point, signed_distance, squared_distance
-from mpmfw.kernels.types import Float, Floats, Ints
+from mpmfw.kernels._struct import Struct
+from mpmfw.kernels.boxes import BLOCK, block_boxes, box_distance
+from mpmfw.kernels.facets import (
+    area_vector,
+    at_rim,
+    closest_point,
+    extent_of,
+    length_of,
+    project,
+    read_corners,
+    read_point,
+    squared_distance,
+)
+from mpmfw.kernels.types import Faceted, Float, Floats, Ints
 
-#: Consecutive facets that share a bounding box where the closest one is looked for.
-BLOCK = 8
+
+class Facets(Struct):
+    """Closed surfaces as facets. Kernels take any struct that has these members, whatever else it has."""
+
+    position: Floats  #: (n_s, dim) surface nodes [m]
+    facets: Ints  #: (n_f, dim) nodes at the corners of every facet, those of a body one after the other
+    neighbours: Ints  #: (n_f, dim) facet across the side that is opposite each corner
+    star_first: Ints  #: (n_s + 1,) facets round node s are ``star[star_first[s]:star_first[s + 1]]``
+    star: Ints  #: (n_f dim,) in the plane the segment that ends at the node, and the one that starts there
 
 
 @device
-def block_boxes(
-    first: int, last: int, start: int, surface: Faceted, boxes: Floats, spacing: tuple[float, ...]
-) -> None:
-    """Bounding boxes of each ``BLOCK`` of the facets ``first:last``, lower and upper corner, into the rows of
-    ``boxes`` from ``start`` on."""
-    for m in range(first, last):
-        row = start + (m - first) // BLOCK
-        if (m - first) % BLOCK == 0:
-            for d in range(len(spacing)):
-                boxes[row, 0, d], boxes[row, 1, d] = math.inf, -math.inf
-        for a in range(len(spacing)):
-            p = surface.facets[m, a]
-            for d in range(len(spacing)):
-                boxes[row, 0, d] = min(boxes[row, 0, d], surface.position[p, d])
-                boxes[row, 1, d] = max(boxes[row, 1, d], surface.position[p, d])
-
-
-@device
-def box_distance(x: Floats, row: int, boxes: Floats, spacing: tuple[float, ...]) -> Float:
-    """Squared distance of a point from a box, lower corner ``boxes[row, 0]`` and upper ``boxes[row, 1]``
-    [m²], 0 inside.
+def angle_at(a: int, corners: Floats, spacing: tuple[float, ...]) -> Float:
+    """Angle of a triangle at its corner ``a`` [rad]; 1 of a segment: the weight of a facet's normal in that
+    of its node.
     """
-    square = 0.0
+    if len(spacing) == 2:
+        return 1.0
+    b, c = (a + 1) % 3, (a + 2) % 3
+    along, square, other = 0.0, 0.0, 0.0
+    for d in range(3):
+        u, v = corners[b, d] - corners[a, d], corners[c, d] - corners[a, d]
+        along += u * v
+        square += u * u
+        other += v * v
+    return math.atan2(math.sqrt(max(square * other - along * along, 0.0)), along)
+
+
+@device
+def add_normal(s: int, m: int, surface: Faceted, out: Floats, spacing: tuple[float, ...]) -> None:
+    """Add the outward unit normal of facet m, in space times its angle at its node s, to ``out``."""
+    dim = len(spacing)
+    corners, area = scratch.matrix(spacing, spacing), scratch.vector(spacing)
+    read_corners(m, surface.position, surface.facets, corners, spacing)
+    area_vector(corners, area, spacing)
+    size, weight = length_of(area, spacing), 1.0
+    if dim == 3:
+        for a in range(dim):
+            if surface.facets[m, a] == s:
+                weight = angle_at(a, corners, spacing)
+    for d in range(dim):
+        out[d] += weight * (area[d] / size)
+
+
+@device
+def node_normal(s: int, surface: Faceted, out: Floats, spacing: tuple[float, ...]) -> None:
+    """Sum of the outward unit normals of a surface node's facets, in space weighted by their angles, into
+    ``out``.
+    """
     for d in range(len(spacing)):
-        beyond = max(boxes[row, 0, d] - x[d], x[d] - boxes[row, 1, d], 0.0)
-        square += beyond * beyond
-    return square
+        out[d] = 0.0
+    for k in range(surface.star_first[s], surface.star_first[s + 1]):
+        add_normal(s, surface.star[k], surface, out, spacing)
+
+
+@device
+def rim_normal(
+    m: int, share: Floats, surface: Faceted, normal: Floats, out: Floats, spacing: tuple[float, ...]
+) -> Float:
+    """Pseudo-normal where the closest point lies on the rim of facet m, whose own unit ``normal`` is, into
+    ``out``.
+
+    On the side that two facets have in common it is the sum of their normals; on the corner of a triangle
+    that of the node.
+
+    Returns
+    -------
+    A length of a facet there [m].
+    """
+    dim = len(spacing)
+    corners, zeros, side = scratch.matrix(spacing, spacing), 0, 0
+    for a in range(dim):
+        if share[a] == 0.0:
+            zeros += 1
+            side = a
+    read_corners(surface.neighbours[m, side], surface.position, surface.facets, corners, spacing)
+    area_vector(corners, out, spacing)
+    square = 0.0
+    for d in range(dim):
+        square += out[d] * out[d]
+    size = math.sqrt(square)
+    if dim == 3 and zeros > 1:
+        for a in range(dim):
+            if share[a] != 0.0:
+                node_normal(surface.facets[m, a], surface, out, spacing)
+    else:
+        for d in range(dim):
+            out[d] = normal[d] + out[d] / size
+    return extent_of(size, spacing)
+
+
+@device
+def signed_distance(
+    x: Floats, m: int, surface: Faceted, share: Floats, normal: Floats, spacing: tuple[float, ...]
+) -> Float:
+    """Distance of a point from facet ``m`` of a closed surface, negative inside the material.
+
+    Where the closest point lies on the facet's rim, the pseudo-normal there decides inside or outside, and
+    nothing else (in space: J. A. Bærentzen, H. Aanæs, 2005); the direction is that of x − x_closest, along
+    which an action and its reaction leave no moment.
+
+    Returns
+    -------
+    Signed distance g [m]. Barycentric coordinates of the closest point are written to ``share``, and the unit
+    direction e_n to ``normal``: x = x_closest + g e_n."""
+    dim = len(spacing)
+    corners = scratch.matrix(spacing, spacing)
+    read_corners(m, surface.position, surface.facets, corners, spacing)
+    gap = project(x, corners, share, normal, spacing)
+    beside = False
+    for a in range(dim):
+        if not share[a] > 0.0:
+            beside = True
+    if not beside:
+        return gap
+    closest_point(x, corners, share, spacing)
+    if not at_rim(share, spacing):
+        return gap
+    pseudo, away = scratch.vector(spacing), scratch.vector(spacing)
+    length = rim_normal(m, share, surface, normal, pseudo, spacing)
+    square, side, norm = 0.0, 0.0, 0.0
+    for d in range(dim):
+        foot = 0.0
+        for a in range(dim):
+            foot += share[a] * corners[a, d]
+        away[d] = x[d] - foot
+        square += away[d] * away[d]
+        side += away[d] * pseudo[d]
+        norm += pseudo[d] * pseudo[d]
+    distance = math.sqrt(square)
+    if distance < 1e-14 * length:
+        norm = math.sqrt(norm)
+        for d in range(dim):
+            normal[d] = pseudo[d] / norm
+        return 0.0
+    if side < 0.0:
+        for d in range(dim):
+            normal[d] = -away[d] / distance
+        return -distance
+    for d in range(dim):
+        normal[d] = away[d] / distance
+    return distance
 
 
 @device
@@ -191,16 +313,3 @@ def minimum_gaps(
                 least, surface, boxes, spacing,
             )  # fmt: skip
         gaps[c] = least
-
-
-@kernel
-def bounding_boxes(first: Ints, position: Floats, lower: Floats, upper: Floats) -> None:
-    """Bounding box of the nodes ``first[b]:first[b + 1]`` of every body b; an empty range gives an empty
-    box."""
-    for b in range(len(first) - 1):
-        for d in range(position.shape[1]):
-            low, high = math.inf, -math.inf
-            for s in range(first[b], first[b + 1]):
-                low = min(low, position[s, d])
-                high = max(high, position[s, d])
-            lower[b, d], upper[b, d] = low, high

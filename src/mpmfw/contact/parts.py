@@ -1,0 +1,301 @@
+"""The two parts of a contact, a detection that lists the rows of a step and a law that acts on them."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
+
+import numpy as np
+from pydantic import BaseModel, create_model
+
+from mpmfw.contact.rows import ContactRows
+from mpmfw.errors import SceneError
+from mpmfw.plugin.base import PlugIn
+from mpmfw.plugin.checks import bundled
+from mpmfw.plugin.setup import Setup
+from mpmfw.state.fields import AnyArray, Field, FloatArray, IntArray
+from mpmfw.state.structs import Body, Grid, Pair, Particles, State, Stencil
+
+if TYPE_CHECKING:
+    from mpmfw.state.index_map import IndexMap
+
+
+#: Relative difference of wave moduli K + 4 G / 3 up to which two bodies are equally stiff, and of sizes that
+#: are equal.
+EQUAL = 1e-6
+
+
+class Detection(PlugIn):
+    """Base of detections, announced as entry points of the group ``mpmfw.detection``.
+
+    It fills the rows of a step from where the bodies are, after the projection and before the step's length
+    is chosen, and keeps it until :meth:`end_step`.
+    """
+
+    #: What laws may need of its rows: ``facets`` where they lie on facets of surfaces, which are then
+    #: tracked, ``nodes`` where a node meets each, ``steady gap`` where gaps do not jump as rows come and go.
+    provides: ClassVar[frozenset[str]] = frozenset()
+    #: How surface nodes are mapped to the grid: ``auto`` follows the shape function.
+    surface_map: Literal["auto", "plain", "mass_weighted"] = "auto"
+    #: Whether a part of it adds inertia to the nodes.
+    adds_mass: bool = False
+    #: Whether rows have an area, which forces and cohesion are made of.
+    measures_area: bool = True
+    #: Whether bodies at rest may be left out for a while: :meth:`copy_history` copies its history, and rows
+    #: renumber theirs.
+    leaves_bodies_out: bool = False
+    #: Gap up to which the law acts [m], known once both are prepared.
+    law_range: float = 0.0
+    #: Its option that widens :meth:`range` in proportion, for advice; None where there is none.
+    range_option: ClassVar[str | None] = None
+
+    def parts(self, contact: Any) -> list[Any]:  # noqa: ARG002
+        """Return the plug-ins that it brings along, beside the strategy ``contact`` that it belongs to."""
+        return []
+
+    def reach(self, cell_size: float) -> float | None:  # noqa: ARG002
+        """Return the distance of bounding boxes [m] beyond which nothing is searched; None without a search.
+
+        ``cell_size`` is h [m].
+        """
+        return None
+
+    def range(self, cell_size: float) -> float | None:
+        """Return the gap [m] up to which rows are sure to be listed, after :meth:`prepare`; None if that is
+        not known.
+
+        ``cell_size`` is h [m]. By default it is :meth:`reach`.
+        """
+        return self.reach(cell_size)
+
+    def configure(self, needs: frozenset[str], *, forces: bool) -> None:
+        """Choose what follows from the law: its ``needs`` (:attr:`ContactLaw.needs`), and whether it gives
+        ``forces``.
+
+        Raises
+        ------
+        SceneError
+            Its options do not give that.
+        """
+
+    def fields(self) -> list[Field]:
+        """Return the output fields that :meth:`outputs` fills."""
+        return []
+
+    def prepare(self, setup: Setup, owner: str) -> None:
+        """Take facts of the scene from ``setup``, and list arrays under ``owner``."""
+        raise NotImplementedError
+
+    def new_rows(self, own: dict[str, int | None]) -> ContactRows:
+        """Return rows without content, with the ``own`` arrays of a law (see :class:`ContactRows`)."""
+        raise NotImplementedError
+
+    def list_pairs(self, state: State) -> None:
+        """List ``state.pairs`` anew: bodies have come near that were apart."""
+        raise NotImplementedError
+
+    def find(self, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> None:
+        """Fill the ``rows`` of this step, all arrays but ``previous``, ``force`` and the law's own.
+
+        ``phi`` is the material points' table of interpolation.
+        """
+        raise NotImplementedError
+
+    def end_step(self) -> None:
+        """Note what the next step needs of this one; nothing by default."""
+
+    def copy_history(self, other: Any, index_map: IndexMap) -> None:
+        """Copy the history of ``other``, of the same class, renumbered by ``index_map``.
+
+        Nothing by default."""
+
+    def outputs(self, rows: ContactRows) -> dict[str, AnyArray]:  # noqa: ARG002
+        """Return values of the declared output fields from the ``rows`` of the last step."""
+        return {}
+
+
+def stiffness_ranks(bodies: Sequence[Body]) -> IntArray:
+    """Rank every body by its wave modulus, (body,): 0 for the softest, the same for equally stiff ones.
+
+    The order of the bodies does not matter.
+    """
+    return ranks_of(np.array([body.p_wave_modulus for body in bodies]))
+
+
+def ranks_of(values: FloatArray) -> IntArray:
+    """Rank positive values (n,): 0 for the smallest, the same for equal ones."""
+    order = np.argsort(values)
+    steps = np.diff(values[order], prepend=values[order[:1]]) > EQUAL * values[order]
+    ranks = np.zeros(len(values), dtype=np.int64)
+    ranks[order] = np.cumsum(steps)
+    return ranks
+
+
+#: What a law may need of a detection, as messages name it.
+NEEDS = {
+    "facets": "facets of surfaces",
+    "nodes": "surface nodes against facets",
+    "steady gap": "gaps that do not jump",
+}
+
+
+class ContactLaw(PlugIn):
+    """Base of laws, announced as entry points of the group ``mpmfw.law``; a law is a :class:`ForceLaw` or an
+    :class:`ImpulseLaw`."""
+
+    #: What it needs of the rows: ``gap`` for a signed gap, ``steady gap`` for one that does not jump as rows
+    #: come and go, ``facets``, ``nodes`` for nodes against facets.
+    needs: ClassVar[frozenset[str]] = frozenset()
+    #: Whether it gives forces, and not impulses.
+    gives_forces: ClassVar[bool] = False
+    #: Whether the law uses the pairs' friction.
+    uses_friction: ClassVar[bool] = False
+    #: Its option that makes contact softer where it is smaller, for advice; None where there is none.
+    softness_option: ClassVar[str | None] = None
+    #: Whether bodies at rest may be left out for a while: its history is in its rows.
+    leaves_bodies_out: ClassVar[bool] = False
+
+    @classmethod
+    def strategy(cls) -> type[Any]:
+        """Return the base of contacts with this law."""
+        raise NotImplementedError
+
+    @classmethod
+    def joined_with(cls, detection: type[Any]) -> type[Any]:
+        """Return the contact strategy of a class ``detection`` and this law, ``DETECTION+LAW``.
+
+        Raises
+        ------
+        SceneError
+            They do not go together.
+        """
+        return joined(detection, cls)
+
+    def row_arrays(self, *, friction: bool) -> dict[str, int | None]:  # noqa: ARG002
+        """Return the law's own arrays of the rows, by name: the number of further dimensions, or None for an
+        array without rows.
+
+        They are its history, ``rows.own`` as one argument of kernels. ``friction`` is true if any pair has
+        friction. An array called ``moved`` is filled with B v Δt at the end of the step.
+        """
+        return {}
+
+    def unused(self, pairs: Sequence[Pair]) -> list[str]:  # noqa: ARG002
+        """Return facts of these ``pairs`` that have no effect with its options, one line each."""
+        return []
+
+    def fields(self) -> list[Field]:
+        """Return the declarations of series beside those that all contacts have."""
+        return []
+
+    def prepare(self, setup: Setup, owner: str) -> None:
+        """Take facts of the scene from ``setup``, and list arrays under ``owner``."""
+
+    def measure(self, rows: ContactRows, grid: Grid, phi: Stencil, particles: Particles) -> None:
+        """Take what the law needs of the material points, once the rows of the step are there; nothing by
+        default.
+
+        ``phi`` is the table of interpolation of the points.
+        """
+
+    def range(self) -> float:
+        """Return the gap up to which the law acts [m], after :meth:`prepare`; 0 where it acts on bodies that
+        touch alone.
+
+        A detection that lists no rows so far apart (:meth:`Detection.range`) is refused.
+        """
+        return 0.0
+
+    def list_pairs(self, state: State) -> None:
+        """Take facts of ``state.pairs`` as arrays: bodies have come near that were apart."""
+
+    def series(self) -> dict[str, AnyArray]:
+        """Return values of the declared series."""
+        return {}
+
+    def restart(self) -> None:
+        """Forget accumulated work at time zero, after settling."""
+
+    def remarks(self) -> list[str]:
+        """Return warnings for a reader of the results, a sentence each, after the last step."""
+        return []
+
+
+def make_part(kind: type[Any], options: BaseModel) -> Any:
+    """Make a detection or law from the options of both: those that were set, and those with a default of the
+    contact's own."""
+    own, both = kind.Options.model_fields, type(options).model_fields
+    given = [
+        name for name in own if name in options.model_fields_set or both[name].default != own[name].default
+    ]
+    return kind(**{name: getattr(options, name) for name in given})
+
+
+def options_of_both(contact: type[Any]) -> type[BaseModel]:
+    """Make the model of a contact's options from both parts' models, with the contact's own defaults."""
+    models = tuple(dict.fromkeys((contact.Law.Options, contact.Detection.Options)))
+    fields: dict[str, Any] = {}
+    for model in models:
+        for name in model.model_fields.keys() & contact.defaults.keys():
+            info = copy.copy(model.model_fields[name])
+            info.default = contact.defaults[name]
+            fields[name] = (info.annotation, info)
+    text = f"Options of law '{contact.Law.name}' and of detection '{contact.Detection.name}'."
+    made: type[BaseModel] = create_model(
+        "Options", __base__=models, __module__=contact.__module__, __doc__=text, **fields
+    )
+    made.__qualname__ = f"{contact.__qualname__}.Options"
+    return made
+
+
+#: Classes that were joined, each once.
+_JOINED: dict[tuple[type[Any], type[Any]], type[Any]] = {}
+
+
+def joined(detection: type[Detection], law: type[ContactLaw]) -> type[Any]:
+    """Return the contact of a detection and a law, called ``DETECTION+LAW``.
+
+    Raises
+    ------
+    SceneError
+        The law cannot act on what the detection lists, or both have an option of one name.
+    """
+    if (detection, law) in _JOINED:
+        return _JOINED[detection, law]
+    for need in sorted((law.needs & NEEDS.keys()) - detection.provides):
+        raise SceneError(
+            f"law '{law.name}' acts on {NEEDS[need]}, and detection '{detection.name}' lists none"
+        )
+    twice = sorted(set(detection.Options.model_fields) & set(law.Options.model_fields))
+    if twice:
+        raise SceneError(
+            f"detection '{detection.name}' and law '{law.name}' both have an option '{twice[0]}'"
+        )
+
+    def parts_of(options: BaseModel, *, contact: bool = False) -> tuple[Any, ...]:
+        return _made_again, (detection, law, options.model_dump(exclude_unset=True), contact)
+
+    # The classes are in no module, where pickle would look for them. Theirs is that of the part which is not
+    # mpmfw's own: what it does wrong is its distribution's.
+    name = f"{detection.name}+{law.name}"
+    body = {
+        "name": name,
+        "Detection": detection,
+        "Law": law,
+        "__reduce__": lambda self: parts_of(self.options, contact=True),
+        "__module__": (detection if bundled(law) else law).__module__,
+        "__doc__": f"Detection '{detection.name}' with law '{law.name}'.",
+    }
+    made: type[Any] = type(name, (law.strategy(),), body)
+    made.Options.__reduce__ = parts_of
+    _JOINED[detection, law] = made
+    return made
+
+
+def _made_again(
+    detection: type[Detection], law: type[ContactLaw], options: dict[str, Any], contact: bool
+) -> Any:
+    """Make a joined ``contact``, or its options alone, in another process."""
+    kind = joined(detection, law)
+    return kind(**options) if contact else kind.Options(**options)
