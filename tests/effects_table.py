@@ -96,7 +96,7 @@ EFFECTS = {
         "cpdi",
         hooks=_SHAPE,
         arrays="layout/half_edges",
-        modules="mpmfw_shape.cpdi mpmfw_shape._tables mpmfw_shape._degenerate_domains",
+        modules="mpmfw_shape.cpdi mpmfw_shape._tables",
     ),
     "bspline": brings("bspline", hooks=_SHAPE, modules="mpmfw_shape.bspline mpmfw_shape._tables"),
     "cubic_bspline": brings(
@@ -125,7 +125,7 @@ EFFECTS = {
         "cpdi2",
         hooks=f"{_SHAPE} declare_fields update_particle_domains diagnostics",
         arrays="corners layout/half_edges",
-        modules="mpmfw_shape.cpdi2 mpmfw_shape._tables mpmfw_shape._degenerate_domains",
+        modules="mpmfw_shape.cpdi2 mpmfw_shape.cpdi mpmfw_shape._tables",
         points="corners",
     ),
     "affine field": brings(arrays="particles/affine", series="affine_energy"),

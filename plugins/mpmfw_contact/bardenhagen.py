@@ -25,7 +25,7 @@ from mpmfw.contact.shared_nodes import all_entries, point_of
 from mpmfw.kernels import kernel
 from mpmfw.kernels.contact import Rows
 from mpmfw.kernels.types import Flags, Floats, Indices, Ints
-from mpmfw_contact.impulse import Impulse, find_approach, stop
+from mpmfw_contact.impulse import Impulse
 
 
 @kernel
@@ -114,23 +114,20 @@ class TractionImpulse(Impulse):
         )
         mark_compressed(rows, rows.count, stress, rows.own.compressed, grid.spacing)
 
-    def impulses(
-        self, rows: ContactRows, grid: Grid, scratch: FloatArray, work: FloatArray | None, *, projected: bool
-    ) -> None:
-        """Stop what approaches, hold what is compressed, and let slip within the cone."""
-        own, n, spacing, limit = rows.own, slice(rows.count), grid.spacing, np.zeros(0)
-        rows.momentary_velocity(grid, own.velocity)
-        find_approach(rows, rows.count, own, spacing)
+    def activate(self, rows: ContactRows, grid: Grid, *, moves: bool) -> None:
+        """Add the rows that are compressed."""
+        super().activate(rows, grid, moves=moves)
         if self.options.traction:
+            own, n = rows.own, slice(rows.count)
             np.maximum(own.active[n], own.compressed[n], out=own.active[n])
-        if self.options.largest_strain is not None:
-            limit = own.limit
-            largest = self.options.largest_strain * self.cell_size / self.dt
-            limit_impulses(rows, rows.count, grid.mass, largest, limit)
-        rows.couplings(own.active, grid, scratch, own.compliance)
-        stop(
-            rows, rows.count, own, limit, projected, np.zeros(0) if work is None else work, False, spacing
-        )  # fmt: skip
+
+    def limit(self, rows: ContactRows, grid: Grid) -> FloatArray:
+        """Return the bound that the largest strain of a step sets."""
+        if self.options.largest_strain is None:
+            return super().limit(rows, grid)
+        largest = self.options.largest_strain * self.cell_size / self.dt
+        limit_impulses(rows, rows.count, grid.mass, largest, rows.own.limit)
+        return rows.own.limit  # type: ignore[no-any-return]
 
 
 class Bardenhagen(ImpulseContact):

@@ -1,24 +1,19 @@
-"""Logarithmic barriers between surfaces, without IPC's guarantee against penetration, which takes implicit
-steps.
+"""Logarithmic barriers between surfaces, in explicit steps and therefore without IPC's guarantee.
 
-Source: M. Li, Z. Ferguson, T. Schneider, T. Langlois, D. Zorin, D. Panozzo, C. Jiang, D. M. Kaufman (2020),
+Sources: M. Li, Z. Ferguson, T. Schneider, T. Langlois, D. Zorin, D. Panozzo, C. Jiang, D. M. Kaufman (2020),
 Incremental potential contact: intersection- and inversion-free, large-deformation dynamics, ACM Trans. Graph.
-39 (4), 49, and with material points X. Li, Y. Fang, M. Li, C. Jiang (2022), BFEMP: Interpenetration-free
-MPM-FEM coupling with barrier contact, CMAME 390, 114350; known here by their abstracts and the public code of
-the IPC Toolkit. Published are the barrier −(d − d̂)² ln(d / d̂) of the distance d < d̂, friction with the
-normal force and the tangent of the step's beginning (lagged), and a line search that ends before continuous
-collision detection finds a contact. Both take implicit steps.
+39 (4), 49; with material points X. Li, Y. Fang, M. Li, C. Jiang (2022), BFEMP: Interpenetration-free MPM-FEM
+coupling with barrier contact, CMAME 390, 114350. Known here by their abstracts and the public code of the IPC
+Toolkit. Published are the barrier −(d − d̂)² ln(d / d̂) of the distance d < d̂, friction lagged by a step, and
+implicit steps whose line search ends before continuous collision detection finds a contact.
 
-Assumed here is all that explicit steps ask for. The barrier's stiffness limits the step. So does the
-collision detection: a node uses up no more than half of the distance from its facet, and from those beside
-it, as both move at the step's beginning; forces of the step itself are not foreseen, and a run in which they
-carry a node past a barrier ends and says where. Forces of the step's beginning are lagged by themselves.
-Friction is a spring with a history, returned to Coulomb's cone, and not the published dashpot of slow slip,
-on which a body would creep at Δt times the load's acceleration of one row's mass. Each place weighs by its
-area, so that a pressure has one distance whatever the facets' size, and the energy per area is κ M d̂ b(d /
-d̂). Bodies that the scene puts closer than d̂, as those that touch, begin without a force: their distances
-count from there, by one offset for all that are so joined. Facets are those that face a node
-(:class:`~mpmfw.contact.surfaces.Surfaces`), one for each body; published are all.
+Assumed here is all that explicit steps need. The barrier's stiffness limits the step. So does collision
+detection: as all move at the step's beginning, a node uses up at most half of its distance from the facet and
+from those beside it. Forces of the step are not foreseen; a run in which they carry a node past a barrier
+ends and says where. Friction is a spring with a history within Coulomb's cone; on the published dashpot of
+slow slip a body would creep. A place weighs by its area: the energy per area is κ M d̂ b(d / d̂). Bodies that
+begin closer than d̂ begin without a force: their distances count from there, by one offset for all that are so
+joined. A node meets one facet of a body, the closest that faces it; published are all.
 """
 
 from __future__ import annotations
@@ -30,16 +25,7 @@ from pydantic import Field
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from mpmfw.api import (
-    ContactRows,
-    FloatArray,
-    ForceContact,
-    Grid,
-    PairRecords,
-    Setup,
-    SimulationError,
-    State,
-)
+from mpmfw.api import ContactRows, FloatArray, ForceContact, Grid, PairRecords, Setup, State
 from mpmfw.contact.springs import SpringLaw, SpringOptions
 from mpmfw.contact.surfaces import Surfaces
 from mpmfw.contact.surfaces.outline import node_error, outline_of, tracked_surface
@@ -116,7 +102,10 @@ class BarrierLaw(SpringLaw):
             self.options.tangential_ratio if len(rows.own.tangential) else 0.0,
         )  # fmt: skip
         if worst >= 0:
-            raise self._passed(rows, worst)
+            pair, node = self.state.pairs[int(rows.pair[worst])], int(rows.places.slave[worst])
+            text = f"{pair.label}: a surface node came past its barrier within a step"
+            advice = f"a smaller time.safety, or a larger contact.{self.name}.kappa or .reach"
+            raise node_error(self.state, self.surface, node, text, advice=advice)
         return rows.own.limit_k  # type: ignore[no-any-return]
 
     def _join_bodies(self, rows: ContactRows) -> None:
@@ -130,14 +119,6 @@ class BarrierLaw(SpringLaw):
         self.group = connected_components(graph, directed=False)[1]
         np.maximum.at(self.group_offset, self.group[first], np.where(near, self.reach - gaps, 0.0))
         self.list_pairs(self.state)
-
-    def _passed(self, rows: Any, c: int) -> SimulationError:
-        """What ends a run in which a node came past the barrier."""
-        text = (
-            f"{self.state.pairs[int(rows.pair[c])].label}: a surface node came past its barrier within a step"
-        )
-        advice = f"a smaller time.safety, or a larger contact.{self.name}.kappa or .reach"
-        return node_error(self.state, self.surface, int(rows.places.slave[c]), text, advice=advice)
 
     def longest_step(self, rows: Any, grid: Grid) -> float:
         """Time in which no node uses up half of its distance, as all move now [s]."""

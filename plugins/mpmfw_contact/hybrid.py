@@ -22,7 +22,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseContact, Setup, State
 from mpmfw.contact.surfaces import Surfaces
-from mpmfw_contact.impulse import Impulse, find_approach, stop
+from mpmfw_contact.impulse import Impulse
 
 
 class HybridOptions(BaseModel):
@@ -50,6 +50,7 @@ class Hybrid(Impulse):
     options: HybridOptions
     needs = frozenset({"gap", "facets"})
     softness_option = "kappa"
+    repels = True
 
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:
         """Arrays of springs, and the bound."""
@@ -73,24 +74,27 @@ class Hybrid(Impulse):
         """h / (κ K), overlap under a unit of pressure, of every pair [m/Pa]."""
         return 1.0 / self.modulus
 
+    def activate(self, rows: ContactRows, grid: Grid, *, moves: bool) -> None:
+        """Push rows that overlap; MUSL's second momentum is only stopped."""
+        if moves:
+            rows.own.active[: rows.count] = rows.gap[: rows.count] <= 0.0
+        else:
+            super().activate(rows, grid, moves=moves)
+
+    def limit(self, rows: ContactRows, grid: Grid) -> FloatArray:  # noqa: ARG002
+        """Return the impulse of the spring in the step."""
+        n, limit = slice(rows.count), rows.own.limit
+        limit[n] = self.modulus[rows.pair[n]] * rows.area[n] * np.maximum(-rows.gap[n], 0.0) * self.dt
+        return limit  # type: ignore[no-any-return]
+
     def impulses(
         self, rows: ContactRows, grid: Grid, scratch: FloatArray, work: FloatArray | None, *, projected: bool
     ) -> None:
-        """Push apart rows that overlap, up to the spring's force; MUSL's second momentum is only stopped."""
-        own, n, spacing = rows.own, slice(rows.count), grid.spacing
+        """Leave the projected momentum as it is, unless the strain is taken from it."""
         if projected and not self.strain_first:
-            rows.force[n] = 0.0
-            return
-        own.limit[n] = self.modulus[rows.pair[n]] * rows.area[n] * np.maximum(-rows.gap[n], 0.0) * self.dt
-        rows.momentary_velocity(grid, own.velocity)
-        if work is None:
-            find_approach(rows, rows.count, own, spacing)
+            rows.force[: rows.count] = 0.0
         else:
-            own.active[n] = rows.gap[n] <= 0.0
-        rows.couplings(own.active, grid, scratch, own.compliance)
-        stop(
-            rows, rows.count, own, own.limit, projected, np.zeros(0) if work is None else work, True, spacing
-        )  # fmt: skip
+            super().impulses(rows, grid, scratch, work, projected=projected)
 
 
 class HybridContact(ImpulseContact):

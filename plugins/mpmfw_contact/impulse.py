@@ -87,18 +87,29 @@ class Impulse(ImpulseLaw):
 
     name = "impulse"
     uses_friction = True
+    #: Whether rows whose sides separate are pushed apart as well.
+    repels = False
 
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:  # noqa: ARG002
         """Rows that take part, their compliance, and their velocity."""
         return {"active": 0, "compliance": 0, "velocity": 1}
 
+    def activate(self, rows: ContactRows, grid: Grid, *, moves: bool) -> None:  # noqa: ARG002
+        """Write which rows take part, before anything moves; ``moves`` is false for a momentum that moves no
+        point."""
+        find_approach(rows, rows.count, rows.own, grid.spacing)
+
+    def limit(self, rows: ContactRows, grid: Grid) -> FloatArray:  # noqa: ARG002
+        """Return the largest normal impulse of every row (n,) [N s/m]; no rows where there is none."""
+        return np.zeros(0)
+
     def impulses(
         self, rows: ContactRows, grid: Grid, scratch: FloatArray, work: FloatArray | None, *, projected: bool
     ) -> None:
         """Stop what approaches, and slip within the cone."""
-        own, spacing = rows.own, grid.spacing
+        own = rows.own
         rows.momentary_velocity(grid, own.velocity)
-        find_approach(rows, rows.count, own, spacing)
+        self.activate(rows, grid, moves=work is not None)
         rows.couplings(own.active, grid, scratch, own.compliance)
-        none = np.zeros(0)
-        stop(rows, rows.count, own, none, projected, none if work is None else work, False, spacing)
+        limit, gained = self.limit(rows, grid), np.zeros(0) if work is None else work
+        stop(rows, rows.count, own, limit, projected, gained, self.repels, grid.spacing)

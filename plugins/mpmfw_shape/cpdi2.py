@@ -12,8 +12,8 @@ from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.stencil import CORNERS as EACH_CORNER
 from mpmfw.kernels.stencil import FULL, OUTSIDE, fill_domain, read_window
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
-from mpmfw_shape._degenerate_domains import is_degenerate, make_rectangle
 from mpmfw_shape._tables import PackedRows
+from mpmfw_shape.cpdi import is_degenerate, make_rectangle
 
 CORNERS = Field(
     "corners",
@@ -60,7 +60,7 @@ def corner_share(corners: Floats, c: int, area: Float) -> Float:
 
 @device
 def replace_degenerate(corners: Floats, centre: Floats, start: Floats, spacing: tuple[float, ...]) -> None:
-    """Replace a degenerate quadrilateral by a rectangle round ``centre`` (:mod:`._degenerate_domains`).
+    """Replace a degenerate quadrilateral by a rectangle round ``centre`` (:func:`.cpdi.make_rectangle`).
 
     It is degenerate if the parallelogram of its midlines r_1, r_2 is, or if the Jacobian at a corner is below
     a quarter of its mean. ``corners`` (4, 2) are written [m]. The domain overlaps its neighbours, or has gaps

@@ -14,7 +14,7 @@ from scipy.optimize import least_squares
 from interpreted import interpreted
 from mpmfw.contact import shared_nodes as shared
 from mpmfw.contact.rows import ContactRows
-from mpmfw_contact import _regression as regression
+from mpmfw_contact import logistic as regression
 from mpmfw_contact.impulse import Impulse
 
 H = 0.5

@@ -12,7 +12,7 @@ from interpreted import interpreted
 from mpmfw.contact.rows import ContactRows
 from mpmfw.contact.surfaces.near_facets import NearFacets
 from mpmfw.kernels import struct
-from mpmfw_contact._midlines import DEEPEST, LEAST_COSINE, LEAST_OVERLAP, write_midlines
+from mpmfw_contact.midplane import DEEPEST, LEAST_COSINE, LEAST_OVERLAP, write_midlines
 
 
 def cut(x, y0, y1):

@@ -10,6 +10,7 @@ import shapely
 
 from contact_kernels import PLANE, Law, find, flat, forces, join, rows_of, star
 from mpmfw.contact.surfaces.layer import gather_layer, project_layer
+from mpmfw.kernels import struct
 from mpmfw.kernels.contact import couplings
 from mpmfw.kernels.surfaces import minimum_gap
 
@@ -199,15 +200,15 @@ def dense(row, nodes, weight, n_nodes):
 def test_interface_mass_and_velocity_are_the_table_and_its_transpose():
     rng = np.random.default_rng(3)
     t = table(rng, 17, 30)
-    matrix = dense(*t, 30)
+    matrix, of_surface = dense(*t, 30), struct(row=t[0], nodes=t[1], weight=t[2])
     velocity, mass = rng.normal(size=(17, 2)), rng.random(17)
     mapped, node_mass, momentum = rng.normal(size=(30, 2)), np.ones(30), np.ones((30, 2))
-    project_layer(*t, mass, velocity, node_mass, momentum)
+    project_layer(of_surface, mass, velocity, node_mass, momentum)
     again = np.zeros((30, 2))
-    project_layer(*t, mass, velocity, node_mass[:0], again)  # momentum alone
+    project_layer(of_surface, mass, velocity, node_mass[:0], again)  # momentum alone
     start = rng.normal(size=(30, 2))
     gathered = velocity.copy()
-    gather_layer(*t, mapped, start, gathered, 0.75)
+    gather_layer(of_surface, mapped, start, gathered, 0.75)
     np.testing.assert_allclose(node_mass, 1.0 + matrix.T @ mass, rtol=1e-13)
     np.testing.assert_allclose(momentum, 1.0 + matrix.T @ (mass[:, None] * velocity), rtol=1e-12)
     np.testing.assert_allclose(again, matrix.T @ (mass[:, None] * velocity), rtol=1e-12)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from contact_scenes import impact, run
 from mpmfw.runs.simulation import Simulation
-from mpmfw_contact._near_points import NEAR, Buckets, Neighbours, Points, enclose, find_near
+from mpmfw_contact.points import NEAR, Buckets, Neighbours, Points, enclose, find_near
 from scenes_for_tests import block, box
 
 Bodies = list[tuple[np.ndarray, np.ndarray]]

@@ -126,7 +126,6 @@ class ForceContact(RowContact):
         self.omega_squared, self.longest_step = 0.0, math.inf
         if rows.count:
             match_rows(rows, rows.count, old, old.count)
-            self.limit_slip()
             stiffness = self.law.stiffness(rows, old)
             self.omega_squared = rows.couplings(stiffness, grid, self.scratch(grid), stiffness)
             self.longest_step = self.law.longest_step(rows, grid)

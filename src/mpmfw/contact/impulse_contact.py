@@ -56,7 +56,6 @@ class ImpulseContact(RowContact):
         """Find the rows where the bodies are now."""
         self.find_rows(grid, phi, particles)
         self.scratch(grid)
-        self.limit_slip()
         # of forces; the rows have the impulses of each correction
         self.cohesion = self.rows.cohesion.copy()
 

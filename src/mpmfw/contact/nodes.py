@@ -112,14 +112,6 @@ class AtNodes(Detection):
             first=first, second=second, weight_first=weight_first, weight_second=weight_second
         )
 
-    def new_rows(self, own: dict[str, int | None]) -> ContactRows:
-        """Rows of two entries, without a couple: both sides are at one place.
-
-        They tell no spin: where bodies turn about the normal, what friction has stored stays as it is in
-        space.
-        """
-        return ContactRows(self.state.grid.dim, couples=False, own=own)
-
     def nodes_of(self, grid: Grid) -> GridNodes:
         """The grid's arrays and those projected on it, made anew whenever its windows were laid anew."""
         if self.grid is not None and self.grid.mass is grid.mass:

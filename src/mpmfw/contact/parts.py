@@ -50,6 +50,8 @@ class Detection(PlugIn):
     #: Its option that widens :meth:`range` in proportion, for advice; None where there is none.
     range_option: ClassVar[str | None] = None
 
+    state: State  #: to be taken by :meth:`prepare`
+
     def parts(self, contact: Any) -> list[Any]:  # noqa: ARG002
         """Return the plug-ins that it brings along, beside the strategy ``contact`` that it belongs to."""
         return []
@@ -88,8 +90,12 @@ class Detection(PlugIn):
         raise NotImplementedError
 
     def new_rows(self, own: dict[str, int | None]) -> ContactRows:
-        """Return rows without content, with the ``own`` arrays of a law (see :class:`ContactRows`)."""
-        raise NotImplementedError
+        """Return rows without content, with the ``own`` arrays of a law (see :class:`ContactRows`).
+
+        By default both sides of a row are at one place, so that it has no couple, and it tells no spin: where
+        bodies turn about the normal, the stored friction stays as it is in space.
+        """
+        return ContactRows(self.state.grid.dim, couples=False, own=own)
 
     def list_pairs(self, state: State) -> None:
         """List ``state.pairs`` anew: bodies have come near that were apart."""

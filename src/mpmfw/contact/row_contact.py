@@ -221,7 +221,7 @@ class RowContact(ContactStrategy):
             self.width = np.array(width, dtype=float)
 
     def find_rows(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
-        """Find the rows where the bodies are now; areas with the width over which the bodies touch."""
+        """Find the rows where the bodies are now, the width over which they touch, and the limit of slip."""
         rows = self.rows
         self.detection.find(grid, phi, particles, rows)
         if self.width is not None:
@@ -230,11 +230,8 @@ class RowContact(ContactStrategy):
                 area[: rows.count] *= width
         if rows.count:
             self.law.measure(rows, grid, phi, particles)
-
-    def limit_slip(self) -> None:
-        """Write what the rows of this step hold along their planes."""
-        if len(self.rows.friction):
-            self.friction.slip_limit(self.rows, self.pair_friction, self.state.dt)
+            if len(rows.friction):
+                self.friction.slip_limit(rows, self.pair_friction, self.state.dt)
 
     @property
     def last_rows(self) -> ContactRows:

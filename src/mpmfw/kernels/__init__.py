@@ -4,29 +4,12 @@ They import numpy and numba alone. The dimension is the length of the tuple ``sp
 specialises by type and the disk cache hits. A plug-in marks its own kernels with :func:`kernel`, what they
 call with :func:`device`, and takes scratch memory from :mod:`mpmfw.kernels.scratch`.
 
-- **Compilation**: :func:`kernel` (called from Python, kept on disk), :func:`device` (called from kernels).
-- **Projection** from points to the grid: :func:`project_mass_momentum`, :func:`project_momentum`,
-  :func:`add_internal_force`, :func:`affine_from_moment`; on nodes alone: :func:`velocity_of_momentum`,
-  :func:`integrate_momentum`, :func:`add_body_force`. The grid's answer to the points is in
-  ``mpmfw.kernels.particle_grid``.
-- **Point stencils**, to fill tables (:class:`mpmfw.api.types.Stencil`): :func:`fill_linear` is a whole shape
-  function;
-  :func:`read_window`, :func:`cell_coordinate`, :func:`linear_weights`, :func:`fits`,
-  :func:`fill_tensor_product`
-  are its parts; :func:`fill_domain` writes a row of varying length for the corners of a particle's domain, or
-  returns ``OUTSIDE`` (−1) or ``FULL`` (−2). To read them: :func:`entries`.
-- **Geometry** of facets, segments in the plane and triangles in space (:class:`Facets`,
-  ``mpmfw.kernels.facets``):
-  :func:`closest_point`, :func:`signed_distance` (with its direction, inside or outside),
-  :func:`squared_distance`,
-  :func:`minimum_gap`, :func:`bounding_boxes`; :func:`segment_coordinate` (foot of a point on a segment of the
-  plane, gap,
-  length, tangent; the outward unit normal is (t_y, −t_x)).
+- **Files**: the time step in ``particle_grid``, tables in ``stencil``, one facet in ``facets``, closed
+  ``surfaces`` and their ``boxes``, rows of ``contact``, short rows and small matrices in ``arithmetic``.
 - **Types** of arguments: ``Floats``, ``Ints``, ``Indices`` are arrays of float64, int64 and int32, ``Float``
   a compiled scalar.
 - **Structs**: a class derived from :class:`Struct` has arrays that kernels take as one argument,
   ``rows.gap[c]``; :func:`struct` makes one of named arrays.
-- **Small arithmetic**: :func:`determinant`, :func:`invert`, :func:`add_scaled_row`, :func:`set_scaled_row`.
 
 Kernels check nothing: an index out of range or an array of another shape is not an error but undefined. Those
 that can fail return an index, and say so. Arrays are C-contiguous; results are written to the array named for

@@ -7,7 +7,7 @@ import numpy as np
 from mpmfw.contact.surfaces.outline import tracked_surface
 from mpmfw.kernels import kernel
 from mpmfw.kernels.particle_grid import velocity_of_momentum
-from mpmfw.kernels.types import Floats, Indices, Ints
+from mpmfw.kernels.types import Floats, Table
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import Field, FloatArray
@@ -21,41 +21,30 @@ VELOCITY = Field(
 
 @kernel
 def project_layer(
-    row: Ints,
-    nodes: Indices,
-    weight: Floats,
-    mass: Floats,
-    velocity: Floats,
-    node_mass: Floats,
-    node_momentum: Floats,
+    table: Table, mass: Floats, velocity: Floats, node_mass: Floats, node_momentum: Floats
 ) -> None:
     """m_i += Σ N_i m_s and (m v)_i += Σ N_i m_s v_s; a ``node_mass`` of length 0 stays as it is."""
     for s in range(len(mass)):
-        for k in range(row[s], row[s + 1]):
+        for k in range(table.row[s], table.row[s + 1]):
+            i, m = table.nodes[k], table.weight[k] * mass[s]
             if len(node_mass) > 0:
-                node_mass[nodes[k]] += weight[k] * mass[s]
+                node_mass[i] += m
             for d in range(velocity.shape[1]):
-                node_momentum[nodes[k], d] += weight[k] * mass[s] * velocity[s, d]
+                node_momentum[i, d] += m * velocity[s, d]
 
 
 @kernel
 def gather_layer(
-    row: Ints,
-    nodes: Indices,
-    weight: Floats,
-    node_velocity: Floats,
-    node_start_velocity: Floats,
-    velocity: Floats,
-    flip: float,
+    table: Table, node_velocity: Floats, node_start_velocity: Floats, velocity: Floats, flip: float
 ) -> None:
     """v_s ← flip (v_s + Σ N (v_i − v_i⁰)) + (1 − flip) Σ N v_i, as the material points do."""
     for s in range(len(velocity)):
         for d in range(velocity.shape[1]):
             new, increment = 0.0, 0.0
-            for k in range(row[s], row[s + 1]):
-                v_i = node_velocity[nodes[k], d]
-                new += weight[k] * v_i
-                increment += weight[k] * (v_i - node_start_velocity[nodes[k], d])
+            for k in range(table.row[s], table.row[s + 1]):
+                i, weight = table.nodes[k], table.weight[k]
+                new += weight * node_velocity[i, d]
+                increment += weight * (node_velocity[i, d] - node_start_velocity[i, d])
             velocity[s, d] = flip * (velocity[s, d] + increment) + (1.0 - flip) * new
 
 
@@ -94,23 +83,18 @@ class InterfaceLayer:
     @hookimpl
     def after_momentum_projection(self, grid: Grid) -> None:
         """Add mass and momentum; at time zero the layer starts with its body."""
-        phi = self.surface.table
+        table, start = self.surface.table, grid.start_velocity
         if self.state.steps == 0:
-            start = grid.start_velocity
-            gather_layer(phi.row, phi.nodes, phi.weight, start, start, self.velocity, 0.0)
-        project_layer(phi.row, phi.nodes, phi.weight, self.mass, self.velocity, grid.mass, grid.momentum)
+            gather_layer(table, start, start, self.velocity, 0.0)
+        project_layer(table, self.mass, self.velocity, grid.mass, grid.momentum)
         velocity_of_momentum(grid.mass, grid.momentum, grid.start_velocity, grid.spacing)
 
     @hookimpl
     def after_second_projection(self, grid: Grid) -> None:
         """Add the momentum to MUSL's second projection."""
-        phi = self.surface.table
-        project_layer(phi.row, phi.nodes, phi.weight, self.mass, self.velocity, grid.mass[:0], grid.momentum)
+        project_layer(self.surface.table, self.mass, self.velocity, grid.mass[:0], grid.momentum)
 
     @hookimpl
     def advect(self, grid: Grid) -> None:
         """Take the new velocity from the grid."""
-        phi = self.surface.table
-        gather_layer(
-            phi.row, phi.nodes, phi.weight, grid.velocity, grid.start_velocity, self.velocity, self.flip
-        )
+        gather_layer(self.surface.table, grid.velocity, grid.start_velocity, self.velocity, self.flip)
