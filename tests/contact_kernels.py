@@ -17,6 +17,7 @@ from mpmfw.kernels import struct
 from mpmfw.kernels.contact import Records, match_rows
 from mpmfw.kernels.contact import pair_table as pair_of_bodies
 from mpmfw.kernels.surfaces import signed_distance
+from mpmfw_contact.every_facet import find_penetrated
 from mpmfw_contact.penalty import spring_forces
 
 #: Tells kernels that they work in the plane.
@@ -127,7 +128,8 @@ def find(loops, *, h=0.25, radius=None, literal=False, slots=3):
     found, radius = empty_candidates(len(loops.body), slots), h if radius is None else radius
     lists = lists_of(loops, radius)
     if lists.update():
-        found.count = search.find_candidates(radius, literal, loops.outline, lists.near, found, (h, h))
+        search_for = find_penetrated if literal else search.find_candidates
+        found.count = search_for(radius, loops.outline, lists.near, found, (h, h))
     return found
 
 

@@ -16,9 +16,9 @@ from pydantic import Field
 
 from mpmfw.api import ContactRows, ForceContact, Pair, PairRecords, SceneError, Setup
 from mpmfw.contact.springs import SpringArrays, SpringLaw, SpringOptions, approach_of
-from mpmfw.contact.surfaces import FacetOptions, Surfaces
 from mpmfw.kernels import kernel
 from mpmfw.kernels.contact import Records, Rows
+from mpmfw_contact.every_facet import EveryFacet
 
 
 @kernel
@@ -113,17 +113,6 @@ class Hamad2017Law(SpringLaw):
     def remarks(self) -> list[str]:
         """Return what friction ignores."""
         return self.unused(self.state.pairs)
-
-
-class EveryFacet(Surfaces):
-    """One body of a pair is master; its facets meet every node that they find behind them (eq. 10), normals
-    varied (eq. 7)."""
-
-    Options: ClassVar[type[FacetOptions]] = FacetOptions
-    every_facet = True
-    #: [H17] is of the plane; in space its rows leave a moment where cubes meet face on face (``mpmfw check``:
-    #: 0.006 cells).
-    dimensions = (2,)
 
 
 class Hamad2017(ForceContact):

@@ -226,7 +226,7 @@ def test_without_an_allowance_for_rounding_the_search_loses_one_of_two_equally_c
         lists.near.away[:] = np.nextafter(lists.near.away, np.inf)
         found.facet[0, 0] = 7
         search_for = interpreted(search.find_candidates, ROUNDING=rounding)
-        search_for(H, False, lists.outline, lists.near, found, PLANE)
+        search_for(H, lists.outline, lists.near, found, PLANE)
         return int(found.facet[0, 0])
 
     assert kept(ROUNDING) == 3

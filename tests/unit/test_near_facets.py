@@ -95,7 +95,7 @@ def test_without_new_lists_a_motion_of_cells_is_missed(ready):
     detection, position, way = ready
     position += 10.0 * SKIN_LENGTH * way
     near = detection.near
-    find_candidates(near.radius, False, near.outline, near.near, detection.candidates, near.spacing)
+    find_candidates(near.radius, near.outline, near.near, detection.candidates, near.spacing)
     ours, theirs = found(detection), searched(detection)
     assert (ours[0] != theirs[0]).any()
 

@@ -176,17 +176,21 @@ class Surfaces(Detection):
         """Return the number of candidates after the search, and after nodes inside bodies were followed."""
         count = 0
         if self.near.update():
-            count = find_candidates(
-                self.radius, self.every_facet, self.outline, self.near.near, self.candidates,
-                self.state.grid.spacing,
-            )  # fmt: skip
-            if count < 0:
-                raise self._too_fine(-1 - count)
+            count = self.search()
         elif not self.was_inside:
             return 0
         else:
             self.candidates.facet.fill(-1)
         return count + (0 if self.every_facet else self._track())
+
+    def search(self) -> int:
+        """Fill the candidates from the list of near facets; return their number."""
+        count = find_candidates(
+            self.radius, self.outline, self.near.near, self.candidates, self.state.grid.spacing
+        )
+        if count < 0:
+            raise self._too_fine(-1 - count)
+        return count
 
     def _track(self) -> int:
         """Nodes inside that the search has lost, or missed; the end of the run where bodies have crossed."""

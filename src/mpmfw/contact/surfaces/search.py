@@ -20,7 +20,7 @@ from mpmfw.contact.surfaces.outline import (
     square_of,
 )
 from mpmfw.kernels import device, kernel, scratch
-from mpmfw.kernels.facets import extent_of, length_of, project, read_corners, read_point, way_across
+from mpmfw.kernels.facets import extent_of, length_of, read_corners, way_across
 from mpmfw.kernels.surfaces import add_normal
 from mpmfw.kernels.types import Float, Floats
 
@@ -262,53 +262,21 @@ def search_facet(
 
 @device
 def begin_with_last(
-    s: int, radius: Float, outline: Outline, candidates: Candidates, spacing: tuple[float, ...]
-) -> None:
-    """Clear the slots of node s, and compare it with the facets of the last step: which is the closest does
-    not depend on them, but most others are spared by what they are away."""
+    s: int, radius: Float, outline: Outline, near: NearFacets, candidates: Candidates,
+    spacing: tuple[float, ...],
+) -> None:  # fmt: skip
+    """Clear the slots of node s, and compare it with the facets of the last step if any is near: the result
+    does not depend on them, but their distance rules out most others."""
     last = scratch.integers(SLOTS)
     slots = candidates.facet.shape[1]
     for j in range(slots):
         last[j], candidates.facet[s, j] = candidates.facet[s, j], -1
+    if near.first[s] == near.first[s + 1]:
+        return
     for j in range(slots):
         if last[j] >= 0:
             other = outline.body[outline.facets[last[j], 0]]
             search_facet(s, last[j], other, radius, outline, candidates, spacing)
-
-
-@device
-def keep_penetrated(
-    s: int, m: int, other: int, radius: Float, outline: Outline, candidates: Candidates, spacing: tuple[float,
-    ...]
-) -> None:  # fmt: skip
-    """Eq. 10: g_n < 0 and the foot on the facet, with a corner of it within the radius; each facet once."""
-    dim = len(spacing)
-    x, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
-    corners = scratch.matrix(spacing, spacing)
-    read_point(s, outline.position, x, spacing)
-    read_corners(m, outline.position, outline.facets, corners, spacing)
-    near = False
-    if hidden(m, outline.body[s], outline):
-        return
-    for a in range(dim):
-        square = 0.0
-        for d in range(dim):
-            square += (x[d] - corners[a, d]) ** 2
-        near = near or square < radius * radius
-    if not near:
-        return
-    gap = project(x, corners, share, normal, spacing)
-    on_it = gap < 0.0
-    for a in range(dim):
-        on_it = on_it and share[a] >= 0.0
-    if not on_it:
-        return
-    for j in range(candidates.facet.shape[1]):
-        if candidates.facet[s, j] == m:
-            return
-        if candidates.facet[s, j] < 0:
-            put(s, j, other, m, gap, share, normal, candidates, spacing)
-            return
 
 
 @device
@@ -327,14 +295,11 @@ def may_be_closer(
 
 @kernel
 def find_candidates(
-    radius: float, every: bool, outline: Outline, near: NearFacets, candidates: Candidates,
-    spacing: tuple[float, ...],
-) -> int:  # fmt: skip
+    radius: float, outline: Outline, near: NearFacets, candidates: Candidates, spacing: tuple[float, ...]
+) -> int:
     """Find for every node the closest point of each other body within ``radius``, on a facet that faces it.
 
-    ``every`` takes instead, as [H17] writes it, every facet with g_n < 0 and the foot on it one of whose
-    corners lies within the radius, up to the number of slots. The facets of the last step come first: they
-    spare most of the others.
+    The facets of the last step come first: they spare most of the others.
 
     Returns
     -------
@@ -342,19 +307,13 @@ def find_candidates(
     """
     count = 0
     for s in range(len(outline.body)):
-        if every or near.first[s] == near.first[s + 1]:
-            for j in range(candidates.facet.shape[1]):
-                candidates.facet[s, j] = -1
-        else:
-            begin_with_last(s, radius, outline, candidates, spacing)
+        begin_with_last(s, radius, outline, near, candidates, spacing)
         for k in range(near.first[s], near.first[s + 1]):
             m = near.facet[k]
             other = outline.body[outline.facets[m, 0]]
-            if every:
-                keep_penetrated(s, m, other, radius, outline, candidates, spacing)
-            elif may_be_closer(s, k, other, radius, outline, near, candidates):
+            if may_be_closer(s, k, other, radius, outline, near, candidates):
                 search_facet(s, m, other, radius, outline, candidates, spacing)
-        if not every and not reorient(s, radius, outline, candidates, spacing):
+        if not reorient(s, radius, outline, candidates, spacing):
             return -1 - s
         for j in range(candidates.facet.shape[1]):
             if candidates.facet[s, j] >= 0:
