@@ -112,13 +112,7 @@ class ContactEvents:
         self.old_age, self.old_pair = age, rows.pair[: rows.count].copy()
 
     def restored(self) -> None:
-        """Refuse ages of other rows than those of the last step.
-
-        Raises
-        ------
-        NotSaved
-            They are.
-        """
+        """Refuse ages of other rows than those of the last step by ``NotSaved``."""
         rows = self.contact.last_rows
         if len(self.old_age) != rows.count or not np.array_equal(self.old_pair, rows.pair[: rows.count]):
             raise NotSaved("the ages of contacts are not those of the rows")

@@ -80,13 +80,7 @@ class ForceContact(RowContact):
     history = ("old", "omega_squared", "longest_step")
 
     def restored(self) -> None:
-        """Refuse rows of pairs that there are not.
-
-        Raises
-        ------
-        NotSaved
-            There are some.
-        """
+        """Refuse rows of pairs that there are not by ``NotSaved``."""
         check_indices(len(self.state.pairs), pair=self.old.pair[: self.old.count])
 
     def monitors(self) -> list[Any]:

@@ -161,8 +161,7 @@ class AtNodes(Detection):
         particles: Particles,  # noqa: ARG002
         rows: ContactRows,
     ) -> int:
-        """Write rows of the ``listed`` shared nodes that have a normal and where the bodies are near; their
-        number."""
+        """Write rows of the ``listed`` shared nodes with a normal where bodies are near; their number."""
         return write_rows(
             listed, self.shared, self.pairs, self.nodes_of(grid), self.given, self.cut_off, self.least_mass,
             self.state.dt, rows, grid.spacing,
@@ -230,13 +229,7 @@ class Nodes(AtNodes):
         return [NormalBias(contact, self)]
 
     def prepare(self, setup: Setup, owner: str) -> None:
-        """The given direction, the cut-off, and the bodies of the pairs.
-
-        Raises
-        ------
-        SceneError
-            The direction has not the grid's number of components.
-        """
+        """Take the direction, which has a component for each axis, the cut-off, and the pairs' bodies."""
         direction = self.options.direction
         if direction is not None and len(direction) != setup.dim:
             raise SceneError(

@@ -58,17 +58,12 @@ class Detection(PlugIn):
 
     def reach(self, cell_size: float) -> float | None:  # noqa: ARG002
         """Return the distance of bounding boxes [m] beyond which nothing is searched; None without a search.
-
-        ``cell_size`` is h [m].
-        """
+        ``cell_size`` is h [m]."""
         return None
 
     def range(self, cell_size: float) -> float | None:
-        """Return the gap [m] up to which rows are sure to be listed, after :meth:`prepare`; None if that is
-        not known.
-
-        ``cell_size`` is h [m]. By default it is :meth:`reach`.
-        """
+        """Return the gap [m] up to which rows are sure to be listed, after :meth:`prepare`; by default
+        :meth:`reach`, None if that is not known. ``cell_size`` is h [m]."""
         return self.reach(cell_size)
 
     def configure(self, needs: frozenset[str], *, forces: bool) -> None:
@@ -112,9 +107,7 @@ class Detection(PlugIn):
         """Note what the next step needs of this one; nothing by default."""
 
     def copy_history(self, other: Any, index_map: IndexMap) -> None:
-        """Copy the history of ``other``, of the same class, renumbered by ``index_map``.
-
-        Nothing by default."""
+        """Copy the history of ``other``, of the same class, renumbered by ``index_map``; none by default."""
 
     def outputs(self, rows: ContactRows) -> dict[str, AnyArray]:  # noqa: ARG002
         """Return values of the declared output fields from the ``rows`` of the last step."""
@@ -169,13 +162,7 @@ class ContactLaw(PlugIn):
 
     @classmethod
     def joined_with(cls, detection: type[Any]) -> type[Any]:
-        """Return the contact strategy of a class ``detection`` and this law, ``DETECTION+LAW``.
-
-        Raises
-        ------
-        SceneError
-            They do not go together.
-        """
+        """Return the contact strategy of a class ``detection`` and this law, by :func:`joined`."""
         return joined(detection, cls)
 
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:  # noqa: ARG002

@@ -181,14 +181,7 @@ class RowContact(ContactStrategy):
 
     def check_range(self, cell_size: float) -> None:
         """Refuse a law that acts across wider gaps than the detection finds; both are prepared.
-
-        ``cell_size`` is h [m].
-
-        Raises
-        ------
-        SceneError
-            They do not go together with these options.
-        """
+        ``cell_size`` is h [m]."""
         detection, law = self.detection, self.law
         listed, needed = detection.range(cell_size), law.range()
         if listed is None or needed <= listed or math.isclose(needed, listed):

@@ -22,17 +22,16 @@ class ContactStrategy(PlugIn):
     needs_surface: ClassVar[bool] = False
     #: How surface nodes are mapped to the grid: ``auto`` follows the shape function.
     surface_map: Literal["auto", "plain", "mass_weighted"] = "auto"
-    #: Whether the strategy adds inertia of its own to the nodes, which a body's rotational inertia would have
-    #: to know.
+    #: Whether the strategy adds inertia to the nodes, which counts in a body's rotational inertia.
     adds_mass: bool = False
     #: Whether the strategy is to keep bodies apart, so that results warn of deep penetration.
     keeps_apart: ClassVar[bool] = True
     #: Whether the strategy uses the pairs' friction.
     uses_friction: ClassVar[bool] = False
-    #: Whether that friction is what the scene's ``contact.friction_law`` says, and not Coulomb's alone.
+    #: Whether the scene's ``contact.friction_law`` sets that friction, and not Coulomb's law alone.
     takes_friction_law: ClassVar[bool] = False
-    #: Whether bodies at rest may be left out for a while (``[sleep]``): what the strategy knows from step to
-    #: step is in declared arrays, or handed over by ``copy_history``.
+    #: Whether bodies at rest may be left out for a while (``[sleep]``): its history is in declared arrays, or
+    #: copied by ``copy_history``.
     leaves_bodies_out: bool = False
     #: Dotted key of the scene that makes the strategy softer, for advice; None where nothing does.
     softer_by: str | None = None
@@ -42,18 +41,13 @@ class ContactStrategy(PlugIn):
         return []
 
     def reach(self, cell_size: float) -> float | None:  # noqa: ARG002
-        """Distance of two bodies' bounding boxes [m] beyond which nothing is searched; None without a search.
-
-        ``cell_size`` is that of the grid, h [m].
-        """
+        """Return the distance of two bodies' boxes [m] beyond which nothing is searched; None without a
+        search. ``cell_size`` is h [m]."""
         return None
 
     def unused(self, pairs: Sequence[Pair]) -> list[str]:  # noqa: ARG002
-        """Facts of these pairs that the law does not look at with its options, one line each, for
-        ``explain``.
-
-        That it has no friction at all is said by :attr:`uses_friction`.
-        """
+        """Return facts of these pairs that have no effect with its options, one line each, for ``explain``;
+        that it has no friction follows from :attr:`uses_friction`."""
         return []
 
     def monitors(self) -> list[Any]:
@@ -66,8 +60,7 @@ class ContactStrategy(PlugIn):
 
 
 class NoInteraction(ContactStrategy):
-    """Bodies with velocity fields of their own that do not act on each other: what checks and measurements
-    compare with."""
+    """A velocity field for each body without interaction, as a reference of checks and measurements."""
 
     name = "no-interaction"
     velocity_fields = "per_body"

@@ -143,12 +143,8 @@ def find_covered(
     first: Ints, second: Ints, reach: float, outline: Outline, boxes: Boxes, partners: Partners,
     listed: Indices, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
-    """Write on every facet within ``reach`` [m] of a third body which body covers it, into
-    ``outline.covered``; else −1.
-
-    ``first`` and ``second`` are the bodies of the pairs, the boxes those of the step; ``listed`` (n_f,) is
-    scratch.
-    """
+    """Write the body that covers each facet within ``reach`` [m] of a third body into ``outline.covered``,
+    else −1. ``first`` and ``second`` are the bodies of the pairs; ``listed`` (n_f,) is scratch."""
     lower, upper = scratch.vector(spacing), scratch.vector(spacing)
     outline.covered[:] = -1
     for c in range(len(first)):

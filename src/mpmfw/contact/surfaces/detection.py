@@ -149,13 +149,7 @@ class Surfaces(Detection):
         return rows
 
     def restored(self) -> None:
-        """Refuse candidates on facets or bodies that there are not.
-
-        Raises
-        ------
-        NotSaved
-            There are some.
-        """
+        """Refuse candidates on facets or bodies that there are not by ``NotSaved``."""
         c = self.candidates
         check_indices(len(self.surface.facets), facet=c.facet, inside_facet=c.inside_facet)
         check_indices(len(self.state.bodies), master=c.master, inside=c.inside)

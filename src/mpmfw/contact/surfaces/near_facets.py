@@ -235,13 +235,7 @@ def fewest_steps(
 
 
 class TravelLimit:
-    """The part of the time step's limit that comes of speed alone.
-
-    Parameters
-    ----------
-    detection
-        The detection, which has a search radius and a list of near facets.
-    """
+    """Limits the step by speed alone, for a ``detection`` with a search radius and a list of near facets."""
 
     name = "surface_travel"
     stage = "contact"
@@ -258,11 +252,8 @@ class TravelLimit:
 
     @hookimpl
     def stable_timestep(self, state: State) -> tuple[float, str]:
-        """Time in which some pair of bodies comes nearer by its distance and half of the search radius, as it
-        moved last.
-
-        Before the first step the material points tell how bodies move; infinite if none does.
-        """
+        """Return the time in which some pair of bodies comes nearer by its distance and half of the search
+        radius, as it moved last, at first by its material points; infinite if nothing moves."""
         near, unit, begins = self.detection.near, state.dt, state.steps == 0
         if begins:
             unit = 1.0

@@ -149,12 +149,12 @@ def facing_facet(
 def reorient(
     s: int, radius: Float, outline: Outline, candidates: Candidates, spacing: tuple[float, ...]
 ) -> bool:
-    """Candidates of node s that do not face it give way to a facet round the corner that does, or are
-    dropped; whether no corner had too many facets to look at.
+    """Replace candidates of node s that do not face it by a facet round the corner that does, or drop them;
+    return false where a corner has too many facets to look at.
 
-    Where two bodies are flush, the node at the corner of one lies on the side of the other, with no gap: it
-    would be held there, and its part of the face would carry nothing. A node that is outside is not turned:
-    it may be inside of nothing but the plane of a far face.
+    The node at the corner of a body lies on the side of another that is flush with it: there it would be
+    held, and its part of the face would carry nothing. A node outside may be inside of the plane of a far
+    face alone, and is not turned.
     """
     outward, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
     area, looked, done = scratch.vector(spacing), False, True
@@ -207,12 +207,8 @@ def keep_nearest(
     candidates: Candidates,
     spacing: tuple[float, ...],
 ) -> None:
-    """Keep the closest facet of each other body; of equally close ones that with the lower index.
-
-    The force is shared by neighbours that are equally close (:func:`.assembly.equally_close`), whichever is
-    kept. Where more bodies are near than there are slots, the farthest gives way, so that the order of search
-    does not matter.
-    """
+    """Keep the closest facet of each other body, of equally close ones that with the lower index; where more
+    bodies are near than there are slots, the farthest gives way: the order of search does not matter."""
     master, facet, gaps = candidates.master, candidates.facet, candidates.gap
     farthest = 0
     for j in range(master.shape[1]):
@@ -297,14 +293,8 @@ def may_be_closer(
 def find_candidates(
     radius: float, outline: Outline, near: NearFacets, candidates: Candidates, spacing: tuple[float, ...]
 ) -> int:
-    """Find for every node the closest point of each other body within ``radius``, on a facet that faces it.
-
-    The facets of the last step come first: they spare most of the others.
-
-    Returns
-    -------
-    Number of candidates; −1 − s where a corner near node s has more facets than can be looked at.
-    """
+    """Find for every node the closest point of each other body within ``radius``, on a facet that faces it;
+    return how many, or −1 − s where a corner near node s has more facets than can be looked at."""
     count = 0
     for s in range(len(outline.body)):
         begin_with_last(s, radius, outline, near, candidates, spacing)

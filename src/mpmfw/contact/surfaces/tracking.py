@@ -104,16 +104,11 @@ def place_of(s: int, other: int, candidates: Candidates) -> Any:
 @kernel
 def keep_inside(outline: Outline, candidates: Candidates, through: Floats, spacing: tuple[float, ...]) -> int:
     """Give nodes that were inside a body, and that the search has lost, the closest point of its surface that
-    faces them.
+    faces them; return the number of candidates added.
 
-    The search covers what is within its radius, and facing facets near the closest one. A node that it has
-    lost has come out, round a corner, or it is deeper than that, or it has gone through to the far side; only
-    the first is let go. Of those that went through, ``through`` (3,) says how far the farthest is beyond the
-    far side [m], its index, and the body's.
-
-    Returns
-    -------
-    Number of candidates added.
+    A node that the search has lost has come out round a corner, is deeper than the search radius, or has gone
+    through to the far side; only the first is let go. Of those that went through, ``through`` (3,) has how
+    far the farthest is beyond the far side [m], its index, and the body's.
     """
     added = 0
     outward, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
@@ -214,15 +209,9 @@ def find_crossings(
     least_travel: float, outline: Outline, partners: Partners, boxes: Boxes, candidates: Candidates,
     spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """Add nodes that came in through a facet in the last step, and that the search has not seen: they are
-    nearer to the far side of a thin body already, or came by a flank that does not face them.
-
-    Nothing is looked for where no node has moved by ``least_travel`` [m].
-
-    Returns
-    -------
-    Number of candidates added.
-    """
+    """Add nodes that came in through a facet in the last step and that the search has missed: nearer to the
+    far side of a thin body, or by a flank that does not face them. Return how many, 0 where no node has moved
+    by ``least_travel`` [m]."""
     added, travel, body_first = 0, 0.0, outline.body_first
     for s in range(body_first[-1]):
         for d in range(len(spacing)):
