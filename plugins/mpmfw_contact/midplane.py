@@ -230,7 +230,6 @@ class Midplane(Detection):
     Options = MidplaneDetectionOptions
     options: MidplaneDetectionOptions
     provides = frozenset({"facets", "steady gap"})
-    range_option = "search_radius"
     dimensions = (2,)
     dimensions_note = "the plane form of a method for space: polygons that two facets share are not built"
 

@@ -47,8 +47,6 @@ class Detection(PlugIn):
     leaves_bodies_out: bool = False
     #: Gap up to which the law acts [m], known once both are prepared.
     law_range: float = 0.0
-    #: Its option that widens :meth:`range` in proportion, for advice; None where there is none.
-    range_option: ClassVar[str | None] = None
 
     state: State  #: to be taken by :meth:`prepare`
 

@@ -187,10 +187,10 @@ class RowContact(ContactStrategy):
         if listed is None or needed <= listed or math.isclose(needed, listed):
             return
         finds, expected = f"contact '{self.name}': detection '{detection.name}'", "another detection"
-        if detection.range_option is not None:
-            value = getattr(detection.options, detection.range_option)
+        value = getattr(detection.options, "search_radius", None)
+        if value is not None:
             table = self.name.partition("+")[0]  # in a scene a joined detection has a table of its own
-            finds = f"contact.{table}.{detection.range_option} = {value:g}"
+            finds = f"contact.{table}.search_radius = {value:g}"
             expected = f"at least {value * needed / listed:.4g}"
         raise SceneError(
             f"{finds} finds gaps of up to {listed:.4g} m, and law '{law.name}' acts across gaps of up to "

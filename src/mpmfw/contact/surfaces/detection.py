@@ -81,7 +81,6 @@ class Surfaces(Detection):
     Options: ClassVar[type[FacetOptions]] = SurfacesOptions
     options: FacetOptions
     provides = frozenset({"facets", "nodes", "steady gap"})
-    range_option = "search_radius"
     #: Whether a node meets every facet that it penetrates (eq. 10), and not the closest one of a body.
     every_facet: bool = False
     history = ("was_inside",)
