@@ -137,9 +137,11 @@ class AtNodes(Detection):
 
     def find(self, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> None:
         """Find the shared nodes, project what normals and gaps are made of, and write the rows."""
-        nodes = self.nodes_of(grid)
-        listed = self._list(nodes)
-        rows.count = 0
+        nodes, rows.count = self.nodes_of(grid), 0
+        listed = find_shared_nodes(self.pairs, nodes, self.shared)
+        if listed > len(self.shared.pair):
+            self.make_room(2 * listed)
+            find_shared_nodes(self.pairs, nodes, self.shared)
         if listed == 0:
             return
         mark_nodes(listed, self.shared, nodes)
@@ -166,13 +168,6 @@ class AtNodes(Detection):
             listed, self.shared, self.pairs, self.nodes_of(grid), self.given, self.cut_off, self.least_mass,
             self.state.dt, rows, grid.spacing,
         )  # fmt: skip
-
-    def _list(self, nodes: GridNodes) -> int:
-        listed = find_shared_nodes(self.pairs, nodes, self.shared)
-        if listed > len(self.shared.pair):
-            self.make_room(2 * listed)
-            find_shared_nodes(self.pairs, nodes, self.shared)
-        return listed
 
 
 class Nodes(AtNodes):

@@ -180,13 +180,11 @@ class VerletList:
                 self.first, self.second, self.radius, self.outline, self.boxes, self.neighbours, self.scratch,
                 self.spacing,
             )  # fmt: skip
-        if near and not self._holds():
+        if near and not (
+            self.listed and measure_motion(self.outline, self.listed_at, self.near.moved) <= self.skin
+        ):
             self._list()
         return near
-
-    def _holds(self) -> bool:
-        near, outline = self.near, self.outline
-        return self.listed and measure_motion(outline, self.listed_at, near.moved) <= self.skin
 
     def _list(self) -> None:
         near, cutoff = self.near, self.radius + self.skin
