@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 import mpmfw
-from checkpoints_for_tests import content, opened
+from checkpoints_for_tests import opened, write
 from mpmfw.errors import Interrupted, MpmfwError
 
 #: Bytes that reading a file may take, and seconds after which it hangs: 10 are meant, and the machine may
@@ -139,36 +139,27 @@ def _elsewhere(draw: random.Random, tree: Any) -> None:
 
 
 def _checkpoint(draw: random.Random, path: Path) -> None:
-    """Change what a checkpoint says, or its numbers, such that its checksum is right."""
-    header, facts, data = opened(path)
-    numbers = bytearray(data)
+    """Change what a checkpoint says, its places or its numbers, such that its checksums are right."""
+    facts, arrays = opened(path)
     for _ in range(draw.choice((1, 1, 2, 5))):
-        way = draw.randrange(4)
+        way, place = draw.randrange(4), draw.choice([key for key in arrays if key != "results.nc"])
         if way == 0:
-            _elsewhere(draw, header)
+            arrays[draw.choice(("x", "a/b", "state/time"))] = arrays.pop(place)
         elif way == 1:
             _elsewhere(draw, facts)
         else:
-            arrays = [
-                one
-                for key, one in header.items()
-                if key != "results.nc" and isinstance(one, dict) and "shape" in one
-            ]
-            begin, end = draw.choice([one["data_offsets"] for one in arrays])
-            if end > begin:
-                values = np.frombuffer(bytes(numbers[begin:end]), "u1").copy()
-                kind = draw.choice(("<f8", "<i8"))
-                some = values[: len(values) // 8 * 8].view(kind)
-                if len(some):
-                    some[draw.randrange(len(some))] = draw.choice(
-                        (np.nan, np.inf, 1e300, -1e300, 0.0)
-                        if kind == "<f8"
-                        else (-1, -2, 2**62, 2**40, 10**6, -(2**63))
-                    )
-                numbers[begin:end] = values.tobytes()
-    if isinstance(header.get("__metadata__"), dict):
-        header["__metadata__"]["facts"] = json.dumps(facts)
-    path.write_bytes(content(header, bytes(numbers)))
+            values = arrays[place].copy()
+            kind = draw.choice(("<f8", "<i8"))
+            some = values.reshape(-1).view("u1")
+            some = some[: len(some) // 8 * 8].view(kind)
+            if len(some):
+                some[draw.randrange(len(some))] = draw.choice(
+                    (np.nan, np.inf, 1e300, -1e300, 0.0)
+                    if kind == "<f8"
+                    else (-1, -2, 2**62, 2**40, 10**6, -(2**63))
+                )
+            arrays[place] = values if draw.random() < 0.8 else values.reshape(-1)
+    write(path, facts, **arrays)
 
 
 def _results(draw: random.Random, path: Path) -> None:

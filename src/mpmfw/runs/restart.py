@@ -1,9 +1,8 @@
 """Restart: now and then the values that a run keeps, in a file beside its results, from which a run that was
 killed goes on.
 
-The file is one of safetensors, a header in JSON before bare numbers, which any reader of that format opens.
-It holds arrays by place and names no class and no function. Its sizes are compared with its length, and its
-checksum is computed, before anything is used."""
+The file is an archive of NumPy (``.npz``) that holds arrays by place, and names no class and no function.
+Each array has a checksum, which is compared before anything is used."""
 
 from __future__ import annotations
 
@@ -15,7 +14,6 @@ import os
 import platform
 import time
 import warnings
-import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -36,19 +34,12 @@ from mpmfw.scene.sources import Source
 from mpmfw.state.fields import AnyArray
 from mpmfw.state.history import TYPES
 
-#: How a file begins, after eight bytes that hold the length of the header.
-_KIND = "checkpoint 3"
-_HEAD = f'{{"__metadata__": {{"mpmfw": "{_KIND}"'.encode()
+#: First array of a file: the number of the others and the facts, as JSON. Its name begins at byte 30 of the
+#: archive and tells the format.
+_FACTS = "mpmfw checkpoint 4"
 
-#: Bytes that a header has at most.
-_LONGEST = 1 << 24
-
-#: Types of numbers, as the file calls them.
-_NAMES = dict(zip(TYPES, ("F64", "F32", "I64", "I32", "I8", "U8", "BOOL"), strict=True))
-_TYPES = {name: number for number, name in _NAMES.items()}
-
-#: Places of the copy of the results, and of the checksum of all bytes before it.
-RESULTS, CHECKSUM = "results.nc", "crc32"
+#: Place of the copy of the results.
+RESULTS = "results.nc"
 
 #: Root attributes that the results, their copy in the checkpoint and the run that goes on have in common.
 _SAME = ("scene", "contact", "shape", "scheme", "transfer")
@@ -69,27 +60,11 @@ def checkpoint_path(path: str | os.PathLike[str]) -> str:
 
 
 def write_snapshot(path: str, saved: Mapping[str, AnyArray], facts: Facts | None = None) -> None:
-    """Write arrays by place and the facts about their run, whole or not at all.
-
-    Raises
-    ------
-    MpmfwError
-        The file cannot be written.
-    """
-    said = json.dumps(None if facts is None else facts.model_dump(mode="json"))
-    header: dict[str, Any] = {"__metadata__": {"mpmfw": _KIND, "facts": said}}
-    end = 0
-    for key, array in {**saved, CHECKSUM: np.zeros(1, dtype=np.int64)}.items():
-        offsets = [end, end := end + array.nbytes]
-        header[key] = {"dtype": _NAMES[array.dtype.str], "shape": array.shape, "data_offsets": offsets}
-    text, check = json.dumps(header).encode(), 0
+    """Write arrays by place and the facts about their run, whole or not at all."""
+    text = json.dumps([len(saved), None if facts is None else facts.model_dump(mode="json")])
+    arrays: dict[str, Any] = {_FACTS: np.frombuffer(text.encode(), np.uint8), **saved}
     with replacement(path) as growing, open(growing, "xb") as file:
-        arrays = (np.ascontiguousarray(array).view(np.uint8) for array in saved.values())
-        block: Any
-        for block in (len(text).to_bytes(8, "little"), text, *arrays):
-            check = zlib.crc32(block, check)
-            file.write(block)
-        file.write(check.to_bytes(8, "little"))
+        np.savez(file, **arrays)
 
 
 def is_foreign(path: str) -> bool:
@@ -98,86 +73,41 @@ def is_foreign(path: str) -> bool:
         if not os.path.isfile(path):
             return os.path.lexists(path)
         with open(path, "rb") as file:
-            head = file.read(8 + len(_HEAD))
-        return bool(head) and head[8:] != _HEAD
+            head = file.read(30 + len(_FACTS))
+        return bool(head) and head[30:] != _FACTS.encode()
     except OSError:
         return True
 
 
 def read_snapshot(path: str) -> tuple[dict[str, AnyArray], Facts | None]:
-    """Read arrays by place, which stay in the file until they are copied, and the facts about their run.
+    """Read arrays by place, and the facts about their run.
 
-    Raises
-    ------
-    MpmfwError
-        There is no such file, another version wrote it, or it is damaged.
-    """
+    Raise MpmfwError if there is no such file, another version wrote it, or it is damaged."""
     try:
-        with open(path, "rb") as file:
-            begin = 8 + int.from_bytes(file.read(8), "little")
         if is_foreign(path):
             raise MpmfwError(f"'{path}' is not a checkpoint that this version of mpmfw wrote")
-        content: Any = _bytes_of(path)
-        if not begin <= min(len(content) - 8, _LONGEST):
-            raise ValueError("the header is longer than the file")
-        if zlib.crc32(content[:-8]) != int.from_bytes(content[-8:].tobytes(), "little"):
-            raise ValueError("the checksum is wrong")
-        header = json.loads(content[8:begin].tobytes())
-        said = json.loads(header.pop("__metadata__")["facts"])
-        saved = dict(_arrays_in(header, content[begin:]))
-        saved.pop(CHECKSUM)
-        return saved, None if said is None else Facts.model_validate(said)
-    except OSError as error:
-        raise MpmfwError(f"cannot read '{path}': {error.strerror or error}") from error
-    except (ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
+        with open(path, "rb") as file, np.load(file, allow_pickle=False) as archive:
+            if sum(member.file_size for member in archive.zip.infolist()) > os.path.getsize(path):
+                raise ValueError("members are compressed or overlap")
+            saved = {place: archive[place] for place in archive.files}
+        count, facts = json.loads(saved.pop(_FACTS).tobytes())
+        if len(saved) != count or not all(array.dtype.str in TYPES for array in saved.values()):
+            raise ValueError("arrays are missing, or of another type")
+        return saved, None if facts is None else Facts.model_validate(facts)
+    except MpmfwError:
+        raise
+    except Exception as error:  # a damaged archive may raise anything
+        if isinstance(error, OSError) and error.filename is not None:
+            raise MpmfwError(f"cannot read '{path}': {error.strerror}") from error
         raise MpmfwError(f"'{path}' was cut short or is damaged") from error
-
-
-def _bytes_of(path: str) -> AnyArray:
-    """Return a file's bytes, which are read when they are used.
-
-    Raises
-    ------
-    MpmfwError
-        The file cannot be read.
-    """
-    try:
-        return np.asarray(np.memmap(path, np.uint8, "r"))
-    except OSError as error:
-        raise MpmfwError(f"cannot read '{path}': {error.strerror or error}") from error
-
-
-def _arrays_in(header: Mapping[str, Any], data: AnyArray) -> Iterator[tuple[str, AnyArray]]:
-    """Arrays of a file by place, as views of its ``data``, which they fill without gaps."""
-    end = 0
-    for key, entry in header.items():
-        dtype, shape = np.dtype(_TYPES[entry["dtype"]]), entry["shape"]
-        if not all(type(length) is int and length >= 0 for length in shape):
-            raise ValueError(f"{key}: no shape")
-        begin, end = end, end + dtype.itemsize * math.prod(shape)
-        if entry["data_offsets"] != [begin, end] or end > len(data):
-            raise ValueError(f"{key}: not where it is to be")
-        yield key, data[begin:end].view(dtype).reshape(shape)
-    if end != len(data):
-        raise ValueError("the file is longer than its header says")
 
 
 class Checkpoints:
     """Called after every step of a run: writes a checkpoint when it is time, or when a signal waits.
 
-    Parameters
-    ----------
-    simulation, writer
-        Of the run; results in memory have no checkpoints.
-    signals
-        Those that stop the run, after a checkpoint.
-    every
-        Seconds of wall time between two; infinite for none at all.
-    objects
-        Strategy objects instead of the scene's methods, by kind.
-    resumed
-        Times at which the run was taken up so far [s].
-    """
+    It is time ``every`` so many seconds of wall time; infinity means never. ``signals`` stop the run after a
+    checkpoint. ``objects`` are strategy objects instead of the scene's methods, by kind. The run was resumed
+    at the times ``resumed`` [s] so far. Results in memory have no checkpoints."""
 
     def __init__(
         self, simulation: Any, writer: RunWriter, signals: Any, every: float, objects: Mapping[str, Any],
@@ -195,13 +125,7 @@ class Checkpoints:
             self._facts = Facts(made_by=code, scene=scene, times=[*resumed, 0.0], every=every)
 
     def __call__(self) -> None:
-        """A step is complete.
-
-        Raises
-        ------
-        Interrupted
-            A signal waited.
-        """
+        """End a step; raise Interrupted if a signal waits."""
         if self.signals.waiting is not None:
             self.write()
             self.signals.check()
@@ -220,11 +144,11 @@ class Checkpoints:
         try:
             self.writer.flush()
             # A kill within a sync can leave the results' file unreadable: HDF5 changes its tables in place
-            results = _bytes_of(str(self.writer.path))
+            results = np.memmap(str(self.writer.path), np.uint8, "r")
             self._facts.times[-1] = self.simulation.state.time
             write_snapshot(self.path, {**self.simulation.snapshot(), RESULTS: results}, self._facts)
             self._next = time.monotonic() + self._facts.every
-        except MpmfwError as error:
+        except (MpmfwError, OSError) as error:
             self._next = math.inf
             warnings.warn(f"no checkpoints are written: {error}", ResultsWarning, stacklevel=2)
 
@@ -249,11 +173,7 @@ class Checkpoint:
 def read_checkpoint(path: str) -> Checkpoint:
     """Read the checkpoint beside a run's file.
 
-    Raises
-    ------
-    SceneError
-        The run ended, or is another one; there is no checkpoint, or it is damaged.
-    """
+    Raise SceneError if the run ended, or if the checkpoint is missing, damaged, or of another run."""
     file = checkpoint_path(path)
     if not os.path.isfile(path):
         raise SceneError(f"{path}: there is no such file; expected the results of a run")
@@ -303,12 +223,8 @@ def _attributes(path: str, content: Any = None) -> dict[str, str]:
 def check_same(
     last: Checkpoint, header: RunHeader, scene: Scene, objects: Mapping[str, Any], force: bool
 ) -> None:
-    """Refuse other methods than the run had, and other code, libraries or processor unless ``force``.
-
-    Raises
-    ------
-    SceneError
-        Something differs.
+    """Raise SceneError for other methods than the run had, and, unless ``force``, for other code or
+    processor.
     """
     for kind in _SAME:
         then, now = last.made_with[kind], str(header.attributes[kind])
@@ -338,14 +254,10 @@ def _dependencies(scene: Scene, objects: Mapping[str, Any]) -> dict[str, str]:
 
 @contextlib.contextmanager
 def rewritten(path: str, checkpoint: Checkpoint, header: RunHeader) -> Iterator[RunWriter]:
-    """Context of the writer of a new file of results, which has the outputs up to the checkpoint and
-    replaces the old one.
+    """Yield the writer of a new file of results, which holds the outputs up to the checkpoint.
 
-    Raises
-    ------
-    SceneError
-        The outputs are damaged, or another run writes the file.
-    """
+    The file then replaces the old one. Raise SceneError if the outputs are damaged or another run writes the
+    file."""
     part = str(unfinished(path))
     with contextlib.ExitStack() as undo:
         try:
