@@ -134,14 +134,14 @@ EFFECTS = {
     "prescribed sides": brings(
         "constraint",
         hooks="setup constrain_momentum advect end_step",
-        modules="mpmfw.effects.constraint mpmfw.effects.faces mpmfw.effects.side_rows",
+        modules="mpmfw.effects.constraint mpmfw.effects.side_rows",
     ),
     "settling": brings(modules="mpmfw.effects.settling"),
     "sleep": brings(),
     "pressure": brings(
         "pressure on solid top",
         hooks="add_nodal_force end_step",
-        modules="mpmfw.effects.side_loads mpmfw.effects.faces",
+        modules="mpmfw.effects.side_loads",
     ),
     "load": brings("body_force field", hooks="add_nodal_force end_step", modules="mpmfw_load.body_force"),
     "thickness": brings(arrays="particles/thickness"),

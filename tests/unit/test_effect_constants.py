@@ -13,7 +13,6 @@ from interpreted import interpreted
 from mpmfw.api import SceneError
 from mpmfw.effects import constraint, energy_guard, side_loads, side_rows
 from mpmfw.effects.constraint import AGREED, PASSES
-from mpmfw.effects.faces import FLAT
 from mpmfw.effects.side_rows import QUADRATURE, list_rows, quadrature, splines
 from mpmfw.effects.surface import CRITICAL_MASS, LIGHT, weigh_by_mass, weigh_plain
 from mpmfw.kernels.stencil import LEAST_SHARE, linear_weights
@@ -162,7 +161,7 @@ def test_facets_of_a_turned_side_lie_on_it_but_for_rounding(monkeypatch: pytest.
             return len(Simulation(turned).manager.get_plugin("pressure on solid top").facets)
         return 0
 
-    assert loaded(FLAT) == 16
+    assert loaded(side_loads.FLAT) == 16
     assert loaded(1.0) > 16
     assert loaded(0.0) < 16
 

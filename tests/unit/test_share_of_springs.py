@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from mpmfw.runs.share_of_springs import driven_speed, share_of_springs
+from mpmfw.runs.prediction import driven_speed, share_of_springs
 from mpmfw.runs.simulation import Simulation
 
 CELL = 0.1

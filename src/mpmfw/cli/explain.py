@@ -135,7 +135,7 @@ def _print_share_of_springs(simulation: Simulation) -> None:
     """Part of driven sides' motion and of initial overlaps that contact springs take, where a scene has
     either.
     """
-    from mpmfw.runs.share_of_springs import driven_speed, share_of_springs
+    from mpmfw.runs.prediction import driven_speed, share_of_springs
 
     speed = driven_speed(simulation)
     axis = int(speed.argmax()) if speed.any() else None

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mpmfw.effects.faces import FLAT, face_of
 from mpmfw.effects.side_rows import PlaneSides, SideTable, list_rows, meet, quadrature
 from mpmfw.errors import SceneError
 from mpmfw.plugin.hookspecs import hookimpl
-from mpmfw.plugin.setup import Acts, Setup
+from mpmfw.plugin.setup import FLAT, Acts, Setup
 from mpmfw.state.fields import FloatArray
 from mpmfw.state.structs import Body, Grid
 
@@ -62,22 +61,11 @@ class PrescribedSide:
 
 
 class Constraint:
-    """Boundary conditions on the grid: the last word on the nodal momentum of a body's own velocity field.
+    """Prescribed sides: the last change of the nodal momenta of the bodies' velocity fields.
 
-    Parameters
-    ----------
-    sides
-        In the scene's order.
-    degree, staggered
-        Of the shape function's boundary basis (:class:`mpmfw.api.shape.ShapeFunction`).
-    calls
-        Calls in each step that move the body; that of MUSL after the second projection moves nothing.
-
-    Attributes
-    ----------
-    work
-        Of the moving sides on the bodies so far [J/m].
-    """
+    ``degree`` and ``staggered`` describe the shape function's boundary basis
+    (:class:`mpmfw.api.shape.ShapeFunction`). ``calls`` is the number of calls in each step that move the
+    body; that of MUSL after the second projection moves nothing."""
 
     name = "constraint"
     ledger_term = ("external", "prescribed sides")
@@ -87,7 +75,8 @@ class Constraint:
         self, sides: tuple[PrescribedSide, ...], degree: int, *, staggered: bool, calls: int
     ) -> None:
         self.sides, self.degree, self.grids = sides, degree, 2 if staggered else 1
-        self.calls, self.left, self.work = calls, calls, 0.0
+        self.calls, self.left = calls, calls
+        self.work = 0.0  #: of the moving sides on the bodies so far [J/m]
         #: While a scene settles, moving sides are held where they are.
         self.at_rest = False
 
@@ -229,14 +218,8 @@ def _planes(sides: tuple[PrescribedSide, ...], grid: Grid, degree: int, grids: i
 
 
 def _prescribed(setup: Setup, body: Body, side: Side) -> PrescribedSide:
-    """A fixed or moving side.
-
-    Raises
-    ------
-    SceneError
-        Nothing of the outline lies along it: it would hold a corner.
-    """
-    normal, place = face_of(setup, body, side)
+    """Return a fixed or moving side; raise SceneError if the outline only touches it at a corner."""
+    normal, place = setup.face_of(body, side)
     tolerance = FLAT * setup.cell_size
     at_side = [np.abs(loop @ normal - place) <= tolerance for loop in body.outlines]
     along = (on[corners].all(axis=1).any() for on, corners in zip(at_side, body.facets, strict=True))

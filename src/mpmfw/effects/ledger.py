@@ -66,8 +66,7 @@ CONTACT_RESIDUAL = _series(
 HALF_STEP = _series(
     "half_step_work",
     "part of energy_residual that is no error in time: work of the internal forces on what the transfer "
-    "takes from the "
-    "velocity half a step on, negative where it is lost",
+    "takes from the velocity half a step on, negative where it is lost",
 )
 
 CONTACT_HALF_STEP = _series(
@@ -84,25 +83,9 @@ class EnergyLedger(Observer):
     """Terms of the energy balance as series, and the end of a run whose energy grows without reason.
 
     Impulses are measured after each implementation of a hook, from the first output on, and not while a scene
-    settles.
-
-    Parameters
-    ----------
-    strain, state
-        Energies of the strain; what they are of.
-    terms
-        Works that something in the scene does: of ``gravity``, ``external``, ``contact``, ``inertia``. Others
-        have no series.
-    contact
-        The strategy, whose energy in springs is in ``State.arrays``, (pair,) [J/m]; one without springs has
-        none.
-    accounted
-        Whether the contact tells all of :data:`SPRING_RECORDS`, so that its work has a residual.
-    half_steps
-        Whether velocities are half a step behind positions and strain, as with update stress last.
-    guard
-        What stops a run whose energy grows, or None.
-    """
+    settles. ``terms`` are the works that something in the scene does; others have no series. ``accounted``
+    says that the contact records all of :data:`SPRING_RECORDS`, so that its work has a residual. With
+    ``half_steps`` velocities are half a step behind positions and strain, as with update stress last."""
 
     name = "energy_ledger"
     stage = "output"
@@ -163,7 +146,7 @@ class EnergyLedger(Observer):
     def _restart(self, state: State) -> None:
         self.running = True
         self._forget()
-        self.motion = motion_energy(state.particles)
+        self.motion = motion_energy(state)
         self.start = self.motion + float(self.strain.of(state).sum())
         self.lost = float(self.strain.dissipated(state).sum()) if self.strain.dissipates else 0.0
         if self.guard is not None:
@@ -240,14 +223,7 @@ class EnergyLedger(Observer):
 
     @hookimpl
     def end_step(self, state: State) -> None:
-        """What the grid gained, and the guard: of the grid's motion in every step, of the strain every few.
-
-        Raises
-        ------
-        SimulationError
-            The bodies have more energy than they had and were given, by more than
-            :data:`~mpmfw.effects.energy_guard.GROWTH_LIMIT`.
-        """
+        """Add the grid's gain. The guard checks the grid's motion in every step, the strain every few."""
         if not self.running:
             return
         self.gained += self.moved - self.projected
@@ -264,13 +240,7 @@ class EnergyLedger(Observer):
 
     @hookimpl
     def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
-        """The series; at the first output everything starts at zero.
-
-        Raises
-        ------
-        SimulationError
-            As :meth:`end_step`.
-        """
+        """Return the series; at the first output everything starts at zero."""
         if interval == 0.0:
             self._restart(state)
         residual = self._balance(state)
@@ -296,7 +266,7 @@ class EnergyLedger(Observer):
 
     def _balance(self, state: State) -> float:
         """What no term accounts for [J/m]; the guard looks at the whole energy."""
-        motion = motion_energy(state.particles)
+        motion = motion_energy(state)
         # What the points had at a projection is what they had after the gather before: of all that there is
         # left
         self.dissipated = self.motion + self.gained - motion

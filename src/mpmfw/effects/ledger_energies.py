@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from mpmfw.kernels import kernel
+from mpmfw.kernels.body_sums import sum_affine_energy
 from mpmfw.kernels.types import Floats
-from mpmfw.state.structs import Particles
+from mpmfw.state.structs import State
 
 
 @kernel
@@ -58,25 +61,9 @@ def kinetic_energy(mass: Floats, velocity: Floats) -> float:
     return total
 
 
-@kernel
-def affine_energy(mass: Floats, volume: Floats, affine: Floats) -> float:
-    """Σ m l² C:C / 24 over material points, squares of edge l = V^(1/dim) that move within themselves by
-    C.
-    """
-    total, dim = 0.0, affine.shape[1]
-    for p in range(len(mass)):
-        square = 0.0
-        for d in range(dim):
-            for e in range(dim):
-                square += affine[p, d, e] * affine[p, d, e]
-        edge2 = volume[p] if dim == 2 else volume[p] ** (2.0 / dim)  # a power takes longer than all the rest
-        total += mass[p] * edge2 * square / 24.0
-    return total
-
-
-def motion_energy(particles: Particles) -> float:
-    """Kinetic and affine energy of the material points [J/m]."""
-    energy: float = kinetic_energy(particles.mass, particles.velocity)
-    if particles.affine is not None:
-        energy += affine_energy(particles.mass, particles.volume, particles.affine)
-    return energy
+def motion_energy(state: State) -> float:
+    """Return the kinetic and affine energy of the material points [J/m]."""
+    p, affine = state.particles, np.zeros(1)
+    if p.affine is not None:
+        sum_affine_energy(np.array([0, p.count]), p.mass, p.volume, p.affine, affine, state.grid.spacing)
+    return float(kinetic_energy(p.mass, p.velocity) + affine[0])

@@ -58,14 +58,8 @@ def stress_power(
 
 
 class HalfStep:
-    """Both sums, of the internal forces and of contact's [J/m].
-
-    Attributes
-    ----------
-    strain
-        Of the internal forces, up to the positions of the last :meth:`look`.
-    contact
-        Of contact's forces, up to the positions that they were found at, which are a step old.
+    """Both sums [J/m]: of the internal forces, ``strain``, up to the positions of the last :meth:`look`,
+    and of contact, up to the positions that its forces were found at, which are a step old.
     """
 
     history = ("strain", "contact", "_strain", "_contact", "dt", "_power")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import itertools
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -20,17 +20,11 @@ from mpmfw.state.fields import (
     FloatArray,
     IntArray,
 )
-from mpmfw.state.structs import Body, State
+from mpmfw.state.structs import State
 
 
 class StrainEnergies:
-    """Σ V_0 W(F) of every body, asked by several at one output and computed once.
-
-    Parameters
-    ----------
-    materials
-        For each body, its material (:class:`mpmfw.api.material.Material`).
-    """
+    """Σ V_0 W(F) of every body, from the bodies' materials; computed once at an output."""
 
     def __init__(self, materials: tuple[Any, ...]) -> None:
         self.materials = materials
@@ -55,26 +49,20 @@ class StrainEnergies:
         return self._sums(state, "dissipated_by_points")
 
     def _sums(self, state: State, density: str) -> FloatArray:
-        particles, made_of = state.particles, of_one_material(state.bodies, self.materials)
-        each = np.concatenate([of_points(density, material, state, own) for own, material in made_of])
+        particles, values = state.particles, np.empty(state.particles.count)
+        for own, material in made_of(self.materials):
+            values[own] = of_points(density, material, state, own)
         return np.add.reduceat(
-            each * particles.times_thickness(particles.initial_volume),
+            values * particles.times_thickness(particles.initial_volume),
             [body.particles.start for body in state.bodies],
         )
 
 
 class BodySeries:
-    """Computed at outputs only, over material points.
+    """Series of the bodies, computed at outputs from the material points.
 
-    Parameters
-    ----------
-    strain
-        Energies of the strain.
-    affine
-        Whether the transfer has an affine field, whose energy is a series of its own.
-    energy
-        Whether the energies are wanted.
-    """
+    ``affine``: the transfer has an affine field, whose energy is a series. ``energy``: the scene wants
+    energies."""
 
     name = "body_series"
     stage = "output"
@@ -87,7 +75,7 @@ class BodySeries:
         """Return the series, which every run has; those of energies if the scene wants them."""
         energy = setup.scene.output.energy
         setup.note("energies", energy, "series of every body" if energy else "output.energy = false")
-        strain = StrainEnergies(setup.material_of_bodies)
+        strain = StrainEnergies(tuple(setup.materials.values()))
         return Acts("", [cls(strain, affine=setup.state.particles.affine is not None, energy=energy)])
 
     @hookimpl
@@ -150,19 +138,9 @@ class BodySeries:
         return series
 
 
-def of_one_material(bodies: tuple[Body, ...], materials: tuple[Any, ...]) -> list[tuple[slice, Any]]:
-    """Material points of bodies of one material that follow each other, with that material.
-
-    Parameters
-    ----------
-    bodies, materials
-        All bodies, and what each is made of.
-    """
-    runs = [
-        list(run)
-        for _, run in itertools.groupby(zip(bodies, materials, strict=True), key=lambda each: id(each[1]))
-    ]
-    return [(slice(run[0][0].particles.start, run[-1][0].particles.stop), run[0][1]) for run in runs]
+def made_of(materials: Iterable[Any]) -> Iterator[tuple[slice, Any]]:
+    """Yield slices of material points with the material that they are made of."""
+    return ((own, material) for material in materials for own in material.slices)
 
 
 def _solve_inertia(second: FloatArray, spin: FloatArray) -> FloatArray:
@@ -190,7 +168,7 @@ class VonMises:
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
         """Return the stress, wherever frames hold material points."""
-        return Acts("frames hold material points", [cls(setup.material_of_bodies)])
+        return Acts("frames hold material points", [cls(tuple(setup.materials.values()))])
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
@@ -202,9 +180,9 @@ class VonMises:
         """sqrt(3/2 s:s), (n,) [Pa]."""
         if not points:
             return {}
-        parts = []
-        for own, material in of_one_material(state.bodies, self.materials):
+        values = np.empty(state.particles.count)
+        for own, material in made_of(self.materials):
             stress = of_points("stress_of_points", material, state, own)
             deviator = stress - np.trace(stress, axis1=1, axis2=2)[:, None, None] / 3.0 * np.eye(3)
-            parts.append(np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator)))
-        return {"von_mises": np.concatenate(parts)}
+            values[own] = np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator))
+        return {"von_mises": values}

@@ -96,8 +96,7 @@ def concern(settled: Mapping[str, float]) -> list[str]:
         return []
     return [
         f"the scene still moved at the first output after settling, with {100 * share:.2g} % of the strain "
-        "energy as "
-        "kinetic energy; try a smaller settle.tolerance, or a longer settle.max_time"
+        "energy as kinetic energy; try a smaller settle.tolerance, or a longer settle.max_time"
     ]
 
 
@@ -139,33 +138,11 @@ class LocalDamping:
             self.impulse = damp_locally(DAMPING, grid.mass, grid.start_velocity, grid.momentum, grid.spacing)
 
 
-def stop_motion(state: State) -> None:
-    """Set velocities and affine fields to zero."""
-    p = state.particles
-    p.velocity.fill(0.0)
-    for array in (p.affine, p.moment):
-        if array is not None:
-            array.fill(0.0)
-
-
 class Settling:
     """Steps a scene to rest under its loads, while sides that move stand still; time zero comes after it.
 
-    Its history holds all that it needs between two steps, so that it can be saved there with the simulation.
-
-    Parameters
-    ----------
-    setup
-        Of a scene that settles, before the first step. Its plug-ins with a method ``while_settling`` are told
-        the scene's table now, and None at the end.
-
-    Attributes
-    ----------
-    damping
-        Plug-in to be registered until :meth:`finish` returns.
-    transfer
-        Between points and grid meanwhile.
-    """
+    Plug-ins of ``setup`` with a method ``while_settling`` get the scene's table now, and None at the end. The
+    history holds all that is needed between two steps."""
 
     history = ("ratios", "residual", "elapsed", "damping")
 
@@ -173,11 +150,11 @@ class Settling:
         asked = setup.scene.settle
         assert asked is not None
         self.limit, self.tolerance = longest_settling(asked, setup.bodies), asked.tolerance
-        self.transfer = replace(setup.exchange, flip=min(setup.flip, FLIP_SHARE))
+        self.transfer = replace(setup.exchange, flip=min(setup.flip, FLIP_SHARE))  #: meanwhile
         self.others = [plugin for plugin in setup.plugins if hasattr(plugin, "while_settling")]
         for plugin in self.others:
             plugin.while_settling(asked)
-        self.damping = LocalDamping()
+        self.damping = LocalDamping()  #: to be registered until :meth:`finish` returns
         self.residual, self.elapsed = 1.0, 0.0
         self.ratios = np.ones(STEPS_OF_MEAN)  #: of residual to internal forces, of the last steps
 
@@ -186,20 +163,10 @@ class Settling:
     ) -> dict[str, float]:
         """Step until the residual force is below the tolerance times the present internal forces.
 
-        Both are sums over all nodes and axes of magnitudes, as the ratio of unbalanced forces of Cundall's
-        codes is.
-
-        Parameters
-        ----------
-        state, step
-            The state, and a function that takes a time step with the damping.
-        after_step
-            Called after every step.
-
-        Returns
-        -------
-        ``settle_residual``, ``settle_steps`` and ``settle_simulated_time`` [s] for the results' file. If the
-        limit of time is reached first, a warning says so and the residual tells how far it got."""
+        Both are sums over all nodes and axes of magnitudes, as in the ratio of unbalanced forces of Cundall's
+        codes. ``step`` takes a time step with the damping; ``after_step`` is called after each. Return
+        ``settle_residual``, ``settle_steps`` and ``settle_simulated_time`` [s]. A warning says if the limit
+        of time came first."""
         while self.residual > self.tolerance and self.elapsed < self.limit:
             state.time = 0.0  # loads that change in time stand still at their start
             step()
@@ -213,8 +180,7 @@ class Settling:
         if self.residual > self.tolerance:
             warnings.warn(
                 f"settling stopped after {self.elapsed:.3g} s with a residual force of {self.residual:.2g} "
-                "of the internal "
-                f"forces (asked for: {self.tolerance:.2g})",
+                f"of the internal forces (asked for: {self.tolerance:.2g})",
                 ResultsWarning,
                 stacklevel=3,
             )
@@ -226,6 +192,9 @@ class Settling:
 
     def end(self, state: State) -> None:
         """Stop all motion; loads and sides are the scene's own again."""
-        stop_motion(state)
+        p = state.particles
+        for array in (p.velocity, p.affine, p.moment):
+            if array is not None:
+                array.fill(0.0)
         for plugin in self.others:
             plugin.while_settling(None)

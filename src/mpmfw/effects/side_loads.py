@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mpmfw.effects.faces import FLAT, face_of
 from mpmfw.errors import SceneError
 from mpmfw.plugin.load import LoadedFacets, SurfaceLoad, tracked
-from mpmfw.plugin.setup import Acts, Setup
+from mpmfw.plugin.setup import FLAT, Acts, Setup
 from mpmfw.state.fields import FloatArray, IntArray
 from mpmfw.state.structs import Body
 from mpmfw.state.time_table import TimeTable
@@ -19,15 +18,7 @@ if TYPE_CHECKING:
 
 
 class SideLoad(SurfaceLoad):
-    """Traction on the facets that lie on a side of the body at the start.
-
-    Parameters
-    ----------
-    body, side
-        The body, and the scene's table.
-    facets
-        That lie on the side at the start.
-    """
+    """Traction on the facets that lie on a side of the body at the start."""
 
     def __init__(self, body: Body, side: Side, facets: IntArray) -> None:
         super().__init__()
@@ -49,27 +40,14 @@ class SideLoad(SurfaceLoad):
         return np.tile(value if self.key == "traction" else value / facets.area.sum(), (len(facets.area), 1))
 
 
-def facets_on_side(
-    position: FloatArray, facets: IntArray, own: slice, normal: FloatArray, place: float, tolerance: float
-) -> IntArray:
-    """Facets of one body, ``own``, all of whose corners lie on the side n·x = ``place``."""
-    on_side = np.abs(position @ normal - place) <= tolerance
-    return np.asarray(own.start + np.flatnonzero(on_side[facets[own]].all(axis=1)), dtype=np.int64)
-
-
 def from_setup(setup: Setup) -> Acts:
-    """Return the loaded sides of all bodies.
-
-    Raises
-    ------
-    SceneError
-        No facet lies on one of them.
-    """
+    """Return the loaded sides of all bodies; raise SceneError if no facet lies on one of them."""
     surface, loads = tracked(setup.state), []
     for body, side in setup.loaded_sides:
-        normal, place = face_of(setup, body, side)
-        own, tolerance = surface.facets_of(body.index), FLAT * setup.cell_size
-        loaded = facets_on_side(surface.position, surface.facets, own, normal, place, tolerance)
+        normal, place = setup.face_of(body, side)
+        own = surface.facets_of(body.index)
+        on_side = np.abs(surface.position @ normal - place) <= FLAT * setup.cell_size
+        loaded = own.start + np.flatnonzero(on_side[surface.facets[own]].all(axis=1))
         if len(loaded) == 0:
             raise SceneError(f"bodies.{body.name}.sides: no surface facet lies on the side '{side.side}'")
         loads.append(SideLoad(body, side, loaded))

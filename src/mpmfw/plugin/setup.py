@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mpmfw.scene.sides import AXIS, UPPER
 from mpmfw.state.fields import AnyArray, Field, FloatArray
 from mpmfw.state.structs import Body, Pair, State
 
@@ -22,6 +23,10 @@ if TYPE_CHECKING:
     from mpmfw.scene import Scene
     from mpmfw.scene.tables import Side
     from mpmfw.step.transfer import Transfer
+
+
+#: Distance within which an outline lies on a side [cells].
+FLAT = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,15 +135,21 @@ class Setup:
     def _sides(self) -> list[tuple[Body, Side]]:
         return [(body, side) for body in self.bodies for side in self.scene.bodies[body.name].sides]
 
+    def face_of(self, body: Body, side: Side) -> tuple[FloatArray, float]:
+        """Return the outward unit normal n of a side at the start, which turns with the body, and n·x on it
+        [m].
+        """
+        normal = (1.0 if side.side in UPPER else -1.0) * self.scene.bodies[body.name].geometry.axes[
+            AXIS[side.side]
+        ]
+        if body.outlines:
+            return normal, max(float((loop @ normal).max()) for loop in body.outlines)
+        return normal, float(np.maximum(normal * body.lower, normal * body.upper).sum())
+
     def is_held(self, body: Body) -> bool:
         """Return whether the body has prescribed sides, or a boundary condition."""
         named = any(body in boundary.bodies for boundary in self.named["boundaries"].values())
         return named or body in [held for held, _ in self.held_sides]
-
-    @property
-    def material_of_bodies(self) -> tuple[Material, ...]:
-        """The material that each body is made of."""
-        return tuple(self.materials[self.scene.bodies[body.name].material] for body in self.bodies)
 
     @property
     def named_plugins(self) -> list[NamedPlugIn]:
@@ -212,28 +223,12 @@ class Setup:
         return np.concatenate([layout.corners for layout in self.layouts if layout.corners is not None])
 
     def allocate(self, owner: str, declaration: Field, **sizes: int) -> AnyArray:
-        """Allocate a declared array and list it under ``owner/name``.
+        """Return a new array of a declared field, all zero, and list it under ``owner/name``.
 
-        Parameters
-        ----------
-        owner
-            The plug-in's name.
-        declaration
-            What :meth:`declare_fields` announced.
-        sizes
-            Lengths of dimensions other than ``particle``, ``axis``, ``axis2``, ``body``, ``pair`` and
-            ``surface_node``, which are known.
-
-        Returns
-        -------
-        The array, all zero, of the shape that ``declaration.dims`` says.
-
-        Raises
-        ------
-        KeyError
-            The length of a dimension is neither known nor given.
-        """
-        array = declaration.allocate({**self._sizes, **sizes})
+        ``sizes`` are the lengths of dimensions other than ``particle``, ``axis``, ``axis2``, ``body``,
+        ``pair`` and ``surface_node``, which are known. Raise KeyError if one is missing."""
+        lengths = {**self._sizes, **sizes}
+        array = np.zeros([lengths[dim] for dim in declaration.dims], dtype=declaration.dtype)
         self.state.arrays[f"{owner}/{declaration.name}"] = array
         self.state.dims[f"{owner}/{declaration.name}"] = declaration.dims
         return array

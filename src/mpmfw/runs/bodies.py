@@ -59,13 +59,9 @@ def make_bodies(
     for index, (name, model) in enumerate(scene.bodies.items()):
         layout, material = layouts[index], materials[model.material]
         count = len(layout.volume)
-        corners = np.concatenate([layout.position, *layout.outlines])
         reach = np.abs(layout.half_edges).sum(axis=2)
-        lower = np.minimum(corners.min(axis=0), (layout.position - reach).min(axis=0))
-        upper = np.maximum(corners.max(axis=0), (layout.position + reach).max(axis=0))
-        if layout.outlines:  # the true outline, not the particles' bulge beyond it
-            nodes = np.concatenate(layout.outlines)
-            lower, upper = nodes.min(axis=0), nodes.max(axis=0)
+        domains = [layout.position - reach, layout.position + reach]  # they bulge beyond an outline
+        corners = np.concatenate(layout.outlines or domains)
         bodies.append(
             Body(
                 name=name,
@@ -75,8 +71,8 @@ def make_bodies(
                 density=scene.materials[model.material].density,
                 bulk_modulus=_modulus("bulk_modulus", material),
                 shear_modulus=_modulus("shear_modulus", material),
-                lower=tuple(lower.tolist()),
-                upper=tuple(upper.tolist()),
+                lower=tuple(corners.min(axis=0).tolist()),
+                upper=tuple(corners.max(axis=0).tolist()),
                 outlines=layout.outlines,
                 facets=layout.facets,
                 thickness=1.0 if model.thickness is None else model.thickness,
@@ -87,12 +83,8 @@ def make_bodies(
 
 
 def _modulus(name: str, material: Material) -> float:
-    """Return a modulus of a material [Pa].
-
-    Raises
-    ------
-    SceneError
-        It is no positive number; a shear modulus may be 0.
+    """Return a modulus of a material [Pa]; raise SceneError unless it is positive, a shear modulus at least
+    0.
     """
     with naming(material, name):
         value = getattr(material, name)
@@ -132,8 +124,7 @@ def check_overlap(bodies: tuple[Body, ...]) -> None:
     for pair in too_much[:1]:
         raise SceneError(
             f"bodies.{bodies[first[pair]].name} and bodies.{bodies[second[pair]].name} overlap by "
-            f"{common[pair]:.3g} m² at "
-            "the start; move them apart, or say allow_overlap = true"
+            f"{common[pair]:.3g} m² at the start; move them apart, or say allow_overlap = true"
         )
 
 
@@ -149,24 +140,13 @@ def _check_depth(bodies: tuple[Body, ...], first: IntArray, second: IntArray) ->
         if gap < -1e-6 * min(size[a], size[b]):
             raise SceneError(
                 f"bodies.{bodies[a].name} and bodies.{bodies[b].name} overlap at the start, by {-gap:.3g} m "
-                "at one node; "
-                "move them apart, or say allow_overlap = true"
+                "at one node; move them apart, or say allow_overlap = true"
             )
 
 
 def _area(body: Body, shapely: Any) -> Any:
-    """The body's region as a shapely geometry; loops that run clockwise are holes."""
-    if len(body.outlines) == 1:
-        return shapely.Polygon(body.outlines[0])
-    region = shapely.MultiPolygon()
-    loops = [shapely.Polygon(loop) for loop in body.outlines]
-    for loop, polygon in zip(body.outlines, loops, strict=True):
-        if shapely.LinearRing(loop).is_ccw:
-            region = shapely.union(region, polygon)
-    for loop, polygon in zip(body.outlines, loops, strict=True):
-        if not shapely.LinearRing(loop).is_ccw:
-            region = shapely.difference(region, polygon)
-    return region
+    """Return the body's region as a shapely geometry; a loop within another is a hole."""
+    return functools.reduce(shapely.symmetric_difference, map(shapely.Polygon, body.outlines))
 
 
 def make_particles(

@@ -13,7 +13,7 @@ from mpmfw.errors import PluginError, SimulationError
 from mpmfw.plugin.checks import described, naming
 from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.results import Frame, RunHeader, provenance
-from mpmfw.results.layout import is_static
+from mpmfw.results.layout import STATIC
 from mpmfw.state.fields import PARTICLE_FIELDS, SURFACE_FIELDS, AnyArray, Field
 from mpmfw.state.pairs import update_pairs
 from mpmfw.state.structs import State
@@ -23,12 +23,8 @@ if TYPE_CHECKING:
 
 
 class Recorder:
-    """Makes the header and the frames of one run.
-
-    Parameters
-    ----------
-    recording
-        Plug-ins that implement ``diagnostics``, in the order of the calls.
+    """Makes the header and the frames of one run, from the plug-ins ``recording`` that implement
+    ``diagnostics``.
     """
 
     history = ("_intervals",)
@@ -37,14 +33,10 @@ class Recorder:
         self, scene: Scene, state: State, declared: tuple[Field, ...], hook: Any, recording: Sequence[Any]
     ) -> None:
         self.state, self.hook, self.recording = state, hook, recording
-        core = (*(PARTICLE_FIELDS if scene.output.particles else ()), *self._surface_fields(scene))
-        groups = {
-            "series": True,
-            "contact": True,
-            "particles": scene.output.particles,
-            "surface": scene.output.surface,
-        }
-        recorded = [field for field in (*core, *declared) if field.output and groups.get(field.group, False)]
+        groups = {"series", "contact"}
+        groups |= {group for group in ("particles", "surface") if getattr(scene.output, group)}
+        core = PARTICLE_FIELDS if state.surface is None else (*PARTICLE_FIELDS, *SURFACE_FIELDS)
+        recorded = [field for field in (*core, *declared) if field.output and field.group in groups]
         self.fields = {field.name + "/" + field.group: _stored(field) for field in recorded}
         self._particle_interval, self._output_interval = (
             scene.output.particle_interval,
@@ -53,9 +45,6 @@ class Recorder:
         self._intervals = 0  #: of the material points, up to their last frame
         self._by_name = {field.name: field for field in declared}
         self._constant = self._sums()
-
-    def _surface_fields(self, scene: Scene) -> tuple[Field, ...]:
-        return SURFACE_FIELDS if scene.output.surface and self.state.surface is not None else ()
 
     def header(self, attributes: Mapping[str, Any]) -> RunHeader:
         """All that is known before the first step."""
@@ -83,15 +72,9 @@ class Recorder:
         )
 
     def frame(self, interval: float, *, points: bool = True) -> Frame:
-        """Arrays of this moment.
+        """Return the arrays of this moment, with material points or without.
 
-        Parameters
-        ----------
-        interval
-            Time since the last output [s], 0 at the first.
-        points
-            Whether it has material points.
-        """
+        ``interval`` is the time since the last output [s], 0 at the first."""
         state = self.state
         update_pairs(state, self.hook)
         found: dict[str, dict[str, AnyArray]] = {"particles": {}, "surface": {}, "series": {}, "contact": {}}
@@ -166,13 +149,7 @@ class Recorder:
 
 
 def check_state_finite(state: State) -> None:
-    """Refuse to record a state that holds NaN or infinity.
-
-    Raises
-    ------
-    SimulationError
-        It does: the body, the point and the array are named.
-    """
+    """Raise SimulationError with body, point and array if the state holds NaN or infinity."""
     p = state.particles
     for name in ("position", "velocity", "deformation_gradient", "stress"):
         values = getattr(p, name)
@@ -192,7 +169,8 @@ def check_state_finite(state: State) -> None:
 
 def _stored(field: Field) -> Field:
     """The field as the file has it: of material points in single precision, in which no picture differs."""
-    moving = field.group == "particles" and np.dtype(field.dtype) == np.float64 and not is_static(field)
+    static = (field.group, field.name) in STATIC
+    moving = field.group == "particles" and np.dtype(field.dtype) == np.float64 and not static
     return dataclasses.replace(field, dtype="f4") if moving else field
 
 

@@ -10,12 +10,15 @@ import time as clocks
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from mpmfw.effects.settling import longest_settling
 from mpmfw.runs.compilation import CompileTimer
 from mpmfw.runs.limits import frames_of, steps_of
 from mpmfw.state.clock import STEP_STAGES
+from mpmfw.state.fields import FloatArray
 
 if TYPE_CHECKING:
     from mpmfw.runs.simulation import Simulation
@@ -26,36 +29,16 @@ WARM_UP, TIMED = 3, 20
 
 @dataclass(frozen=True)
 class Prediction:
-    """What a run will take.
+    """Cost of a run."""
 
-    Attributes
-    ----------
-    first_step
-        Length of the run's first step [s], of settling in a scene that settles.
-    steps
-        If the time step's limit stays what it is at the start.
-    stages
-        CPU time of the steps by stage [s].
-    settle_steps
-        Most that settling may take before it gives up; 0 in a scene that does not settle.
-    output_time
-        CPU time of frames, energy ledger and gap diagnostic [s]; writing them to a file is not in it.
-    start_time
-        CPU time of this process up to the trial [s]: imports, loading of compiled kernels, the build.
-    memory
-        Bytes of all arrays, those that are allocated with the first step included.
-    limits
-        Stable time steps [s] with the contacts of the first step, and their owners.
-    """
-
-    first_step: float
-    steps: int
-    stages: Mapping[str, float]
-    settle_steps: int
-    output_time: float
-    start_time: float
-    memory: int
-    limits: tuple[tuple[float, str], ...]
+    first_step: float  #: its length [s], of settling in a scene that settles
+    steps: int  #: if the time step's limit stays as it is at the start
+    stages: Mapping[str, float]  #: CPU time of the steps by stage [s]
+    settle_steps: int  #: most that settling may take before it gives up; 0 in a scene that does not settle
+    output_time: float  #: CPU time of frames, energy ledger and gap [s], without writing to a file
+    start_time: float  #: CPU time of this process up to the trial [s]: imports, compiled kernels, the build
+    memory: int  #: bytes of all arrays, those that are allocated with the first step included
+    limits: tuple[tuple[float, str], ...]  #: stable steps [s] with the first contacts, and their owners
 
     @property
     def cpu_time(self) -> float:
@@ -69,20 +52,9 @@ class Prediction:
 
 
 def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
-    """Predict the cost of a simulation that has not begun, by its first steps; it is used up by that.
+    """Predict the cost of a simulation by its first steps; it must not have begun, and cannot run afterwards.
 
-    Parameters
-    ----------
-    simulation
-        Before its first step.
-    arrays
-        Sizes of the arrays that are allocated already [bytes].
-
-    Raises
-    ------
-    SimulationError
-        One of the first steps failed.
-    """
+    ``arrays`` are the sizes of the arrays that are allocated already [bytes]."""
     before = clocks.process_time()
     memory = sum(arrays) + _tables(simulation)
     clock, settle = simulation.clock, simulation.scene.settle
@@ -147,3 +119,38 @@ def _tables(simulation: Simulation) -> int:
     for each in rows.values():
         total += 0 if each is None else sum(int(array.nbytes) for array in each.arrays().values())
     return total
+
+
+def driven_speed(simulation: Simulation) -> FloatArray:
+    """Largest speed of driven sides along each axis (dim,) [m/s]; 0 where none is driven."""
+    speed = np.zeros(simulation.scene.dim)
+    for body in simulation.scene.bodies.values():
+        for side in body.sides:
+            for axis, value in enumerate(side.velocity or ()):
+                speed[axis] = max(speed[axis], 0.0 if isinstance(value, str) else abs(float(value)))
+    return speed
+
+
+def share_of_springs(simulation: Simulation, axis: int | None) -> float:
+    """Estimate the part of a given displacement that contact springs take, in series with the bodies.
+
+    Under a unit of pressure springs give by h / (κ M), and a body by its length over M. A pair counts if its
+    bodies' boxes are less than a cell apart and, with an ``axis``, lie one after the other along it. 0 where
+    contact has no springs."""
+    state, h = simulation.state, simulation.scene.grid.cell_size
+    law: Any = getattr(simulation.contact, "law", None)
+    springs = law.compliance() if hasattr(law, "compliance") else None
+    if springs is None:
+        return 0.0
+    lower, upper = (np.array([getattr(body, end) for body in state.bodies]) for end in ("lower", "upper"))
+    of_springs, loaded = 0.0, set()
+    for pair, compliance in zip(state.pairs, springs, strict=True):
+        both = [pair.first, pair.second]
+        gap = lower[both].max(0) - upper[both].min(0)  # negative where boxes overlap
+        if gap.max() < h and (axis is None or gap[axis] > -h):
+            of_springs += float(compliance)
+            loaded |= set(both)
+    length = np.ptp(np.stack([lower, upper]), axis=0)
+    along = length.min(1) if axis is None else length[:, axis]
+    of_bodies = sum(along[b] / state.bodies[b].p_wave_modulus for b in loaded)
+    return of_springs / (of_springs + of_bodies) if loaded else 0.0

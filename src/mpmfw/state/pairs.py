@@ -19,16 +19,9 @@ FEW = 32
 
 
 def overlapping(lower: AnyArray, upper: AnyArray) -> tuple[IntArray, IntArray]:
-    """Both indices of every two boxes that have a point in common, first < second, in ascending order.
+    """Return the indices of every two boxes that have a point in common, first < second, in ascending order.
 
-    Parameters
-    ----------
-    lower, upper
-        Corners of the boxes, (n, dim); a box whose lower corner is infinite overlaps with none.
-
-    Returns
-    -------
-    Two arrays, one entry for each two boxes.
+    ``lower`` and ``upper`` are the corners (n, dim); a box with an infinite lower corner overlaps with none.
     """
     there = np.flatnonzero(np.isfinite(lower).all(axis=1))
     low, high = np.asarray(lower, dtype=float)[there], np.asarray(upper, dtype=float)[there]
@@ -81,24 +74,12 @@ class BodyPairs:
     Near are bodies whose velocity fields' windows of the grid share a node: between two layings no body
     leaves its window, so that what exchanges momentum at shared nodes, or touches within a cell, is listed
     before it does. Where the bodies share one velocity field, near are those whose outlines' boxes are within
-    a cell of each other at an output.
+    a cell of each other at an output."""
 
-    Parameters
-    ----------
-    names
-        Of all bodies.
-    friction
-        Coulomb's μ of pairs that are not in ``given``.
-    given
-        μ by the indices of both bodies, the lower first.
-    friction_law
-        Name of what says μ of every row in its place, if the scene has one other than Coulomb's.
-    """
-
-    names: tuple[str, ...]
-    friction: float
-    given: Mapping[tuple[int, int], float]
-    friction_law: str | None = None
+    names: tuple[str, ...]  #: of all bodies
+    friction: float  #: Coulomb's μ of pairs that are not in ``given``
+    given: Mapping[tuple[int, int], float]  #: μ by the indices of both bodies, the lower first
+    friction_law: str | None = None  #: that replaces μ in every row, if the scene names one
     _listed: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     _frame: int = 0
 
@@ -115,12 +96,13 @@ class BodyPairs:
 
     def update(self, state: State) -> bool:
         """List the pairs that are near now and were not before; return whether there are any."""
-        windows = state.grid.n_fields == len(self.names)
-        if windows and state.grid.frame == self._frame:
+        grid = state.grid
+        windows = grid.n_fields == len(self.names)
+        if windows and grid.frame == self._frame:
             return False
-        self._frame = state.grid.frame
-        first, second = overlapping(*(_windows(state) if windows else _outlines(state)))
-        return self.add(state, first, second)
+        self._frame = grid.frame
+        boxes = (grid.window_lower, grid.window_lower + grid.window_shape - 1)
+        return self.add(state, *overlapping(*(boxes if windows else _outlines(state))))
 
     def add(self, state: State, first: IntArray, second: IntArray) -> bool:
         """List pairs, by the indices of both bodies, that are not listed yet; return whether there are
@@ -130,11 +112,7 @@ class BodyPairs:
     def restore(self, state: State, bodies: IntArray) -> bool:
         """List the pairs of a state that was saved (n, 2), in their order; return whether any is new.
 
-        Raises
-        ------
-        NotSaved
-            They do not begin with those that are listed, or are no pairs.
-        """
+        Raise NotSaved if they are not pairs of the scene that begin with those already listed."""
         listed, count = state.pair_bodies, len(self.names)
         keys = np.array(bodies) @ np.array([count, 1])
         if not (
@@ -152,12 +130,6 @@ class BodyPairs:
         bodies = (divmod(key, len(self.names)) for key in new.tolist())
         state.pairs += tuple(self.pair(start + k, a, b) for k, (a, b) in enumerate(bodies))
         return len(new) > 0
-
-
-def _windows(state: State) -> tuple[AnyArray, AnyArray]:
-    """First and last node of every field's window."""
-    grid = state.grid
-    return grid.window_lower, grid.window_lower + grid.window_shape - 1
 
 
 def _outlines(state: State) -> tuple[AnyArray, AnyArray]:

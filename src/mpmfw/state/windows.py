@@ -37,12 +37,7 @@ def fit_windows(grid: Grid, particles: Particles, reach: FloatArray, surface: Su
     """Lay every field's window round its material points and surface nodes, clipped to the background grid.
 
     Nodal arrays are allocated anew and are zero; node indices of earlier stencils lose their meaning.
-
-    Parameters
-    ----------
-    reach
-        Half the extent of every particle's domain, (n, dim) [m].
-    """
+    ``reach`` (n, dim) [m] is half the extent of every particle's domain."""
     grid.window_lower[:], grid.window_shape[:] = fitted_windows(grid, particles, reach, surface)
     allocate_nodes(grid)
 
@@ -50,13 +45,7 @@ def fit_windows(grid: Grid, particles: Particles, reach: FloatArray, surface: Su
 def fitted_windows(
     grid: Grid, particles: Particles, reach: FloatArray, surface: Surface | None
 ) -> tuple[IntArray, IntArray]:
-    """First node and shape of every field's window, (n_fields, dim), if it were laid now.
-
-    Parameters
-    ----------
-    reach
-        Half the extent of every particle's domain, (n, dim) [m].
-    """
+    """Return first node and shape of every window, (n_fields, dim), as :func:`fit_windows` lays it."""
     low, high = particles.position - reach, particles.position + reach
     first, shape = np.empty_like(grid.window_lower), np.empty_like(grid.window_shape)
     for index in range(grid.n_fields):
@@ -83,11 +72,7 @@ def is_cut_off(grid: Grid) -> bool:
 def set_windows(grid: Grid, lower: IntArray, shape: IntArray, most: float = np.inf) -> None:
     """Lay the windows at given nodes, (n_fields, dim) each, of the background grid.
 
-    Raises
-    ------
-    NotSaved
-        They are not within the grid, or have more than ``most`` nodes.
-    """
+    Raise NotSaved if they are not within the grid, or have more than ``most`` nodes."""
     within = lower.shape == shape.shape == grid.window_lower.shape and bool(
         (lower >= 0).all() and (shape >= 1).all() and (lower <= grid.nodes - shape).all()
     )
@@ -98,12 +83,17 @@ def set_windows(grid: Grid, lower: IntArray, shape: IntArray, most: float = np.i
 
 
 def allocate_nodes(grid: Grid) -> None:
-    """Nodal arrays, all zero, and node positions for the windows as they are."""
+    """Allocate nodal arrays, all zero, and place the nodes of the windows as they are.
+
+    The position of a node is the same to the last bit in every window that holds it."""
+    dim, h = grid.dim, grid.cell_size
     np.cumsum(np.prod(grid.window_shape, axis=1), out=grid.offset[1:])
-    sizes = {"node": int(grid.offset[-1]), "axis": grid.dim}
+    sizes = {"node": int(grid.offset[-1]), "axis": dim}
     grid.set(**{field.name: field.allocate(sizes) for field in GRID_FIELDS})
-    for index in range(grid.n_fields):
-        grid.position[grid.field_nodes(index)] = _node_positions(grid, index)
+    for f, (first, shape) in enumerate(zip(grid.window_lower, grid.window_shape, strict=True)):
+        axes = [grid.lower[d] + h * (first[d] + np.arange(shape[d])) for d in range(dim)]
+        positions = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+        grid.position[grid.field_nodes(f)] = positions.reshape(-1, dim)
     grid.frame += 1
 
 
@@ -112,14 +102,3 @@ def _node(grid: Grid, position: FloatArray) -> IntArray:
     index = np.floor((position - grid.lower) / grid.cell_size)
     node: IntArray = np.clip(np.nan_to_num(index), -10, grid.nodes + 10).astype(np.int64)
     return node
-
-
-def _node_positions(grid: Grid, index: int) -> FloatArray:
-    """Positions of the nodes of one window, (n, dim) [m]; equal to the last bit for the same node of two
-    windows."""
-    axes = [
-        grid.lower[d]
-        + grid.cell_size * (grid.window_lower[index, d] + np.arange(grid.window_shape[index, d]))
-        for d in range(grid.dim)
-    ]
-    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, grid.dim)
