@@ -52,19 +52,9 @@ def add_moments(
 
 
 class ContactMoment(Observer):
-    """The moment on every body as a series, about its centre of mass or about one point.
+    """Series of the moment on every body, about a point (dim,) [m] or, without ``about``, its centre of mass.
 
-    It is measured from the first output on, not while a scene settles.
-
-    Parameters
-    ----------
-    contact
-        The strategy.
-    about
-        The point (dim,) [m], or None for every body's centre of mass at the beginning of each step.
-    state
-        Whose bodies have a velocity field each.
-    """
+    It is measured from the first output on, not while a scene settles. Every body has a velocity field."""
 
     name = "contact_moment"
     stage = "output"

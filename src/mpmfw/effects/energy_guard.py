@@ -25,15 +25,7 @@ CAUSES = {
 
 
 class EnergyGuard:
-    """Knows how much energy the bodies may have.
-
-    Parameters
-    ----------
-    nothing
-        Energy that counts as nothing [J/m].
-    remedies
-        What may help (:attr:`mpmfw.plugin.setup.Setup.remedies`).
-    """
+    """Bound on the energy of the bodies; ``nothing`` [J/m] counts as none."""
 
     history = ("start", "given", "input", "loaded", "fallen", "depth")
 
@@ -95,17 +87,10 @@ class EnergyGuard:
         return not self.growth(energy) <= GROWTH_LIMIT * self.allowed
 
     def error(self, energy: float, terms: dict[str, float], time: float) -> SimulationError:
-        """What stops the run, with the likely cause.
+        """Return what stops the run, with the likely cause.
 
-        Parameters
-        ----------
-        energy
-            Of the bodies [J/m].
-        terms
-            Energy that came from ``contact``, ``inertia``, ``transfer`` and ``strain`` since the start [J/m].
-        time
-            [s].
-        """
+        ``energy`` [J/m] is that of the bodies; ``terms`` [J/m] came from ``contact``, ``inertia``,
+        ``transfer`` and ``strain`` since the start."""
         amounts = {**terms, "contact": terms["contact"] - self.released}
         largest = max(amounts, key=lambda term: amounts[term])
         cause, ways = CAUSES[largest]

@@ -31,15 +31,7 @@ CREEP = 1e-4
 
 
 class Flutter:
-    """Compares friction with its limit while bodies slide, from the records of a contact.
-
-    Parameters
-    ----------
-    owner
-        Name of the contact, whose records are in ``State.arrays``.
-    dim
-        Of the scene.
-    """
+    """Comparison of friction with its limit while bodies slide, from the records of the contact ``owner``."""
 
     name = "flutter"
     stage = "output"

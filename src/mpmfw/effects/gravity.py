@@ -18,13 +18,7 @@ if TYPE_CHECKING:
 
 
 class Gravity:
-    """f_i += m_i g(t).
-
-    Parameters
-    ----------
-    table
-        g (dim,) [m/s^2] in time.
-    """
+    """f_i += m_i g(t), with a table of g (dim,) [m/s^2] in time."""
 
     name = "gravity"
     ledger_term = ("gravity", "gravity")

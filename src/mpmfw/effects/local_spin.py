@@ -203,15 +203,9 @@ def correct_spin(
 
 
 class LocalSpin:
-    """The correction for every body with ``rotation = "spin"``.
+    """The correction for every body with ``rotation = "spin"``, which has a velocity field of its own.
 
-    Parameters
-    ----------
-    bodies
-        Those that are corrected, each with a velocity field of its own.
-    constraint
-        Boundary conditions, where one of the bodies has prescribed sides: what is held there gains no spin.
-    """
+    ``constraint`` are boundary conditions of these bodies: a prescribed side gains no spin."""
 
     name = "local_spin"
     ledger_term = ("inertia", "local spin")

@@ -116,22 +116,11 @@ def splines(x: Floats, degree: int, value: Floats) -> None:
 
 
 def quadrature(normal: FloatArray, axis: int, degree: int) -> tuple[FloatArray, FloatArray]:
-    """Points of a side round the place where a column crosses it, and their shares.
+    """Return points of a side round the place where a column along ``axis`` crosses it, and their shares.
 
-    Parameters
-    ----------
-    normal
-        Outward unit normal n, (dim,).
-    axis
-        Of the columns.
-    degree
-        Of the boundary basis β.
-
-    Returns
-    -------
-    Distances of the points from that place along the column [cells], and shares ∝ Π β(ξ_d) of the sum 1, ξ
-    the distances across. With them Σ c_k = 1 and Σ c_k d_k = 0: a linear velocity is read exactly. A side
-    along the grid has one point."""
+    The points are distances from that place along the column [cells]. The shares are ∝ Π β(ξ_d), β the
+    boundary basis of this ``degree`` and ξ the distances across; their sum is 1. With them Σ c_k = 1 and Σ
+    c_k d_k = 0: a linear velocity is read exactly. A side along the grid has one point."""
     half = 0.5 * (degree + 1)
     across = (np.arange(int(QUADRATURE * 2 * half)) + 0.5) / QUADRATURE - half
     value = np.empty_like(across)

@@ -105,13 +105,9 @@ CELL_MASS = Field(
 class SurfaceTracker:
     """Weighs the surface's table with the nodal masses, and moves the surface.
 
-    Parameters
-    ----------
-    surface_map
-        ``plain`` keeps N_i, which matches the boundary basis of CPDI and B-splines, renormalised only where a
-        touched node carries next to no mass; ``mass_weighted`` keeps the surface with linear and GIMP
-        particles, whose boundary nodes may be empty, at the price of boundary stress.
-    """
+    The map ``plain`` keeps N_i, which matches the boundary basis of CPDI and B-splines, but for nodes with
+    next to no mass. ``mass_weighted`` keeps the surface with linear and GIMP particles, whose boundary nodes
+    may be empty, at the price of boundary stress."""
 
     name = "surface"
 

@@ -34,12 +34,8 @@ TIME_STEP_FIELDS = [
 
 
 class TimeStepSeries:
-    """What the steps are limited by, at outputs.
-
-    Parameters
-    ----------
-    limits
-        Every stable time step [s] with its owner, the safety factor left out.
+    """Series of the time step, from ``limits``: every stable step [s] with its owner, without the safety
+    factor.
     """
 
     name = "time_step_series"

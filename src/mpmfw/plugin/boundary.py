@@ -50,19 +50,14 @@ class Boundary(NamedPlugIn):
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        """Find the points that are held.
-
-        Raises
-        ------
-        SceneError
-            There are none, or another body shares the velocity field.
+        """Find the points that are held; raise SceneError if there are none, or bodies share the velocity
+        field.
         """
         self.state = state = setup.state
         found = []
         if state.grid.n_fields < len(state.bodies):
             raise SceneError(
-                f"boundaries.{self.title}: the bodies share one velocity field, in which none can be held by "
-                "itself"
+                f"boundaries.{self.title}: the bodies share one velocity field; none can be held alone"
             )
         for body in self.bodies:
             position = state.particles.position[body.particles]

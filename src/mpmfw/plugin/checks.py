@@ -25,23 +25,9 @@ PASSED_ON = (MpmfwError, KeyboardInterrupt, GeneratorExit)
 
 @contextmanager
 def naming(plugin: Any, place: str, state: State | None = None) -> Iterator[None]:
-    """Turn any exception but mpmfw's own into an error that names a plug-in.
+    """Turn any exception of a plug-in but mpmfw's own into an error that names plug-in and ``place``.
 
-    Parameters
-    ----------
-    plugin
-        An object or a class.
-    place
-        Method or hook that is called.
-    state
-        Of the run; None before there is one.
-
-    Raises
-    ------
-    SceneError
-        The plug-in failed before the run began.
-    PluginError
-        It failed in the run.
+    It is a SceneError before the run begins (no ``state``), and a PluginError with step and time in the run.
     """
     try:
         yield
@@ -101,16 +87,8 @@ def _is_bundled(package: str) -> bool:
 def declared_fields(answers: Iterable[tuple[Any, Iterable[Field]]]) -> tuple[Field, ...]:
     """Return all declarations, in the order of registration; instances of one class may share theirs.
 
-    Parameters
-    ----------
-    answers
-        Plug-ins, and what each answered ``declare_fields`` with.
-
-    Raises
-    ------
-    SceneError
-        A field cannot be stored, takes the place of one of the core, or two plug-ins own a field of one name.
-    """
+    ``answers`` are plug-ins with what each declares. Raise SceneError if a field cannot be stored, or if its
+    name belongs to the core or to another plug-in."""
     core = {(field.group, field.name) for field in (*PARTICLE_FIELDS, *SURFACE_FIELDS)}
     owners: dict[str, tuple[Any, Field]] = {}
     for plugin, answer in answers:
@@ -134,11 +112,6 @@ def declared_fields(answers: Iterable[tuple[Any, Iterable[Field]]]) -> tuple[Fie
 def of_points(method: str, material: Any, state: State, own: slice) -> FloatArray:
     """Return the values that a method of a material gives for the points ``own``: a number each, of stress a
     tensor (3, 3).
-
-    Raises
-    ------
-    PluginError
-        The method fails, or the values have another shape.
     """
     shape = (own.stop - own.start, *((3, 3) if method == "stress_of_points" else ()))
     with naming(material, method, state):

@@ -148,12 +148,7 @@ def _announced(
 def load(kind: Kind, name: str) -> type[Any]:
     """Import the plug-in ``name`` and no other; of a joined contact, its detection and its law.
 
-    Raises
-    ------
-    SceneError
-        No such plug-in is installed, or two of that name; it fails to import, its class has another name, or
-        :func:`refuse_class` says why it cannot be used; a detection and a law do not go together.
-    """
+    Raise SceneError if it is unknown, announced twice or not importable, or if :func:`refuse_class` does."""
     entries = choices(kind)
     if name not in entries:
         raise SceneError(f"unknown {kind} plug-in '{name}'; {did_you_mean(name, entries)}")
@@ -210,15 +205,7 @@ def _working_folder() -> str | None:
 
 
 def refuse_class(plugin: type[Any]) -> None:
-    """Refuse a class that has no name or cannot be made of its options alone, as scenes and comparisons make
-    it.
-
-    Raises
-    ------
-    SceneError
-        As :func:`refuse_nameless`, it is written for another version of the plug-in interface, or its
-        constructor does not take its options, all as keywords, or asks for more.
-    """
+    """Raise SceneError for a class without a name, of another interface, or not made of its options alone."""
     refuse_nameless(plugin)
     if (version := getattr(plugin, "interface", 1)) != INTERFACE:
         raise SceneError(
@@ -241,13 +228,7 @@ def options_of(plugin: Any) -> dict[str, Any]:
 
 
 def object_of(given: Any) -> Any:
-    """Of a class an object without options, anything else as it is.
-
-    Raises
-    ------
-    SceneError
-        The class cannot be made without options, or as :func:`refuse_class`.
-    """
+    """Return an object of a class, made without options; anything else as it is."""
     if not isinstance(given, type):
         return given
     refuse_class(given)
@@ -261,13 +242,7 @@ def object_of(given: Any) -> Any:
 
 
 def refuse_nameless(plugin: type[Any]) -> None:
-    """Refuse a class without the class attribute ``name``.
-
-    Raises
-    ------
-    SceneError
-        It is missing, empty, or not a string.
-    """
+    """Raise SceneError for a class whose class attribute ``name`` is missing, empty or not a string."""
     name = getattr(plugin, "name", None)
     if not isinstance(name, str) or not name:
         raise SceneError(

@@ -41,12 +41,7 @@ HOOKS = tuple(name for name in vars(HookSpecs) if not name.startswith("_"))
 def register(manager: pluggy.PluginManager, plugin: Any, name: str) -> None:
     """Register a plug-in, whose hooks will be called.
 
-    Raises
-    ------
-    SceneError
-        Another plug-in has the name, or a method asks for arguments or a hook that there are not, is a
-        wrapper of the old style, or has a hook's name and no mark.
-    """
+    Raise SceneError if its name is taken, a hook or an argument is unknown, or a hook is not marked."""
     other = manager.get_plugin(name)
     if other is not None:
         raise SceneError(
@@ -63,8 +58,7 @@ def register(manager: pluggy.PluginManager, plugin: Any, name: str) -> None:
         if inspect.isroutine(method) and (mark is None or mark["hookwrapper"]):
             raise SceneError(
                 f"{described(plugin)}: {hook} has the name of a hook; expected @hookimpl above it, of a "
-                "wrapper "
-                "@hookimpl(wrapper=True), or another name"
+                "wrapper @hookimpl(wrapper=True), or another name"
             )
 
 
@@ -92,13 +86,7 @@ class BoundHooks:
     """The hooks of one simulation as plain callables: ``hook.advect(grid=…, dt=…)``.
 
     A hook that nobody implements costs one empty call. An error that leaves a hook names plug-in, hook and
-    step.
-
-    Parameters
-    ----------
-    state
-        Of the run, for the step in errors.
-    """
+    the step of ``state``."""
 
     __slots__ = HOOKS
 

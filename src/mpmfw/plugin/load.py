@@ -95,17 +95,9 @@ class BodyLoad(Load):
     """Base of loads on material points: subclasses say the force on each, :meth:`forces`."""
 
     def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
-        """Force on each of the points ``own`` of one body, (n, dim) [N].
+        """Return the force on each of the points ``own`` of one body, (n, dim) [N], at a ``time`` [s].
 
-        Parameters
-        ----------
-        particles
-            All material points, at the beginning of the step; may not be changed.
-        own
-            Those of the body.
-        time
-            [s]
-        """
+        ``particles`` are all material points at the beginning of the step; they may not be changed."""
         raise NotImplementedError
 
     @hookimpl
@@ -128,24 +120,15 @@ class BodyLoad(Load):
 
 
 class LoadedFacets:
-    """The facets that a surface load acts on, at the beginning of a step.
-
-    Attributes
-    ----------
-    position
-        Their centres (n, dim) [m].
-    normal
-        Outward unit normals (n, dim).
-    area
-        (n,) [m²], in the plane times the body's thickness.
-    """
+    """The facets that a surface load acts on, at the beginning of a step."""
 
     def __init__(self, state: State, which: IntArray) -> None:
         """Measure the facets ``which`` (n,) of all surfaces."""
         surface, dim = tracked(state), state.grid.dim
         self._state, self._which = state, which
-        self.position, self.normal = np.empty((len(which), dim)), np.empty((len(which), dim))
-        self.area = np.empty(len(which))
+        self.position = np.empty((len(which), dim))  #: their centres [m]
+        self.normal = np.empty((len(which), dim))  #: outward unit normals
+        self.area = np.empty(len(which))  #: [m²], in the plane times the body's thickness
         measure_facets(
             which, surface.facets, surface.position, self.position, self.normal, self.area, state.grid.spacing
         )
@@ -179,15 +162,9 @@ class SurfaceLoad(Load):
         return self
 
     def traction(self, facets: LoadedFacets, time: float) -> FloatArray:
-        """Force on each facet by its present area, (n, dim) [Pa].
+        """Return the force on each facet by its present area, (n, dim) [Pa], at a ``time`` [s].
 
-        Parameters
-        ----------
-        facets
-            Where they are, and how they move; those of all bodies of the load.
-        time
-            [s]
-        """
+        ``facets`` are those of all bodies of the load, with their places and motion."""
         raise NotImplementedError
 
     @hookimpl

@@ -46,30 +46,15 @@ class Measure:
     """Base of measures, announced as entry points of the group ``mpmfw.measure``; the docstring says what is
     measured.
 
-    A measure takes no options and keeps nothing: the same run gives the same values.
+    A measure takes no options and keeps nothing: the same run gives the same values."""
 
-    Attributes
-    ----------
-    name
-        What studies and campaigns call it.
-    unit
-        Of its values, SI, as ``m s-1``.
-    kind
-        A ``number``, a ``curve`` in time, or a ``field`` at points.
-    keys
-        Of ``body``, ``pair`` and ``axis``, those that it looks at; a study that gives another one is refused.
-    norm
-        Of differences, where a study does not say: ``largest`` or ``l2``.
-    particles
-        Whether it needs the arrays of the material points.
-    """
-
-    name: ClassVar[str]
-    unit: ClassVar[str]
-    kind: ClassVar[Literal["number", "curve", "field"]]
+    name: ClassVar[str]  #: in studies and campaigns
+    unit: ClassVar[str]  #: of its values, SI, as ``m s-1``
+    kind: ClassVar[Literal["number", "curve", "field"]]  #: a curve in time, a field at points
+    #: Of ``body``, ``pair`` and ``axis``, those that it looks at; a study that gives another one is refused.
     keys: ClassVar[tuple[str, ...]] = ()
-    norm: ClassVar[Literal["largest", "l2"]] = "largest"
-    particles: ClassVar[bool] = False
+    norm: ClassVar[Literal["largest", "l2"]] = "largest"  #: of differences, where a study does not say
+    particles: ClassVar[bool] = False  #: whether it needs the arrays of the material points
 
     @property
     def meaning(self) -> str:
@@ -89,19 +74,11 @@ class Measure:
 class Reference:
     """Base of references, announced as entry points of the group ``mpmfw.reference``.
 
-    A scene names one as ``[reference] kind = "NAME"``; its closed form then stands in place of those that
-    measures know.
+    A scene names one as ``[reference] kind = "NAME"``; its closed form then replaces those that measures
+    know."""
 
-    Attributes
-    ----------
-    name
-        What scenes call it.
-    example
-        A scene of its kind, as nested mappings: what the checks compare with a run.
-    """
-
-    name: ClassVar[str]
-    example: ClassVar[Mapping[str, Any]] = {}
+    name: ClassVar[str]  #: in scenes
+    example: ClassVar[Mapping[str, Any]] = {}  #: scene of its kind that the checks compare with a run
 
     def exact(self, scene: Scene, measure: str, about: About) -> Exact | None:
         """What the ``measure`` of a name must be in a ``scene``, of what ``about`` names; None where that is

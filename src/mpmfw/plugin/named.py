@@ -41,13 +41,9 @@ class NamedPlugIn(PlugIn):
     def checked(
         self, answer: Any, shape: tuple[int, ...], state: State, *, missing: bool = False
     ) -> FloatArray:
-        """The answer of a method, such as forces (n, dim) [N], as an array of this ``shape``; NaN may be
-        ``missing`` values.
+        """Return the answer of a method, such as forces (n, dim) [N], as an array of this ``shape``.
 
-        Raises
-        ------
-        PluginError
-            It has another shape, or is not finite.
+        Raise PluginError if the shape differs or a value is not finite; NaN may stand for ``missing`` values.
         """
         array: AnyArray = np.asarray(answer, dtype=float)
         wrong = ""
@@ -75,26 +71,12 @@ def from_setup(setup: Setup) -> Acts:
 
 
 def shares_near(position: FloatArray, at: FloatArray, cell_size: float) -> FloatArray:
-    """Shares w_p (n,) of points in what is at a place between them, Σ w_p = 1 and Σ w_p x_p = x (moving least
+    """Return shares w_p (n,) of points in the value at a place: Σ w_p = 1, Σ w_p x_p = x (moving least
     squares).
 
     w_p = k_p (a + b·r_p), r_p = x_p − x, with a kernel k_p that falls to zero 1.5 cells beyond the nearest
-    point: fewer points would not reach a place at a corner.
-
-    Parameters
-    ----------
-    position
-        x_p (n, dim) [m].
-    at
-        x (dim,) [m].
-    cell_size
-        h [m]
-
-    Raises
-    ------
-    ValueError
-        No point is within a cell of the place.
-    """
+    point: fewer points would not reach a place at a corner. ``position`` is x_p (n, dim), ``at`` x (dim,),
+    ``cell_size`` h, all in m. Raise ValueError if no point is within a cell of the place."""
     offset = position - at
     distance = np.sqrt((offset**2).sum(axis=1)) / cell_size
     if distance.min() > 1.0:

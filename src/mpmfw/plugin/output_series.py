@@ -33,15 +33,10 @@ class OutputSeries(NamedPlugIn):
         raise NotImplementedError
 
     def values(self, state: State, interval: float) -> Mapping[str, Any]:
-        """Numbers of every declared series, by its name, at an output.
+        """Return the numbers of every declared series, by its name, at an output.
 
-        Parameters
-        ----------
-        state
-            May not be changed.
-        interval
-            Time since the last output [s], 0 at the first: there a sum over the run begins.
-        """
+        ``state`` may not be changed. ``interval`` [s] is the time since the last output, 0 at the first:
+        there a sum over the run begins."""
         raise NotImplementedError
 
     @hookimpl
@@ -54,13 +49,7 @@ class OutputSeries(NamedPlugIn):
 
     @hookimpl
     def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
-        """The values of all of them; ``interval`` [s] is the time since the last output.
-
-        Raises
-        ------
-        PluginError
-            Not all that was declared has values, or more.
-        """
+        """Return the values of all declared series; raise PluginError for other ones."""
         values = self.values(state, interval)
         declared = {field.name for field in self.series()}
         given = set(dict(values))

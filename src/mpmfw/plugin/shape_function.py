@@ -38,20 +38,11 @@ class ShapeFunction(PlugIn):
 
 
 def empty_stencil(points: int, entries: int, dim: int, *, gradient: bool = True) -> Stencil:
-    """An interpolation table to be filled, all zero, with the same number of entries for every point.
+    """Return an interpolation table to be filled, all zero, with the same number of entries for every point.
 
-    Parameters
-    ----------
-    points
-        Number of material points or surface nodes, n.
-    entries
-        Number of nodes that a point touches, such as 2**dim with linear functions.
-    dim
-        Number of space dimensions.
-    gradient
-        Whether there are gradients, (n entries, dim) [1/m]; surface nodes need none, and get an array of
-        length 0.
-    """
+    ``points`` is the number n of material points or surface nodes, ``entries`` that of the nodes that a point
+    touches, such as 2**dim with linear functions. Surface nodes need no ``gradient``, (n entries, dim) [1/m],
+    and get an array of length 0."""
     return Stencil(
         row=np.arange(points + 1, dtype=np.int64) * entries,
         nodes=np.zeros(points * entries, dtype=np.int32),
@@ -61,17 +52,8 @@ def empty_stencil(points: int, entries: int, dim: int, *, gradient: bool = True)
 
 
 def check_inside(index: int) -> None:
-    """Say which point left its window, if a fill kernel returned one.
+    """Raise OutsideGrid for the ``index`` of the first point outside its window, unless it is −1.
 
-    Parameters
-    ----------
-    index
-        What the kernel returned: the first point outside its window, or −1.
-
-    Raises
-    ------
-    OutsideGrid
-        ``index`` is not negative. The core then lays the window anew and asks again.
-    """
+    Fill kernels return it. The core then lays the window anew and fills the table again."""
     if index >= 0:
         raise OutsideGrid(index)

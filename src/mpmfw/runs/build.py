@@ -41,14 +41,10 @@ def build(
     shape: ShapeFunction | None = None,
     loads: Mapping[str, Load] | None = None,
 ) -> Setup:
-    """Discretise the bodies and make the plug-ins that the scene names; objects take their place, ``loads``
-    stand beside.
+    """Discretise the bodies and make the plug-ins that the scene names.
 
-    Raises
-    ------
-    SceneError
-        A body is outside the grid, bodies overlap, or a method cannot run this scene, or anything.
-    """
+    Objects replace the scene's methods, and ``loads`` come on top. Raise SceneError if bodies overlap or
+    leave the grid, or if a method cannot run this scene."""
     chosen_shape = shape or _plugin("shape", scene.shape.method, scene.shape.options)
     chosen_contact = contact
     if chosen_contact is None and scene.contact is not None:
@@ -215,14 +211,7 @@ BASES: dict[Kind, type[Any]] = {
 
 
 def strategy(kind: Kind, given: Any) -> Any:
-    """What was given for a method: None, a name or a strategy object as it is, of a class an object without
-    options.
-
-    Raises
-    ------
-    SceneError
-        It is of another kind, or the class cannot be made without options.
-    """
+    """Return a method as it was given: None, a name, or a strategy object, which a class is made into."""
     if given is None or isinstance(given, (str, BASES[kind])):
         return given
     if not isinstance(given, type):
@@ -240,8 +229,7 @@ def _check_base(kind: Kind, plugin: type[Any]) -> None:
     if not issubclass(plugin, base):
         raise SceneError(
             f"{kind} plug-in {full_name(plugin)} of {distribution_text(plugin)}: expected a class derived "
-            "from "
-            f"mpmfw.api.{base.__name__}"
+            f"from mpmfw.api.{base.__name__}"
         )
 
 

@@ -40,13 +40,7 @@ def import_numba_without_scipy() -> None:
 
 
 class CompileTimer(_event.Listener):  # type: ignore[misc]
-    """Context in which compilation is measured and excluded from ``clock``.
-
-    Attributes
-    ----------
-    seconds
-        Wall time spent so far [s].
-    """
+    """Context that measures the ``seconds`` of compilation and excludes them from ``clock``."""
 
     def __init__(self, clock: Clock) -> None:
         self.clock, self.seconds = clock, 0.0

@@ -15,20 +15,11 @@ from mpmfw.plugin.setup import Acts, Effect, Setup
 
 @dataclass(frozen=True)
 class Entry:
-    """Where an effect decides.
+    """Where an effect decides."""
 
-    Attributes
-    ----------
-    name
-        As ``explain`` lists it; empty where every run has the effect, or it lists its lines by itself.
-    decides
-        ``module:function``, which answers with :class:`mpmfw.plugin.setup.Acts` or the reason why not.
-    absent
-        Why the scene does not call for the effect; empty if it does.
-    """
-
-    name: str
-    decides: str
+    name: str  #: in ``explain``; empty where every run has the effect, or it lists its lines by itself
+    decides: str  #: ``module:function``, which returns :class:`mpmfw.plugin.setup.Acts` or why not
+    #: why the scene does not call for the effect; empty if it does
     absent: Callable[[Setup], str] = lambda setup: ""  # noqa: ARG005
 
 

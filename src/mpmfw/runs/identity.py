@@ -29,18 +29,10 @@ _LIBRARIES = ("numpy", "numba", "scipy", "shapely")
 
 
 def key_of(scene: Scene, contact: Any = None, shape: Any = None, what: str = "") -> str:
-    """A name for the run of a scene: the same for the same meaning, code and libraries.
+    """Return a name for the run of a scene: the same for the same meaning, code and libraries.
 
-    Parameters
-    ----------
-    scene
-        What runs; how its values are written, and whether a default is written at all, makes no difference.
-    contact, shape
-        Strategy objects in place of the scene's methods. One whose class or state cannot be known again in
-        another process has a key of its own each time.
-    what
-        What is done with the scene, where it is not simply run.
-    """
+    Strategy objects may replace the scene's methods. One whose class or state cannot be known again in
+    another process has a new key each time. ``what`` is done with the scene, where it is not simply run."""
     objects = {
         kind: _of_object(one) for kind, one in (("contact", contact), ("shape", shape)) if one is not None
     }

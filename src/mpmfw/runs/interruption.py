@@ -13,12 +13,8 @@ from mpmfw.errors import Interrupted
 
 
 class Interruption:
-    """Turns both signals into :class:`~mpmfw.errors.Interrupted`, and holds them back where asked to.
-
-    Attributes
-    ----------
-    waiting
-        Number of a signal that was held back; None without one.
+    """Turns both signals into :class:`~mpmfw.errors.Interrupted`, or holds the number of one back in
+    ``waiting``.
     """
 
     def __init__(self) -> None:
@@ -47,13 +43,7 @@ class Interruption:
             self._deferred = False
 
     def check(self) -> None:
-        """Raise what waits.
-
-        Raises
-        ------
-        Interrupted
-            A signal was held back.
-        """
+        """Raise Interrupted if a signal was held back."""
         number, self.waiting = self.waiting, None
         if number is not None:
             raise Interrupted(number)

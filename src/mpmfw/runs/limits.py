@@ -46,20 +46,13 @@ def steps_of(simulation: Simulation, step: float) -> float:
 
 
 def check_length(simulation: Simulation) -> None:
-    """Refuse a run of more steps or frames than anybody wants.
-
-    Raises
-    ------
-    SceneError
-        There are more than :data:`MOST_STEPS` or :data:`MOST_FRAMES`; the keys that decide are named.
-    """
+    """Raise SceneError, with the key that decides, for more steps or frames than anybody wants."""
     time, forced = simulation.scene.time, "; --force (force=True) runs it all the same"
     frames = frames_of(simulation)
     if frames > MOST_FRAMES:
         raise SceneError(
             f"time.output_interval: {time.output_interval:g} s in {time.end:g} s makes {frames:.3g} frames, "
-            "more than "
-            f"{MOST_FRAMES}{forced}"
+            f"more than {MOST_FRAMES}{forced}"
         )
     step = simulation.stable_step()
     steps = steps_of(simulation, step)
@@ -96,8 +89,7 @@ def remark_on_threads(threads: int) -> str:
         return ""
     return (
         f"threads: {threads} are more than the {cores()} cores that this process may use; they wait for each "
-        "other, and the run "
-        "takes longer than with fewer"
+        "other, and the run takes longer than with fewer"
     )
 
 

@@ -61,8 +61,7 @@ def run(
         Begin a run that has more steps or frames than the limits in ``mpmfw.runs.limits``.
     checkpoint
         Wall time, [s] or as ``"10 min"``, between two checkpoints beside the file, ``OUTPUT.checkpoint``,
-        from which
-        :func:`mpmfw.resume` goes on; ten minutes by default, ``math.inf`` for none.
+        from which :func:`mpmfw.resume` goes on; ten minutes by default, ``math.inf`` for none.
     threads
         That share the work of each step, in place of the scene's; the results are the same to the bit.
 
@@ -140,13 +139,7 @@ def _begun(
 
 
 def seconds_between(given: float | str) -> float:
-    """Return the wall time between two checkpoints [s] of a number, or of a text such as ``"10 min"``.
-
-    Raises
-    ------
-    SceneError
-        It is not a time, or is below 0.
-    """
+    """Return the wall time between two checkpoints [s] of a number, or of a text such as ``"10 min"``."""
     with suppress(ValueError):
         seconds = to_si(parse_value(given) if isinstance(given, str) else given, "s")
         if isinstance(seconds, int | float) and seconds >= 0.0:
@@ -241,13 +234,7 @@ def resumed(
 
 
 def run_on(checkpoints: Checkpoints, progress: Callable[[float, int], None] | None) -> None:
-    """Run a simulation, from where it is, to its end, or to the end of the step in which a signal comes.
-
-    Raises
-    ------
-    SimulationError, Interrupted
-        As :func:`run` says.
-    """
+    """Run a simulation, from where it is, to its end, or to the end of the step in which a signal comes."""
     simulation, writer, signals = checkpoints.simulation, checkpoints.writer, checkpoints.signals
     try:
         with signals.deferred():

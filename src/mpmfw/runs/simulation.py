@@ -194,8 +194,7 @@ class Simulation:
         except SimulationError as error:
             raise SceneError(
                 f"bodies.{error.body}: the shape function '{self.shape.name}' reaches beyond the grid at the "
-                "start; "
-                "expected grid.lower and grid.upper two cells farther out"
+                "start; expected grid.lower and grid.upper two cells farther out"
             ) from error
 
     # -- how it runs
@@ -293,13 +292,8 @@ class Simulation:
         """Run to the end; hand a frame to ``write`` at time zero and at every output.
 
         A simulation that was loaded goes on from where it was saved. ``after_step`` is called when a step is
-        complete, those of settling as well: there, and before the run, it may be saved.
-
-        Raises
-        ------
-        SimulationError
-            The run failed; frames handed out so far are complete.
-        """
+        complete, those of settling as well: there, and before the run, it may be saved. If the run fails by a
+        SimulationError, the frames so far are complete."""
 
         def watch() -> None:
             if progress is not None and self.state.steps % REPORT_EVERY == 0:
@@ -393,26 +387,15 @@ class Simulation:
     # -- how it is kept
 
     def snapshot(self) -> dict[str, AnyArray]:
-        """All values that the next step, the next output or the end depend on, between two steps.
-
-        Raises
-        ------
-        NotSaved
-            A plug-in's history names something that cannot be saved.
-        """
+        """Return all values that the next step, the next output or the end depend on, between two steps."""
         self._gather()
         self.clock.flush()
         return take(self._parts())
 
     def restore(self, saved: Mapping[str, AnyArray]) -> None:
-        """Take the values of a simulation of the same scene and methods: this one goes on as that one does,
-        to the bit.
+        """Take the values of a simulation of the same scene and methods, and continue it to the bit.
 
-        Raises
-        ------
-        NotSaved
-            It was another scene, or other methods, or the values are not those of a simulation.
-        """
+        Raise NotSaved if scene or methods differ, or if the values are not those of a simulation."""
         state = self.state
         if "simulation/_settling" not in saved and self.scene.settle is not None:
             self.begin_settling()
@@ -426,13 +409,7 @@ class Simulation:
         put(saved, self._parts())
 
     def restored(self) -> None:
-        """Refuse values with which the run would not come to its end.
-
-        Raises
-        ------
-        NotSaved
-            There are some.
-        """
+        """Raise NotSaved for values with which the run would not come to its end."""
         state, time = self.state, self.scene.time
         most = _outputs(time.end, time.output_interval) + 1
         if not (0.0 <= state.time <= time.end and state.dt >= 0.0 and 0 <= self._next_output <= most):
@@ -443,28 +420,14 @@ class Simulation:
             raise NotSaved(str(error)) from error
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write :meth:`snapshot` to a file, in one step.
-
-        Raises
-        ------
-        NotSaved
-            A plug-in holds something that cannot be saved.
-        MpmfwError
-            The file cannot be written.
-        """
+        """Write :meth:`snapshot` to a file, whole or not at all; raise MpmfwError if that fails."""
         write_snapshot(os.fspath(path), self.snapshot())
 
     def load(self, path: str | os.PathLike[str]) -> None:
         """Take the values that :meth:`save` wrote, of a simulation of the same scene and methods; this one is
         new.
 
-        Raises
-        ------
-        NotSaved
-            It was another scene, or other methods.
-        MpmfwError
-            The file cannot be read, or is damaged.
-        """
+        Raise MpmfwError if the file is damaged, and NotSaved if its values do not fit."""
         self.restore(read_snapshot(os.fspath(path))[0])
 
     def _parts(self) -> dict[str, Any]:
@@ -548,13 +511,7 @@ def _outputs(end: float, interval: float) -> int:
 
 
 def checked_threads(threads: Any) -> int:
-    """A number of threads that is one.
-
-    Raises
-    ------
-    SceneError
-        It is none.
-    """
+    """Return a number of threads; raise SceneError unless it is an integer of at least 1."""
     if type(threads) is not int or threads < 1:
         raise SceneError(f"threads: found {threads!r}; expected an integer of at least 1")
     return threads

@@ -40,23 +40,13 @@ _BEYOND = 10
 
 @dataclass(frozen=True)
 class Size:
-    """What one body takes at most.
+    """Upper bounds of what one body takes."""
 
-    Attributes
-    ----------
-    points, nodes, surface_nodes
-        Material points, nodes of its window, nodes of its outline.
-    memory
-        Of all of them [bytes].
-    extent : (dim,)
-        Edges of its bounding box [m].
-    """
-
-    points: float
-    nodes: float
-    surface_nodes: float
-    memory: float
-    extent: FloatArray
+    points: float  #: material points
+    nodes: float  #: of its window
+    surface_nodes: float  #: of its outline
+    memory: float  #: of all of them [bytes]
+    extent: FloatArray  #: edges of its bounding box, (dim,) [m]
 
 
 def size_of(body: Body, cell_size: float) -> Size:
@@ -87,14 +77,10 @@ def most_memory(scene: Scene) -> float:
 
 
 def check_memory(scene: Scene) -> None:
-    """Refuse a scene that needs more memory than this process may have.
+    """Raise SceneError for a scene that needs more memory, or more nodes, than there can be.
 
-    Raises
-    ------
-    SceneError
-        It does, or it needs more nodes than can be counted; the body that takes most is named, and the key.
-        Or a body is far thinner than a cell.
-    """
+    The message names the largest body and the key that decides. Bodies outside the grid or far thinner than a
+    cell are refused, too."""
     cell = scene.grid.cell_size
     for name, body in scene.bodies.items():  # far outside: nothing needs to be made to see it
         lower, upper = body.geometry.bounds
@@ -102,8 +88,7 @@ def check_memory(scene: Scene) -> None:
         if not (least := float(np.subtract(upper, lower).min())) > THINNEST * cell:
             raise SceneError(
                 f"bodies.{name}.geometry: the body is {least:.3g} m across at its thinnest, less than "
-                f"{THINNEST:g} of a cell of "
-                f"{cell:g} m; expected a larger body, or smaller cells"
+                f"{THINNEST:g} of a cell of {cell:g} m; expected a larger body, or smaller cells"
             )
     sizes = {name: size_of(body, cell) for name, body in scene.bodies.items()}
     largest = max(sizes, key=lambda name: sizes[name].memory)
@@ -114,30 +99,20 @@ def check_memory(scene: Scene) -> None:
         key, what = _greediest(scene.bodies[largest], size, cell, largest)
         raise SceneError(
             f"{key}: the body '{largest}' of {box} m has {what}; the scene needs up to {shown_bytes(needed)} "
-            "of memory, "
-            f"and the limit is {shown_bytes(limit)}, the memory of this machine; expected a larger {key}, or "
-            "are lengths "
-            "in millimetres?"
+            f"of memory, and the limit is {shown_bytes(limit)}, the memory of this machine; expected a "
+            f"larger {key}, or are lengths in millimetres?"
         )
     if sum(size.nodes for size in sizes.values()) > MOST_NODES:
         raise SceneError(
             f"grid.cell_size: {sum(size.nodes for size in sizes.values()):.3g} nodes round the bodies are "
-            "more than "
-            f"{MOST_NODES}, the most that can be counted; expected a larger grid.cell_size"
+            f"more than {MOST_NODES}, the most that can be counted; expected a larger grid.cell_size"
         )
 
 
 def check_box_inside(
     scene: Scene, name: str, lower: FloatArray, upper: FloatArray, slack: float = 0.0
 ) -> None:
-    """Refuse a body whose bounding box from ``lower`` to ``upper`` [m] is out of the grid by more than
-    ``slack`` [m].
-
-    Raises
-    ------
-    SceneError
-        It is not.
-    """
+    """Raise SceneError for a body whose bounding box leaves the grid by more than ``slack`` [m]."""
     grid = scene.grid
     if (lower < np.array(grid.lower) - slack).any() or (upper > np.array(grid.upper) + slack).any():
         raise SceneError(

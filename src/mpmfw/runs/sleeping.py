@@ -8,6 +8,7 @@ An inactive body keeps its velocity and its springs and goes on from there: noth
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -43,13 +44,7 @@ IMPULSES = ("impulse", "friction_impulse")
 
 
 def from_setup(setup: Setup) -> Acts:
-    """Return when bodies fall asleep; refuse a scene with something that needs all bodies in every step.
-
-    Raises
-    ------
-    SceneError
-        The scene has such a thing.
-    """
+    """Return when bodies fall asleep; raise SceneError if something needs all bodies in every step."""
     settings, contact, output = setup.scene.sleep, setup.contact, setup.scene.output
     assert settings is not None
     measured = [key for key in ("ledger", "stability", "contact_moment") if getattr(output, key)]
@@ -76,15 +71,7 @@ def from_setup(setup: Setup) -> Acts:
 
 
 class Sleep:
-    """Which bodies are inactive, and the steps of all others.
-
-    Parameters
-    ----------
-    full
-        The simulation of all bodies, before its first step.
-    setup
-        Its setup.
-    """
+    """Which bodies of the simulation ``full`` are inactive, and the steps of all others."""
 
     history = (
         "moved", "slept", "inactive", "lower", "upper", "counted", "rates", "looked", "impulses", "windows",
@@ -112,12 +99,10 @@ class Sleep:
         plugins = [plugin for _, plugin in full.manager.list_name_plugin()]
         self._loads = [plugin for plugin in plugins if isinstance(plugin, BodyLoad | SurfaceLoad)]
         self._gravity = full.manager.get_plugin("gravity")
-        self._pulls: dict[
-            int, tuple[float, list[AnyArray]]
-        ] = {}  #: of sleepers, with the time of their sleep
-        self._forces_change = bool(self._loads)
-        if self._gravity is not None:
-            self._forces_change |= len(self._gravity.table.times) > 1
+        #: Forces on a body when it fell asleep, which stay: they are computed once.
+        self._forces_then = lru_cache(len(bodies))(lambda body, slept: self._forces(body, slept)[0])
+        steady = self._gravity is None or len(self._gravity.table.times) == 1
+        self._forces_change = bool(self._loads) or not steady
 
     @property
     def running(self) -> Any:
@@ -158,7 +143,7 @@ class Sleep:
         self.gather(time)
         for k in np.flatnonzero(rested):  # a body that gravity or a load turns back is slow for a while
             body = int(awake[k])
-            free = self._pull(body, time)[1] * (time - self.moved[body])
+            free = self._forces(body, time)[1] * (time - self.moved[body])
             rested[k] = free == 0.0 or free >= FALLS * self.bound[body]
         reach = running.hook.particle_reach(particles=state.particles)
         lower, shape = fitted_windows(state.grid, state.particles, reach, state.surface)
@@ -183,10 +168,7 @@ class Sleep:
         """Wake bodies that are disturbed, and all that are near them."""
         woken, sleepers = np.zeros_like(self.inactive), np.flatnonzero(self.inactive)
         for body in sleepers.tolist() if self._forces_change else ():
-            slept, now = float(self.slept[body]), self._pull(body, time)[0]
-            if self._pulls.get(body, (None,))[0] != slept:  # those of the time of sleep do not change
-                self._pulls[body] = slept, self._pull(body, slept)[0]
-            then = self._pulls[body][1]
+            then, now = self._forces_then(body, float(self.slept[body])), self._forces(body, time)[0]
             woken[body] = not all(np.array_equal(*each) for each in zip(then, now, strict=True))
         grid = self.running.state.grid
         if self.active is not None and grid.frame != self.frame:
@@ -201,7 +183,7 @@ class Sleep:
             self.inactive[woken], self.moved[woken] = False, time
             self._divide()
 
-    def _pull(self, body: int, time: float) -> tuple[list[AnyArray], float]:
+    def _forces(self, body: int, time: float) -> tuple[list[AnyArray], float]:
         """Gravity [m/s²] and every load's forces [N] or tractions [Pa] on a body, and the acceleration of all
         of them [m/s²].
         """
@@ -277,13 +259,7 @@ class Sleep:
         self._saved = saved
 
     def restored(self) -> None:
-        """Build the active simulation as it was, after the values of all bodies were restored.
-
-        Raises
-        ------
-        NotSaved
-            The values are not those of the bodies.
-        """
+        """Build the active simulation as it was; raise NotSaved if the values are not those of the bodies."""
         if any(len(rate) > len(self.full.state.pairs) for rate in self.rates.values()):
             raise NotSaved("more pairs slept than there are")
         if self.inactive.any() and not self.inactive.all():

@@ -35,15 +35,9 @@ def stable_length(cell_size: float, width: float) -> float:
 class TimeStep:
     """Chooses the length of every step.
 
-    Parameters
-    ----------
-    bulk_limit
-        h / c of the fastest body, √(h w) / c of one thinner than a cell [s].
-    courant
-        Share of it past which a step is refused: the shape function's own.
-    limiting
-        Plug-ins that implement ``stable_timestep``, in the order of the calls.
-    """
+    ``bulk_limit`` [s] is h / c of the fastest body, √(h w) / c of one thinner than a cell. A step past the
+    share ``courant`` of it is refused. ``limiting`` plug-ins implement ``stable_timestep``, in the order of
+    the calls."""
 
     def __init__(
         self, scene: Scene, state: State, bulk_limit: float, courant: float, limiting: Sequence[Any]
@@ -63,13 +57,10 @@ class TimeStep:
         self._checked = may_exceed and not scene.allow_unstable
 
     def next(self, hook: Any) -> float:
-        """Length of the next step [s]: the safety factor times the least limit, or the scene's fixed step.
+        """Return the length of the next step [s]: safety times the least limit, or the scene's fixed step.
 
-        Raises
-        ------
-        SimulationError
-            The step is past a stability limit and the scene does not allow it, or the limit has collapsed.
-        """
+        Raise SimulationError past a stability limit, unless the scene allows it, and when the limit has
+        collapsed."""
         limits = self.limits(hook)
         limit, owner = min(limits)
         step: float = self._safety * limit if self._fixed is None else self._fixed
@@ -96,13 +87,7 @@ class TimeStep:
         return ", ".join([*ways, "or another shape function"])
 
     def check(self, hook: Any) -> None:
-        """Refuse a step past the limit before the run begins.
-
-        Raises
-        ------
-        SceneError
-            ``time.step`` or ``time.safety`` asks for it.
-        """
+        """Raise SceneError if ``time.step`` or ``time.safety`` asks for a step past the first limit."""
         limits = self.limits(hook)
         step: float = self._safety * min(limits)[0] if self._fixed is None else self._fixed
         if self._checked and (refusal := self._refusal(step, limits)) is not None:

@@ -31,13 +31,9 @@ def history_of(part: Any) -> tuple[str, ...] | None:
 
 
 def take(parts: Mapping[str, Any]) -> dict[str, AnyArray]:
-    """Copy the values of parts, by their names. A number is an array without dimensions, None an empty one.
+    """Copy the values of parts, by place. A number is an array without dimensions, None an empty one.
 
-    Raises
-    ------
-    NotSaved
-        A history names something that does not exist or cannot be saved.
-    """
+    Raise NotSaved if a history names something that does not exist or cannot be saved."""
     saved = {}
     for holder, name, place in _places(parts, []):
         value = getattr(holder, name)
@@ -55,13 +51,7 @@ def take(parts: Mapping[str, Any]) -> dict[str, AnyArray]:
 
 
 def put(saved: Mapping[str, AnyArray], parts: Mapping[str, Any]) -> None:
-    """Give values to parts that were built alike; arrays of an unchanged shape are filled in place.
-
-    Raises
-    ------
-    NotSaved
-        They were built otherwise.
-    """
+    """Give values to parts that were built alike; arrays of an unchanged shape are filled in place."""
     left, visited = dict(saved), list[Any]()
     for holder, name, place in _places(parts, visited):
         old = getattr(holder, name)
@@ -82,13 +72,9 @@ def put(saved: Mapping[str, AnyArray], parts: Mapping[str, Any]) -> None:
 
 
 def check_indices(count: int, **arrays: AnyArray) -> None:
-    """Refuse numbers in ``arrays`` that are neither indices of ``count`` things nor −1 for none.
+    """Raise NotSaved for arrays with numbers that are neither −1 nor indices of ``count`` things.
 
-    Raises
-    ------
-    NotSaved
-        There are some: kernels would read beyond the end.
-    """
+    Kernels would read beyond the end."""
     for name, array in arrays.items():
         if array.size and not (array.min() >= -1 and array.max() < count):
             raise NotSaved(f"{name} has an index that is not from -1 to {count - 1}")

@@ -106,13 +106,7 @@ class Pair:
 
     @property
     def friction(self) -> float:
-        """Coulomb's μ [1], for contact that knows no friction laws.
-
-        Raises
-        ------
-        SceneError
-            The scene names a friction law, which would be passed over.
-        """
+        """Coulomb's μ [1]; raise SceneError if the scene names a friction law, which contact would ignore."""
         if self.friction_law is not None:
             raise SceneError(
                 f"the friction of pair {self.label} was asked for, but contact.friction_law = "
@@ -329,14 +323,8 @@ class State:
         return {key: self.arrays[key] for key, dims in self.dims.items() if dims and dims[0] in OF_BODIES}
 
     def lengthen(self, name: str, rows: int) -> AnyArray:
-        """A plug-in's array with rows of zeros added to a length of ``rows``; it takes the other's place.
-
-        Parameters
-        ----------
-        name
-            Its key in ``arrays``, ``owner/name``.
-        rows
-            New length of its first dimension, such as the number of pairs.
+        """Return a plug-in's array ``owner/name`` with zeros added to so many ``rows``; it replaces the
+        other.
         """
         old = self.arrays[name]
         longer = np.zeros((rows, *old.shape[1:]), dtype=old.dtype)

@@ -52,17 +52,10 @@ RENEWAL = 256
 
 
 class Threads:
-    """Threads that work on the parts of one line at a time; the thread that calls is the first of them.
+    """Threads, at least 2, that share one line at a time; the calling thread is the first of them.
 
     They start with the first line, end with this object, and are started anew in a process that was forked.
-
-    Parameters
-    ----------
-    count
-        How many, at least 2.
-    rows_ascend
-        Whether the nodes of every row of the table ascend; if not, one thread projects alone.
-    """
+    One thread projects alone unless ``rows_ascend``: the nodes of every row of the table ascend."""
 
     def __init__(self, count: int, *, rows_ascend: bool) -> None:
         self.count, self.rows_ascend = count, rows_ascend
@@ -93,13 +86,10 @@ class Threads:
         return [np.clip(first, *part) for part in self.parts(0, int(first[-1]))]
 
     def over_points(self, kernel: Callable[..., int | None], *arguments: Any) -> int:
-        """Call a kernel of the step with every thread's part of the points: of their arrays, their table, and
-        arrays beside.
+        """Call a kernel of the step with every thread's part of the points, their arrays, table, and arrays
+        beside.
 
-        Returns
-        -------
-        The first point of which the kernel says that it failed, −1 if it does of none.
-        """
+        Return the first point of which the kernel says that it failed, −1 if it does of none."""
         ranges = self.parts(0, len(arguments[0].mass))
         own = list(zip(*(self._parts_of(argument, ranges) for argument in arguments), strict=True))
         codes = self.each(lambda t: kernel(*own[t]))
@@ -156,16 +146,11 @@ class Threads:
         self._left = 0
 
     def fill_rows(self, fill: Callable[..., int], first: IntArray, room: Room) -> int:
-        """Fill a table of rows of varying length by ``fill(first, k, *room)``, in parts that begin where they
-        did last time.
+        """Fill a table of rows of varying length by ``fill(first, k, *room)``, in parts that begin as last
+        time.
 
-        Between the end of a part and the next are a few entries of weight 0, the last node of the row before
-        once more.
-
-        Returns
-        -------
-        The first point outside its window, −1, or ``FULL`` if the table is too short.
-        """
+        Between two parts are a few entries of weight 0, the last node of the row before once more. Return the
+        first point outside its window, −1, or ``FULL`` if the table is too short."""
         row, nodes, weight, gradient = room
         begins = self._begins(room)
         ends = [*begins[1:], len(nodes)]

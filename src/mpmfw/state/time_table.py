@@ -14,13 +14,7 @@ from mpmfw.units import Time
 
 
 class TimeTable:
-    """Rows (t, values …) as one function of time; a single row is a constant.
-
-    Parameters
-    ----------
-    rows
-        (m, 1 + n), with times [s] that increase.
-    """
+    """Rows (t, values …), (m, 1 + n), as one function of time [s]; a single row is a constant."""
 
     def __init__(self, rows: Sequence[Sequence[float]]) -> None:
         table = np.array(rows, dtype=float)
@@ -79,15 +73,9 @@ def row_in_time(quantity: Any) -> Any:
 
 
 def problems_in_time(given: Any, components: int) -> Iterator[tuple[tuple[int, ...], str]]:
-    """What is wrong with a number, a vector or rows in time, each with the row's index where it is a row's.
+    """Yield what is wrong with a number, a vector or rows in time, with the row's index where it is a row's.
 
-    Parameters
-    ----------
-    given
-        As :meth:`TimeTable.of` takes it.
-    components
-        That every row, or the vector, must have.
-    """
+    Every row, or the vector, must have so many ``components``."""
     if not isinstance(given, tuple):
         return
     if not isinstance(given[0], tuple):
