@@ -52,8 +52,8 @@ class PrescribedSide:
         return float(along[own] * self.velocity[own])
 
     def box(self, cell_size: float) -> tuple[FloatArray, FloatArray]:
-        """Where its columns may lie: everywhere in a field of the body's own, else a cell round the body at
-        the start.
+        """Return the box of its columns: everywhere in a velocity field of its body, else a cell round the
+        body.
         """
         lower, upper = np.array(self.body.lower), np.array(self.body.upper)
         rim = np.inf if self.alone else 1.01 * cell_size
@@ -95,7 +95,7 @@ class Constraint:
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        """Where the sides are, and what of them does not change."""
+        """Allocate the places of the sides, and everything about them that does not change."""
         self.frame = -1
         self.speeds = np.array([side.speed for side in self.sides])
         self.free = np.flatnonzero(np.isnan(self.speeds)).tolist()
@@ -171,9 +171,7 @@ class Constraint:
 
     @hookimpl
     def advect(self, grid: Grid, dt: float) -> None:
-        """How far each side moves: as prescribed along its normal, or with the mean of the body's velocity
-        there.
-        """
+        """Compute each side's motion: as prescribed along its normal, or with the body's mean velocity."""
         self.motions[:] = 0.0 if self.at_rest else dt * self.speeds
         for index in self.free:
             self.motions[index] = dt * self._mean_speed(index, grid.velocity)

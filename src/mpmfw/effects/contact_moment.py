@@ -109,7 +109,7 @@ class ContactMoment(Observer):
             add_moments(grid.offset, grid.position, self._centres(), self._before, now, scale, self.impulse)
 
     def _centres(self) -> FloatArray:
-        """What the arms begin at, (B, dim) [m]."""
+        """Return the points that the arms begin at, (B, dim) [m]."""
         if self.about is not None:
             return np.tile(np.array(self.about), (len(self.first), 1))
         p = self.state.particles

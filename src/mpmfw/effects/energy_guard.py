@@ -51,16 +51,15 @@ class EnergyGuard:
         self.fallen = self.depth = 0.0
 
     def give(self, work: float) -> None:
-        """Say what gravity and external loads have done since the start [J/m]; the most that they had done
-        stays allowed."""
+        """Set the work of gravity and external loads since the start [J/m]; its maximum stays allowed."""
         self.given, self.input = work, max(self.input, work)
 
     def hold(self, energy: float, last_work: float) -> None:
-        """Say what contact holds [J/m], which is less than nothing where bodies stick together; call it after
-        every step.
+        """Set the energy of contact where the step began [J/m], negative where bodies stick together, and its
+        last work.
 
-        ``energy`` is that where the step began, ``last_work`` [J/m] what contact did in it. Springs that only
-        push hold no less than nothing, and what they hold may as well have been given back."""
+        Call it after every step. Springs that only push hold no less than nothing, and their energy may as
+        well have been given back."""
         self.fallen = max(last_work - energy, -energy) if energy < 0.0 else 0.0
         self.depth = max(self.depth, -energy)
 
@@ -83,7 +82,7 @@ class EnergyGuard:
         return energy - self.start - self.released - self.given
 
     def grown(self, energy: float) -> bool:
-        """Whether that is too much; NaN is."""
+        """Return True if the growth is too much or NaN."""
         return not self.growth(energy) <= GROWTH_LIMIT * self.allowed
 
     def error(self, energy: float, terms: dict[str, float], time: float) -> SimulationError:

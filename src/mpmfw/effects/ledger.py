@@ -265,7 +265,7 @@ class EnergyLedger(Observer):
         return self.contact_before + accounted - self.loaded
 
     def _balance(self, state: State) -> float:
-        """What no term accounts for [J/m]; the guard looks at the whole energy."""
+        """Return the energy that no term accounts for [J/m]; the guard checks the whole energy."""
         motion = motion_energy(state)
         # What the points had at a projection is what they had after the gather before: of all that there is
         # left

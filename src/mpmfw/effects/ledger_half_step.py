@@ -91,7 +91,7 @@ class HalfStep:
             self._contact += 0.5 * (taken - moved * dt / self.dt)
 
     def look(self, grid: Grid, particles: Particles) -> None:
-        """Where positions are now, after a step."""
+        """Take the sums up to the positions after a step."""
         self.strain = self._strain
         if self.dt > 0.0:
             self.strain -= 0.5 * self.dt * self._power_of_motion(grid, particles)

@@ -41,11 +41,11 @@ class StrainEnergies:
 
     @property
     def dissipates(self) -> bool:
-        """Whether a material loses energy."""
+        """True if a material loses energy."""
         return any(material.dissipates for material in self.materials)
 
     def dissipated(self, state: State) -> FloatArray:
-        """What every body's material has lost since time zero (body,) [J/m]."""
+        """Return the energy that every body's material has lost since time zero (body,) [J/m]."""
         return self._sums(state, "dissipated_by_points")
 
     def _sums(self, state: State, density: str) -> FloatArray:
@@ -92,7 +92,7 @@ class BodySeries:
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        """Know the dimension."""
+        """Keep the dimension."""
         self.dim = setup.dim
 
     @hookimpl

@@ -39,8 +39,9 @@ class Boundary(NamedPlugIn):
     work = 0.0  #: on the bodies so far [J/m]
 
     def holds(self, position: FloatArray) -> AnyArray:
-        """Which of the points at ``position`` (n, dim) [m] of a body at the start are held: (n,) of truth
-        values."""
+        """Return which of the points at ``position`` (n, dim) [m] of a body at the start are held, as
+        booleans (n,).
+        """
         raise NotImplementedError
 
     def velocity(self, position: FloatArray, time: float) -> FloatArray:
@@ -76,7 +77,7 @@ class Boundary(NamedPlugIn):
 
     @hookimpl
     def detect(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
-        """What of the nodes' mass is that of held points."""
+        """Project the mass of the held points alone."""
         if len(self.node_mass) != len(grid.mass):
             self.node_mass = np.zeros(len(grid.mass))
         project_mass(self.held, phi.row, phi.nodes, phi.weight, particles.mass, self.node_mass)

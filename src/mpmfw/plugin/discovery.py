@@ -94,7 +94,7 @@ REFERENCES = ("rolling-cylinder", "rolling-sphere", "sliding-block", "pressed-bl
 
 
 def only_bundled(kind: Kind, name: str) -> bool:
-    """Whether mpmfw brings the plug-in, and no other distribution announces one of its name."""
+    """Return True if mpmfw brings the plug-in, and no other distribution announces one of its name."""
     entries = _announced(kind, entry_points, _search_path()).get(name, [])
     return [distribution_of(entry) for entry in entries] == ["mpmfw"]
 
@@ -112,11 +112,10 @@ def unknown_groups() -> list[str]:
 
 
 def choices(kind: Kind) -> Available:
-    """What may be named where a plug-in of this kind is asked for: those that are installed, and contacts
-    that are joined.
+    """Return the plug-ins of a kind that may be named: those that are installed, and contacts that are
+    joined.
 
-    A contact is also every detection with every law, ``DETECTION+LAW``; its entry is the law's.
-    """
+    A contact is also every detection with every law, ``DETECTION+LAW``; its entry is the law's."""
     found = available(kind)
     if kind == "contact":
         found.place, laws = _JOINED, available("law").items()

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class About:
-    """What a quantity is of: names as a study's table ``error`` gives them; None lets the motion decide."""
+    """Subject of a quantity, by names as in a study's table ``error``; None lets the motion decide."""
 
     body: str | None = None  #: a body's name
     pair: str | None = None  #: two bodies', ``a-b``
@@ -35,7 +35,7 @@ class Measured:
 
 @dataclass(frozen=True)
 class Exact:
-    """What a quantity must be; ``at`` a number's or a field's is the same at all times, (1,), in SI units."""
+    """Exact value of a quantity in SI units; ``at`` of a number or a field is constant, (1,)."""
 
     kind: str  #: ``closed-form`` or ``reference``, as a study's ``error.kind``
     says: str  #: what it is, for a reader
@@ -67,7 +67,7 @@ class Measure:
         raise NotImplementedError
 
     def exact(self, scene: Scene, about: About) -> Exact | None:  # noqa: ARG002
-        """What it must be in a ``scene``, of what ``about`` names; None, the default, where nobody knows."""
+        """Return its exact value in a ``scene``, of ``about``; None, the default, where it is not known."""
         return None
 
 
@@ -81,6 +81,5 @@ class Reference:
     example: ClassVar[Mapping[str, Any]] = {}  #: scene of its kind that the checks compare with a run
 
     def exact(self, scene: Scene, measure: str, about: About) -> Exact | None:
-        """What the ``measure`` of a name must be in a ``scene``, of what ``about`` names; None where that is
-        not known."""
+        """Return the exact value of a ``measure`` in a ``scene``, of ``about``; None if it is not known."""
         raise NotImplementedError

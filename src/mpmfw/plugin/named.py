@@ -27,11 +27,10 @@ class NamedPlugIn(PlugIn):
 
     @classmethod
     def problems(cls, options: Any, dim: int) -> Iterable[tuple[tuple[str | int, ...], str]]:  # noqa: ARG003
-        """What is wrong with ``options`` in ``dim`` dimensions: key, index in it where there is one, and what
-        was expected.
+        """Yield problems of ``options`` in ``dim`` dimensions: the key, with an index where there is one, and
+        a text.
 
-        The scene's reader tells it with file and line. Nothing by default.
-        """
+        The scene's reader adds file and line. None by default."""
         return ()
 
     def from_setup(self, setup: Setup) -> Self | str:  # noqa: ARG002

@@ -93,7 +93,7 @@ class Setup:
 
     @property
     def has_friction(self) -> bool:
-        """Whether any two bodies have friction, be their pair listed yet or not."""
+        """True if any two bodies have friction, their pair listed or not."""
         if self.whole is not None:
             return self.whole.has_friction
         if self.friction_law is not None and self.friction_law.cohesive:
@@ -118,7 +118,7 @@ class Setup:
 
     @property
     def field_per_body(self) -> bool:
-        """Whether every body has a velocity field of its own."""
+        """True if every body has a velocity field."""
         return self.state.grid.n_fields == len(self.bodies)
 
     @functools.cached_property
@@ -164,7 +164,7 @@ class Setup:
 
     @property
     def records_friction(self) -> bool:
-        """Whether the run records forces of Coulomb's friction, of all bodies."""
+        """True if the run records forces of Coulomb's friction, of all bodies."""
         contact = self.contact
         if self.whole is not None or contact is None or self.friction_law or not contact.uses_friction:
             return False
@@ -172,7 +172,7 @@ class Setup:
 
     @functools.cached_property
     def surface_users(self) -> list[str]:
-        """Whatever needs tracked surfaces."""
+        """Parts of the run that need tracked surfaces."""
         contact, whole = self.contact, self.whole
         return [
             *([f"contact '{contact.name}'"] if contact is not None and contact.needs_surface else []),

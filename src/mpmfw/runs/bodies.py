@@ -24,9 +24,7 @@ if TYPE_CHECKING:
 
 
 def lay_out(scene: Scene) -> tuple[Layout, ...]:
-    """Of bodies that are alike but for their centres one is discretised, about the origin, and moved to each
-    centre.
-    """
+    """Discretise the bodies; those that differ by their centres alone once, about the origin."""
     asked = [_alike(body, scene) for body in scene.bodies.values()]
     made, times, about_the_origin = [], Counter(asked), functools.cache(discretise)
     for (name, body), alike in zip(scene.bodies.items(), asked, strict=True):
@@ -43,8 +41,9 @@ def lay_out(scene: Scene) -> tuple[Layout, ...]:
 
 
 def _alike(body: Any, scene: Scene) -> tuple[Any, Any, float]:
-    """What bodies that differ by their centres alone have in common: the geometry about the origin, None if
-    it has no centre, the division into points, and the length of a segment."""
+    """Return the geometry about the origin (None without a centre), the points' division and the segment
+    length.
+    """
     centre, geometry = getattr(body.geometry, "centre", None), None
     if centre is not None:  # made anew: a copy would have what the original has worked out
         geometry = type(body.geometry)(**{**dict(body.geometry), "centre": (0.0,) * len(centre)})
@@ -54,7 +53,7 @@ def _alike(body: Any, scene: Scene) -> tuple[Any, Any, float]:
 def make_bodies(
     scene: Scene, layouts: tuple[Layout, ...], materials: dict[str, Material], *, per_body: bool
 ) -> tuple[Body, ...]:
-    """What the state knows of every body; with a velocity field for each, or one for all."""
+    """Return the bodies of the state, with a velocity field for each, or one for all."""
     bodies, start = [], 0
     for index, (name, model) in enumerate(scene.bodies.items()):
         layout, material = layouts[index], materials[model.material]

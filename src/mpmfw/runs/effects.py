@@ -15,7 +15,7 @@ from mpmfw.plugin.setup import Acts, Effect, Setup
 
 @dataclass(frozen=True)
 class Entry:
-    """Where an effect decides."""
+    """One effect, and the function that decides on it."""
 
     name: str  #: in ``explain``; empty where every run has the effect, or it lists its lines by itself
     decides: str  #: ``module:function``, which returns :class:`mpmfw.plugin.setup.Acts` or why not

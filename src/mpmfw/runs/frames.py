@@ -109,11 +109,10 @@ class Recorder:
         )
 
     def points_are_due(self, time: float) -> bool:
-        """Whether the output asked for at ``time`` [s] is the nearest to a multiple of the material points'
+        """Return True if the output asked for at ``time`` [s] is the nearest to a multiple of the points'
         interval.
 
-        To be asked once for each output after the first.
-        """
+        Call it once for each output after the first."""
         if self._particle_interval is None:
             return True
         before = self._intervals

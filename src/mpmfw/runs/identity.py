@@ -1,6 +1,4 @@
-"""What makes two runs the same: the scene's meaning, the code that reads it, and the libraries that it
-computes with.
-"""
+"""Identity of a run: the scene's meaning, the code that reads it, and the libraries that it computes with."""
 
 from __future__ import annotations
 
@@ -62,14 +60,14 @@ def code_of_plugins() -> dict[str, str]:
 
 
 def current(name: str) -> str:
-    """What a package or library is today: the hash of its sources, or its version."""
+    """Return the hash of a package's sources as they are, or a library's version."""
     if name in _LIBRARIES:
         return version(name)
     return _core() if name == "mpmfw" else package(name)
 
 
 def is_current(code: Mapping[str, str]) -> bool:
-    """Whether an outcome's code is what runs today."""
+    """Return True if an outcome's code is the present one."""
     try:
         return bool(code) and all(current(name) == known for name, known in code.items())
     except (PackageNotFoundError, ValueError, ImportError):

@@ -1,4 +1,4 @@
-"""What a run may take before it is asked whether it is meant: steps and frames.
+"""Limits of steps and frames, past which a run must be forced, and the size of its results.
 
 A misplaced power of ten makes a run that never ends. Both limits are far beyond what runs of this kind take,
 and a run past them begins if it is forced."""
@@ -73,7 +73,7 @@ def _too_many(simulation: Simulation, span: str, steps: float, step: float) -> s
 
 
 def remark_on_size(simulation: Simulation, header: RunHeader) -> str:
-    """What to say of results that will be large; empty of others."""
+    """Return a remark on results that will be large; empty for others."""
     frames, each, size = results_size(simulation, header)
     if size <= LARGE_RESULTS:
         return ""
@@ -84,7 +84,7 @@ def remark_on_size(simulation: Simulation, header: RunHeader) -> str:
 
 
 def remark_on_threads(threads: int) -> str:
-    """What to say of more threads than there are cores; empty of others."""
+    """Return a remark on more threads than cores; empty for others."""
     if threads <= cores():
         return ""
     return (

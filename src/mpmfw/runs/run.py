@@ -258,7 +258,7 @@ def run_on(checkpoints: Checkpoints, progress: Callable[[float, int], None] | No
 
 
 def _how_to_go_on(checkpoints: Checkpoints) -> str:
-    """What an interrupted run leaves, and how to go on."""
+    """Return the message of an interrupted run: the outputs that it left, and how to go on."""
     simulation, writer = checkpoints.simulation, checkpoints.writer
     text = f"interrupted at {simulation.state.time:.6g} s of {simulation.scene.time.end:g} s"
     if checkpoints.path is not None and os.path.isfile(checkpoints.path):

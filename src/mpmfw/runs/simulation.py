@@ -121,7 +121,7 @@ class Simulation:
         self._set_up(setup)
 
     def _set_up(self, setup: Setup) -> None:
-        """Tell the plug-ins what they need, and lay the grid round the bodies."""
+        """Call the plug-ins' setup, and lay the grid round the bodies."""
         answers = self.hook.declare_fields() or []
         self.fields: tuple[Field, ...] = declared_fields(
             zip(self._callers("declare_fields"), answers, strict=True)
@@ -380,7 +380,7 @@ class Simulation:
         self.clock.flush()
 
     def _gather(self) -> None:
-        """Know of all bodies what the steps did to those awake."""
+        """Copy the active bodies' state back, where bodies sleep."""
         if self._sleep is not None:
             self._sleep.gather(self.state.time)
 
@@ -443,7 +443,7 @@ class Simulation:
     # -- what it leaves
 
     def header(self, attributes: Mapping[str, Any] | None = None) -> RunHeader:
-        """What the results' file says before the first frame."""
+        """Return the header of the results' file, with ``attributes`` beside its own."""
         plugins = {name: type(plugin).__module__ for name, plugin in self.manager.list_name_plugin()}
         return self._recorder.header(
             {
@@ -465,7 +465,7 @@ class Simulation:
         )
 
     def concerns(self) -> list[str]:
-        """What a reader of the results must know, a sentence each; complete after the last step."""
+        """Return warnings for a reader of the results, a sentence each; complete after the last step."""
         answers = self.hook.concerns() or []
         return [
             *warnings_about(self.scene),
@@ -480,7 +480,7 @@ class Simulation:
         return str(verdict.status)
 
     def remarks(self) -> dict[str, list[str]]:
-        """Lists of words for the results: ``warnings``, and ``time_step_owners`` where these are followed."""
+        """Return lists of words for the results: ``warnings``, and ``time_step_owners`` with these series."""
         watch = self.manager.get_plugin("time_step_series")
         owners = {} if watch is None else {"time_step_owners": list(watch.owners)}
         return {"warnings": self.concerns(), **owners}
@@ -518,7 +518,7 @@ def checked_threads(threads: Any) -> int:
 
 
 def chosen_methods(contact: Any, shape: Any) -> dict[str, str]:
-    """What methods given by name set in the scene; strategy objects set nothing."""
+    """Return the keys of the scene that methods given by name set; strategy objects set none."""
     given = {"contact.method": contact, "shape.method": shape}
     return {key: value for key, value in given.items() if isinstance(value, str)}
 

@@ -1,4 +1,4 @@
-"""How much memory a scene needs at most, from its lengths alone: known before anything is allocated."""
+"""Upper bound of a scene's memory, from its lengths alone, before anything is allocated."""
 
 from __future__ import annotations
 
@@ -126,7 +126,7 @@ def _point(x: Iterable[float]) -> str:
 
 
 def warnings_about(scene: Scene) -> list[str]:
-    """What is legal and hardly meant: points or cells that are larger than the body that they resolve."""
+    """Return warnings about points or cells that are larger than the body that they resolve."""
     text = []
     for name, body in scene.bodies.items():
         lower, upper = body.geometry.bounds

@@ -71,7 +71,7 @@ def from_setup(setup: Setup) -> Acts:
 
 
 class Sleep:
-    """Which bodies of the simulation ``full`` are inactive, and the steps of all others."""
+    """Inactive bodies of the simulation ``full``, and the steps of the others."""
 
     history = (
         "moved", "slept", "inactive", "lower", "upper", "counted", "rates", "looked", "impulses", "windows",
@@ -128,7 +128,7 @@ class Sleep:
         return dt
 
     def _look(self, time: float) -> None:
-        """Let bodies sleep that have been at rest for long enough and are near none that has not."""
+        """Put bodies to sleep that have been at rest for long enough and are near none that has not."""
         running = self.running
         state, awake = running.state, np.flatnonzero(~self.inactive)
         v = state.particles.velocity
@@ -267,9 +267,7 @@ class Sleep:
 
 
 def _reached(start: AnyArray, first: IntArray, second: IntArray) -> AnyArray:
-    """Who is among ``start`` (n,), or joined to one who is by pairs of ``first`` and ``second``: (n,) of
-    truth values.
-    """
+    """Return ``start`` (n,), extended by all that pairs of ``first`` and ``second`` join to it."""
     found = np.array(start, dtype=bool)
     while True:
         either = found[first] | found[second]

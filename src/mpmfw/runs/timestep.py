@@ -22,12 +22,12 @@ COLLAPSED = 1e-4
 
 
 def stable_length(cell_size: float, width: float) -> float:
-    """What a wave passes in a stable step [m]: h, or √(h w) in a body whose ``width`` w [m] is less than
-    ``cell_size`` h [m].
+    """Return the length that a wave passes in a stable step [m].
 
-    Such a body reaches into rows of nodes by a part b of its width alone: a row then has the mass ρ b² / (2
-    h) and the stiffness M b² / (w h²), so that ω² = 2 c² / (h w) for each direction in which the body is
-    thin, beside the bulk's."""
+    It is h, or √(h w) in a body whose ``width`` w [m] is less than ``cell_size`` h [m]. Such a body reaches
+    into rows of nodes by a part b of its width alone: a row then has the mass ρ b² / (2 h) and the stiffness
+    M b² / (w h²), so that ω² = 2 c² / (h w) for each direction in which the body is thin, beside the bulk's.
+    """
     thin = width < cell_size * (1.0 - 1e-9)
     return math.sqrt(cell_size * width) if thin else cell_size
 
@@ -77,7 +77,7 @@ class TimeStep:
         return step
 
     def _advice(self, owner: str) -> str:
-        """What lengthens the steps that a plug-in limits: by options that it has, and by no other's."""
+        """Return ways to lengthen the steps that a plug-in limits, by options that it has."""
         contact = next((one for one in self.limiting if _says(one, owner)), None)
         if contact is None:
             return "another shape function"
@@ -109,7 +109,7 @@ class TimeStep:
         return [self._bulk, *answers]
 
     def _refusal(self, step: float, limits: list[tuple[float, str]]) -> str | None:
-        """Why a step is past a stability limit, or None. The bulk is unstable below h / c already."""
+        """Return a reason if a step is past a stability limit. The bulk is unstable below h / c already."""
         limit, owner = min([self._least_refused, *limits[1:]])
         if step <= limit * (1.0 + 1e-12):
             return None
@@ -117,7 +117,7 @@ class TimeStep:
 
 
 def _says(plugin: Any, owner: str) -> bool:
-    """Whether it is a contact that calls itself so: by its name, or by that of its law."""
+    """Return True for a contact whose name, or whose law's name, begins ``owner``."""
     if not isinstance(plugin, ContactStrategy):
         return False
     return any(owner.startswith(name) for name in (plugin.name, plugin.name.rpartition("+")[2]))

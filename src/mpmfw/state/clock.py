@@ -54,7 +54,7 @@ class Clock:
         self.cpu, self.wall = cpu, wall
 
     def __call__(self, stage: str) -> str:
-        """Say that ``stage`` begins; return the one that ends."""
+        """Begin ``stage``; return the one that ends."""
         now = time.perf_counter()
         previous = self._stage
         self._wall_frame[previous] += now - self._mark

@@ -85,7 +85,7 @@ class BodyPairs:
 
     @property
     def has_friction(self) -> bool:
-        """Whether any two bodies have friction."""
+        """True if any two bodies have friction."""
         return self.friction > 0.0 or any(mu > 0.0 for mu in self.given.values())
 
     def pair(self, index: int, first: int, second: int) -> Pair:

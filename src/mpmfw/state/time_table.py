@@ -27,8 +27,7 @@ class TimeTable:
 
     @classmethod
     def of(cls, given: Any) -> TimeTable:
-        """What a key of a scene says: ``given`` is a number, a vector (n,), or rows of a time [s] and one or
-        the other."""
+        """Return the table of a scene's key: a number, a vector (n,), or rows of a time [s] and either."""
         if not isinstance(given, tuple):
             return cls.constant([given])
         return cls(given) if isinstance(given[0], tuple) else cls.constant(given)

@@ -64,7 +64,7 @@ def fitted_windows(
 
 
 def is_cut_off(grid: Grid) -> bool:
-    """Whether a window ends where the background grid does."""
+    """Return True if a window ends where the background grid does."""
     last = grid.window_lower + grid.window_shape
     return bool((grid.window_lower == 0).any() or (last == grid.nodes).any())
 
