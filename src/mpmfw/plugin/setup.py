@@ -139,9 +139,8 @@ class Setup:
         """Return the outward unit normal n of a side at the start, which turns with the body, and n·x on it
         [m].
         """
-        normal = (1.0 if side.side in UPPER else -1.0) * self.scene.bodies[body.name].geometry.axes[
-            AXIS[side.side]
-        ]
+        axis = self.scene.bodies[body.name].geometry.axes[AXIS[side.side]]
+        normal = axis if side.side in UPPER else -1.0 * axis
         if body.outlines:
             return normal, max(float((loop @ normal).max()) for loop in body.outlines)
         return normal, float(np.maximum(normal * body.lower, normal * body.upper).sum())

@@ -94,6 +94,8 @@ class Sleep:
         self.counted = 0.0  #: time up to which impulses of inactive pairs are counted [s]
         self.looked = np.nan  #: time of the last look [s], and the running simulation's impulses then
         self.impulses = {name: np.zeros((0, dim)) for name in IMPULSES}
+        #: of the active simulation, when its state was copied last
+        self.windows: dict[str, IntArray] = {k: np.zeros((0, dim), np.int64) for k in ("lower", "shape")}
         self.frame = -1  #: of the windows that were compared last
         self._records = {name: f"{setup.contact.name}/{name}" for name in IMPULSES}
         plugins = [plugin for _, plugin in full.manager.list_name_plugin()]
@@ -209,6 +211,8 @@ class Sleep:
         self.counted = time
         if self.active is None:
             return
+        grid = self.active.state.grid
+        self.windows = {"lower": grid.window_lower.copy(), "shape": grid.window_shape.copy()}
         if full.near is not None:
             index = {body.name: body.index for body in full.bodies}
             bodies, pairs = self.active.state.bodies, self.active.state.pairs
@@ -219,7 +223,7 @@ class Sleep:
 
     def _divide(self) -> None:
         """Build the active simulation anew, and keep forces only of pairs of which both bodies sleep."""
-        ends = np.array([(p.first, p.second) for p in self.full.state.pairs], dtype=np.int64).reshape(-1, 2)
+        ends = self.full.state.pair_bodies
         asleep = self.inactive[ends[:, 0]] & self.inactive[ends[:, 1]]
         self.rates = {name: np.where(asleep[: len(r), None], r, 0.0) for name, r in self.rates.items()}
         self.looked = np.nan
@@ -247,23 +251,12 @@ class Sleep:
         if self.active is not None:
             _hand_over(full, self.active)  # once more: now it lists the pairs
 
-    @property
-    def windows(self) -> dict[str, IntArray]:
-        """Windows of the active simulation."""
-        grid = self.running.state.grid
-        count = 0 if self.active is None else grid.n_fields
-        return {"lower": grid.window_lower[:count], "shape": grid.window_shape[:count]}
-
-    @windows.setter
-    def windows(self, saved: dict[str, IntArray]) -> None:
-        self._saved = saved
-
     def restored(self) -> None:
         """Build the active simulation as it was; raise NotSaved if the values are not those of the bodies."""
         if any(len(rate) > len(self.full.state.pairs) for rate in self.rates.values()):
             raise NotSaved("more pairs slept than there are")
         if self.inactive.any() and not self.inactive.all():
-            self._build(self._saved)
+            self._build(self.windows)
 
 
 def _reached(start: AnyArray, first: IntArray, second: IntArray) -> AnyArray:
