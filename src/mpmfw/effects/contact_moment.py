@@ -15,7 +15,7 @@ from mpmfw.kernels.types import Floats, Ints
 from mpmfw.plugin.hooks import Observer
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Setup
-from mpmfw.state.fields import AnyArray, Field, FloatArray, IntArray
+from mpmfw.state.fields import AnyArray, Field, FloatArray
 from mpmfw.state.structs import Grid, State
 
 #: Hooks by which a contact strategy acts on momenta and on forces.
@@ -63,7 +63,6 @@ class ContactMoment(Observer):
 
     def __init__(self, contact: Any, about: tuple[float, ...] | None, state: State) -> None:
         self.contact, self.about, self.state = contact, about, state
-        self.first: IntArray = np.array([body.particles.start for body in state.bodies])
         #: Since the last output [N s].
         self.impulse = np.zeros((len(state.bodies), 1 if state.grid.dim == 2 else 3))
         #: Momenta or forces of the nodes before contact.
@@ -110,8 +109,6 @@ class ContactMoment(Observer):
 
     def _centres(self) -> FloatArray:
         """Return the points that the arms begin at, (B, dim) [m]."""
-        if self.about is not None:
-            return np.tile(np.array(self.about), (len(self.first), 1))
-        p = self.state.particles
-        weighted = np.add.reduceat(p.mass[:, None] * p.position, self.first)
-        return np.asarray(weighted / np.add.reduceat(p.mass, self.first)[:, None])
+        if self.about is None:
+            return self.state.centres_of_mass
+        return np.tile(np.array(self.about), (len(self.state.bodies), 1))

@@ -45,9 +45,7 @@ class EnergyGuard:
         """Begin with bodies that have the energy ``start`` [J/m]."""
         self.start = start
         self.given = self.input = 0.0
-        self.loaded: float | None = (
-            None  #: energy of the contact springs at the start; None until a step has told
-        )
+        self.loaded: float | None = None  #: energy of the contact springs at the start, once a step has told
         self.fallen = self.depth = 0.0
 
     def give(self, work: float) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Setup
-from mpmfw.state.fields import AnyArray, FloatArray
+from mpmfw.state.fields import AnyArray
 from mpmfw.state.structs import State
 
 #: Successive outputs over which bodies slide.
@@ -41,9 +41,8 @@ class Flutter:
         self.records = tuple(f"{owner}/{name}" for name in ("impulse", "friction_impulse", "frictional_work"))
         self.last = np.zeros((0, 2 * dim + 1))  #: the records at the last output, (pair, …)
         self.way = np.zeros((0, dim))  #: centres of mass then, (body, dim) [m]
-        self.window = np.zeros(
-            (0, OUTPUTS, 2)
-        )  #: normal and friction force of the last outputs, NaN without sliding
+        #: normal and friction force at the last outputs, NaN without sliding
+        self.window = np.zeros((0, OUTPUTS, 2))
         self.found: dict[str, float] = {}  #: by pair: least median of friction over its limit
         self.spread: dict[str, float] = {}  #: spread of the normal force then
         self.found_at: dict[str, float] = {}  #: time [s]
@@ -58,7 +57,8 @@ class Flutter:
     def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
         """Note pairs that flutter at an output; there are no series."""
         dim, pairs = state.grid.dim, len(state.pairs)
-        now, centres = np.column_stack([state.arrays[name] for name in self.records]), _centres(state)
+        now = np.column_stack([state.arrays[name] for name in self.records])
+        centres = state.centres_of_mass
         last, before = self.last, self.way
         self.last, self.way = now, centres
         if len(last) != pairs:
@@ -99,17 +99,7 @@ class Flutter:
         """Pairs that fluttered."""
         return [
             f"{label}: the bodies flutter at the limit of friction at {self.found_at[label]:.4g} s: the "
-            "normal force swings by "
-            f"{100.0 * self.spread[label]:.2g} %, and they slide although friction is {share:.2g} of its "
-            "limit; damping stops it"
+            f"normal force swings by {100.0 * self.spread[label]:.2g} %, and they slide although friction is "
+            f"{share:.2g} of its limit; damping stops it"
             for label, share in self.found.items()
         ]
-
-
-def _centres(state: State) -> FloatArray:
-    """Centres of mass of all bodies, (body, dim) [m]."""
-    p = state.particles
-    starts = [body.particles.start for body in state.bodies]
-    return np.asarray(
-        np.add.reduceat(p.mass[:, None] * p.position, starts) / np.add.reduceat(p.mass, starts)[:, None]
-    )

@@ -67,9 +67,8 @@ class HalfStep:
     def __init__(self) -> None:
         self.strain = self.contact = self._strain = self._contact = 0.0
         self.dt = 0.0
-        self._power: float | None = (
-            None  #: [W/m] of the stress of now on the motion of the last step, if it is known
-        )
+        #: of the present stress on the motion of the last step [W/m], if it is known
+        self._power: float | None = None
 
     def add(self, grid: Grid, particles: Particles, dt: float, internal: Floats) -> None:
         """A step of ``dt`` [s], whose momentum is integrated, and its internal forces, (n_nodes, dim)

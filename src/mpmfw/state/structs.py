@@ -318,6 +318,13 @@ class State:
         return np.array([(pair.first, pair.second) for pair in self.pairs], dtype=np.int64).reshape(-1, 2)
 
     @property
+    def centres_of_mass(self) -> FloatArray:
+        """Centres of mass of all bodies, (n_bodies, dim) [m]."""
+        p, starts = self.particles, [body.particles.start for body in self.bodies]
+        weighted = np.add.reduceat(p.mass[:, None] * p.position, starts)
+        return np.asarray(weighted / np.add.reduceat(p.mass, starts)[:, None])
+
+    @property
     def kept_arrays(self) -> dict[str, AnyArray]:
         """Plug-ins' declared arrays whose rows belong to bodies; others hold nothing from step to step."""
         return {key: self.arrays[key] for key, dims in self.dims.items() if dims and dims[0] in OF_BODIES}
