@@ -69,7 +69,7 @@ class Flutter:
         friction, work = now[:, dim : 2 * dim] - last[:, dim : 2 * dim], now[:, -1] - last[:, -1]
         normal = now[:, :dim] - last[:, :dim] - friction
         bearing, held = (np.linalg.norm(each, axis=1) for each in (normal, friction))
-        first, second = np.array([(pair.first, pair.second) for pair in state.pairs]).T
+        first, second = state.pair_bodies.T
         relative = way[first] - way[second]
         across = np.einsum("pd,pd->p", relative, normal) / np.maximum(bearing, 1e-300)
         along = np.sqrt(np.maximum(np.einsum("pd,pd->p", relative, relative) - across**2, 0.0))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mpmfw.errors import SceneError
-from mpmfw.plugin.load import LoadedFacets, SurfaceLoad, tracked
+from mpmfw.plugin.load import LoadedFacets, SurfaceLoad
 from mpmfw.plugin.setup import FLAT, Acts, Setup
 from mpmfw.state.fields import FloatArray, IntArray
 from mpmfw.state.structs import Body
@@ -42,7 +42,7 @@ class SideLoad(SurfaceLoad):
 
 def from_setup(setup: Setup) -> Acts:
     """Return the loaded sides of all bodies; raise SceneError if no facet lies on one of them."""
-    surface, loads = tracked(setup.state), []
+    surface, loads = setup.state.tracked_surface, []
     for body, side in setup.loaded_sides:
         normal, place = setup.face_of(body, side)
         own = surface.facets_of(body.index)

@@ -131,10 +131,7 @@ class SurfaceTracker:
     @hookimpl
     def setup(self, setup: Setup) -> None:
         """Mass of a full cell at every surface node."""
-        surface = setup.state.surface
-        if surface is None:
-            raise RuntimeError("no surface to track")
-        self.surface = surface
+        surface = self.surface = setup.state.tracked_surface
         density = np.array([body.areal_density for body in setup.bodies])
         self.cell_mass = setup.allocate(self.name, CELL_MASS)
         self.cell_mass[:] = density[surface.body] * setup.cell_size**setup.dim
@@ -142,9 +139,7 @@ class SurfaceTracker:
     @hookimpl(tryfirst=True)
     def detect(self, grid: Grid) -> None:
         """Fit N_i(x_s) to the nodal masses before anyone takes a contact from it, or maps a force."""
-        phi = self.surface.stencil
-        if phi is None:
-            raise RuntimeError("the surface's table was not filled")
+        phi = self.surface.table
         if self.map == "plain":
             weigh_plain(phi.row, phi.nodes, phi.weight, self.cell_mass, grid.mass)
         else:
@@ -187,11 +182,5 @@ class GapDiagnostic:
     @hookimpl
     def diagnostics(self, state: State) -> dict[str, AnyArray]:
         """Least of both bodies' node-to-facet distances, (pair,) [m]."""
-        surface = state.surface
-        if surface is None:
-            raise RuntimeError("no surface to measure")
-        first, second = (
-            np.array([getattr(pair, end) for pair in state.pairs], dtype=np.int64)
-            for end in ("first", "second")
-        )
-        return {"min_gap": least_gaps(surface, first, second, state.grid.spacing)}
+        first, second = np.ascontiguousarray(state.pair_bodies.T)
+        return {"min_gap": least_gaps(state.tracked_surface, first, second, state.grid.spacing)}

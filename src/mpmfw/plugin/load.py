@@ -15,7 +15,7 @@ from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.named import NamedPlugIn
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import FloatArray, IntArray
-from mpmfw.state.structs import Grid, Particles, State, Stencil, Surface
+from mpmfw.state.structs import Grid, Particles, State, Stencil
 
 if TYPE_CHECKING:
     from mpmfw.state.index_map import IndexMap
@@ -124,7 +124,7 @@ class LoadedFacets:
 
     def __init__(self, state: State, which: IntArray) -> None:
         """Measure the facets ``which`` (n,) of all surfaces."""
-        surface, dim = tracked(state), state.grid.dim
+        surface, dim = state.tracked_surface, state.grid.dim
         self._state, self._which = state, which
         self.position = np.empty((len(which), dim))  #: their centres [m]
         self.normal = np.empty((len(which), dim))  #: outward unit normals
@@ -140,9 +140,8 @@ class LoadedFacets:
     def velocity(self) -> FloatArray:
         """Mean velocity of the corners (n, dim) [m/s], of the grid's velocity before any force of this
         step."""
-        surface = tracked(self._state)
-        phi, grid = surface.stencil, self._state.grid
-        assert phi is not None
+        surface, grid = self._state.tracked_surface, self._state.grid
+        phi = surface.table
         moving = phi.weight[:, None] * grid.start_velocity[phi.nodes]
         at_nodes = np.add.reduceat(moving, phi.row[:-1])
         return np.asarray(at_nodes[surface.facets[self._which]].mean(axis=1))
@@ -157,7 +156,7 @@ class SurfaceLoad(Load):
 
     def from_setup(self, setup: Setup) -> Self | str:
         """Act on all facets of the load's bodies."""
-        own = [tracked(setup.state).facets_of(body.index) for body in self.bodies]
+        own = [setup.state.tracked_surface.facets_of(body.index) for body in self.bodies]
         self.facets = np.concatenate([np.arange(each.start, each.stop) for each in own])
         return self
 
@@ -171,9 +170,8 @@ class SurfaceLoad(Load):
     def add_nodal_force(self, grid: Grid, state: State) -> None:
         """Map the tractions with the surface nodes' shape functions, as contact forces are (eq. 11 of
         [H17])."""
-        surface, loaded = tracked(state), LoadedFacets(state, self.facets)
-        phi, shape = surface.stencil, (len(self.facets), state.grid.dim)
-        assert phi is not None  # filled at the beginning of the step
+        surface, loaded = state.tracked_surface, LoadedFacets(state, self.facets)
+        phi, shape = surface.table, (len(self.facets), state.grid.dim)
         force = loaded.area[:, None] * self.checked(self.traction(loaded, state.time), shape, state)
         add_facet_forces(self.facets, force, surface.facets, phi.row, phi.nodes, phi.weight, grid.force)
         self._force = force
@@ -181,14 +179,7 @@ class SurfaceLoad(Load):
     @hookimpl
     def end_step(self, state: State) -> None:
         """Add the work on the facets."""
-        surface = tracked(state)
+        surface = state.tracked_surface
         self.work += float(
             np.vdot(self._force, surface.displacement[surface.facets[self.facets]].mean(axis=1))
         )
-
-
-def tracked(state: State) -> Surface:
-    """The surfaces, which a load on them needs."""
-    if state.surface is None:
-        raise RuntimeError("loads on surfaces need tracked surfaces")
-    return state.surface

@@ -274,8 +274,7 @@ def _force_of(load: Any, state: State, body: Body, time: float) -> tuple[AnyArra
     if isinstance(load, BodyLoad):
         force = load.forces(state.particles, body.particles, time)
         return force, force.sum(axis=0)
-    assert state.surface is not None
-    own = state.surface.facets_of(body.index)
+    own = state.tracked_surface.facets_of(body.index)
     facets = LoadedFacets(state, load.facets[(load.facets >= own.start) & (load.facets < own.stop)])
     traction = load.traction(facets, time)
     return traction, facets.area @ traction

@@ -318,6 +318,13 @@ class State:
         return np.array([(pair.first, pair.second) for pair in self.pairs], dtype=np.int64).reshape(-1, 2)
 
     @property
+    def tracked_surface(self) -> Surface:
+        """The surfaces; RuntimeError where none are tracked."""
+        if self.surface is None:
+            raise RuntimeError("the bodies' surfaces are not tracked")
+        return self.surface
+
+    @property
     def centres_of_mass(self) -> FloatArray:
         """Centres of mass of all bodies, (n_bodies, dim) [m]."""
         p, starts = self.particles, [body.particles.start for body in self.bodies]
