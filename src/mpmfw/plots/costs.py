@@ -10,7 +10,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from mpmfw.plots.study_grid import label_of, order_of, problems_of, resolution_of, runs_of, with_methods
-from mpmfw.plots.style import combinations, dress, head, journal_style, legend_below, new_figure
+from mpmfw.plots.style import combinations, dress, head, journal_style, legend_below, new_panels
 from mpmfw.state.clock import STEP_STAGES
 
 #: Of the stages, and a grey for settling.
@@ -47,20 +47,15 @@ def _bars(
     bars: dict[str, list[dict[str, Any]]], names: list[str], label: str, compared: xr.Dataset | None = None
 ) -> Figure:
     """A panel of bars for each problem, with the head of the comparison that they are of."""
-    columns = min(2, len(bars))
-    lines = -(-len(bars) // columns)
     longest = max(len(rows) + len(_places(rows)[1]) for rows in bars.values())
-    figure = new_figure(columns, lines, 16.0 + 4.2 * longest)
+    figure, panels = new_panels(len(bars), 16.0 + 4.2 * longest, sharex=True, sharey=True)
     if compared is not None:
         head(figure, compared)
-    panels = figure.subplots(lines, columns, squeeze=False, sharex=True, sharey=True).ravel()
-    for axes, (title, rows) in zip(panels, bars.items(), strict=False):
+    for axes, (title, rows) in zip(panels, bars.items(), strict=True):
         _draw_bars(axes, rows, names)
         dress(axes, label, "", title)
         axes.grid(False, axis="y")
     panels[0].invert_yaxis()  # shared: the first combination on top of every panel
-    for axes in panels[len(bars) :]:
-        axes.remove()
     drawn = [row["run"]["stage_time"] for rows in bars.values() for row in rows]
     occurs = [any(float(times.sel(stage=name)) > 0.0 for times in drawn) for name in names]
     handles = list(itertools.compress(panels[0].get_legend_handles_labels()[0], occurs))

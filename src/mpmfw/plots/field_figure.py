@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
@@ -18,7 +17,7 @@ from matplotlib.figure import Figure
 from mpmfw.errors import SceneError
 from mpmfw.plots.field_panel import Box, FieldPanel, Scales
 from mpmfw.plots.plane_cut import plane_cut
-from mpmfw.plots.style import PANEL, dress, journal_style, new_figure
+from mpmfw.plots.style import PANEL, dress, journal_style, new_panels
 from mpmfw.plots.units import in_brackets, length_scale, readable, with_prefix
 from mpmfw.results.selection import Results, frame_at, opened, opened_run, runs_of
 from mpmfw.state.fields import FloatArray
@@ -185,16 +184,12 @@ class Drawing:
         self.scales, unit = _scales(panels, frames, limits, arrows=arrows)
         x0, x1, y0, y1 = self.scales.box
         ratio = (x1 - x0) / (y1 - y0)
-        columns = 1 if ratio > _WIDE or len(panels) == 1 else 2
-        rows = math.ceil(len(panels) / columns)
-        below = ratio > 1.0 or columns > 1
+        most = 1 if ratio > _WIDE else 2
+        below = ratio > 1.0 or min(most, len(panels)) > 1
         width = 25.4 * PANEL - _BESIDE - (0.0 if below else _BAR)
-        self.figure = new_figure(columns, rows, min(width / ratio, 110.0) + _ABOVE)
+        self.figure, grid = new_panels(len(panels), min(width / ratio, 110.0) + _ABOVE, most)
         self.figure.set_layout_engine("compressed")
-        grid = self.figure.subplots(rows, columns, squeeze=False).ravel()
-        for axes in grid[len(panels) :]:
-            axes.remove()
-        self.axes = dict(zip(self.panels, grid, strict=False))
+        self.axes = dict(zip(self.panels, grid, strict=True))
         for axes in self.axes.values():
             self._frame(axes)
         self._bar(unit, below=below)

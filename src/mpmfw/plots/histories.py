@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 
 from mpmfw.errors import SceneError
 from mpmfw.plots.field_figure import labelled
-from mpmfw.plots.style import PANEL, Look, combinations, dress, head, journal_style, legend_below, new_figure
+from mpmfw.plots.style import PANEL, Look, combinations, dress, head, journal_style, legend_below, new_panels
 from mpmfw.plots.units import count_in, scaled_label, time_scale
 from mpmfw.results.round_off import without_round_off
 from mpmfw.results.selection import Results, checked_name, opened, series_of
@@ -215,13 +215,7 @@ def _figure(panels: int) -> tuple[Figure, list[Any]]:
         raise SceneError(
             f"{panels} panels would be needed, at most {_MOST} fit; choose a body, a pair or an axis"
         )
-    columns = min(2, panels)
-    rows = -(-panels // columns)
-    figure = new_figure(columns, rows, 58.0 if rows == 1 else 48.0)
-    grid = figure.subplots(rows, columns, squeeze=False).ravel()
-    for axes in grid[panels:]:
-        axes.remove()
-    return figure, list(grid[:panels])
+    return new_panels(panels, 58.0 if panels <= 2 else 48.0)
 
 
 def _draw(axes: Any, series: xr.Dataset, curve: Curve, look: Mapping[str, Any]) -> None:

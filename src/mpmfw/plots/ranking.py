@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
 
-from mpmfw.plots.style import Look, dress, journal_style, legend_below, new_figure
+from mpmfw.plots.style import Look, dress, journal_style, legend_below, new_panels
 from mpmfw.state.fields import FloatArray
 
 
@@ -40,13 +40,8 @@ def profiles(ranking: xr.Dataset) -> Figure:
     by = ranking.attrs["by"]
     methods = [str(name) for name in ranking[by].values]
     look = Look(ranking if by == "contact" else ranking.rename({by: "contact"}))
-    rows = math.ceil(len(quantities) / 3)
-    columns = math.ceil(len(quantities) / rows)
-    figure = new_figure(columns, rows)
-    grid = figure.subplots(rows, columns, squeeze=False, sharey=True)
-    panels, left_over = grid.flat[: len(quantities)], grid.flat[len(quantities) :]
-    for axes in left_over:
-        axes.set_visible(False)
+    columns = math.ceil(len(quantities) / math.ceil(len(quantities) / 3))
+    figure, panels = new_panels(len(quantities), 58.0, columns, sharey=True)
     farthest = float(ranking["over_best"].max())
     end = 1.3 * max(farthest, 2.0)
     for axes, quantity in zip(panels, quantities, strict=True):
@@ -60,7 +55,7 @@ def profiles(ranking: xr.Dataset) -> Figure:
         axes.xaxis.set_major_locator(FixedLocator(_ticks(end)))
         axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axes.xaxis.set_minor_formatter(NullFormatter())
-        ylabel = "problems and levels solved [%]" if axes in grid[:, 0] else ""
+        ylabel = "problems and levels solved [%]" if axes in panels[::columns] else ""
         unit = str(ranking["unit"].sel(quantity=quantity).item())
         title = quantity if unit == "%" else f"{quantity}, levels in {unit}"
         dress(axes, "CPU time over the cheapest method's", ylabel, title)

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from mpmfw.plots.histories import history
 from mpmfw.plots.style import at_last
+from mpmfw.results.analysis import energy_sums
 from mpmfw.results.references import cell_size
 
 #: Bodies that move no further than this part of the largest motion stand still.
@@ -87,16 +88,9 @@ def gap_history(dataset: xr.Dataset) -> Figure:
 
 
 def energies(dataset: xr.Dataset) -> Figure:
-    """Kinetic and strain energy of all bodies, and what friction, dashpots and contact springs took, over
-    time.
-    """
+    """Kinetic, strain and dissipated energy of all bodies over time."""
     unit = dataset["kinetic_energy"].attrs.get("units", "J")
-    names = ["kinetic_energy", "strain_energy"]
-    sums = {name: dataset[name].sum("body", skipna=False) for name in names}
-    lost = [name for name in ("frictional_work", "damping_work", "spring_work") if name in dataset]
-    if lost:
-        works = sum(dataset[name].fillna(0.0).sum("pair") for name in lost)
-        sums["dissipated_energy"] = works.where(sums["kinetic_energy"].notnull())  # type: ignore[union-attr]
+    sums = energy_sums(dataset)
     shown = dataset.assign({name: total.assign_attrs(units=unit) for name, total in sums.items()})
     return history(shown, list(sums))
 

@@ -14,7 +14,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from mpmfw.plots.costs import stages
 from mpmfw.plots.markers import Marker, draw_side_by_side
 from mpmfw.plots.study_grid import label_of, order_of, problems_of, resolution_of, runs_of, with_methods
-from mpmfw.plots.style import Look, dress, journal_style, legend_below, new_figure
+from mpmfw.plots.style import Look, dress, journal_style, legend_below, new_panels
 
 #: Marker sizes [pt] of the coarsest and the finest resolution.
 _SIZES = (5.5, 3.5)
@@ -50,11 +50,8 @@ def front(dataset: xr.Dataset) -> Figure:
     named = with_methods(dataset)
     problems = list(problems_of(named))
     look, resolution = Look(named), resolution_of(named)
-    columns = min(2, len(problems))
-    rows = -(-len(problems) // columns)
-    figure = new_figure(columns, rows, 66.0)
-    panels = figure.subplots(rows, columns, squeeze=False, sharey=True).ravel()
-    for axes, (title, problem) in zip(panels, problems, strict=False):
+    figure, panels = new_panels(len(problems), 66.0, sharey=True)
+    for axes, (title, problem) in zip(panels, problems, strict=True):
         _draw_front(axes, problem)
         for row in runs_of(problem):
             _draw_spread(axes, row, look)
@@ -66,13 +63,11 @@ def front(dataset: xr.Dataset) -> Figure:
         ylabel = f"error of {quantity} [%]" if axes is panels[0] else ""
         dress(axes, "CPU time [s]", ylabel, _title(title, problem))
         _plain_ticks(axes)
-    for axes in panels[len(problems) :]:
-        axes.remove()
     key = _key(named, look, resolution)
     most = max(map(len, key))
     legend_below(figure, key, most=most, columnspacing=0.8, handlelength=1.3, handletextpad=0.5)
     figure.draw_without_rendering()  # sizes and limits of the panels are final from here on
-    for axes, (_, problem) in zip(panels, problems, strict=False):
+    for axes, (_, problem) in zip(panels, problems, strict=True):
         drawn = [row for row in runs_of(problem) if _can_be_drawn(row["run"])]
         drawn.sort(key=lambda row: (not row["run"]["pareto"], float(row["run"]["cpu_time"])))
         draw_side_by_side(axes, [_marker(row, look, _size(named, resolution, row)) for row in drawn])

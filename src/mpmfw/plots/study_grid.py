@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import itertools
 import json
 from collections.abc import Iterator
 from typing import Any
 
 import xarray as xr
+
+from mpmfw.results.selection import points_of
 
 #: Dimensions that are lengths [m].
 _LENGTHS = ("cell_size", "particle_size", "segment")
@@ -26,20 +27,14 @@ def with_methods(dataset: xr.Dataset) -> xr.Dataset:
 
 def problems_of(dataset: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
     """Yield the parts of a study whose errors and costs may be compared, by their title."""
-    dims = json.loads(dataset.attrs["problem_dims"])
-    for labels in itertools.product(*(dataset[dim].values.tolist() for dim in dims)):
-        title = ", ".join(
-            str(v) if dim == "scene" else f"{dim} {v}" for dim, v in zip(dims, labels, strict=True)
-        )
-        yield title, dataset.sel(dict(zip(dims, labels, strict=True)))
+    for labels, problem in points_of(dataset, json.loads(dataset.attrs["problem_dims"])):
+        yield ", ".join(str(v) if dim == "scene" else f"{dim} {v}" for dim, v in labels.items()), problem
 
 
 def runs_of(dataset: xr.Dataset) -> Iterator[dict[str, Any]]:
     """Yield every run with its labels."""
-    dims = [str(dim) for dim in dataset["error"].dims]
-    for labels in itertools.product(*(dataset[dim].values.tolist() for dim in dims)):
-        choice = dict(zip(dims, labels, strict=True))
-        yield {**choice, "dims": dims, "run": dataset.sel(choice)}
+    for labels, run in points_of(dataset, dataset["error"].dims):
+        yield {**labels, "dims": list(labels), "run": run}
 
 
 def resolution_of(dataset: xr.Dataset) -> str | None:

@@ -20,6 +20,7 @@ from matplotlib.lines import Line2D
 
 from mpmfw.plugin.discovery import Kind, available, distribution_of
 from mpmfw.results.references import Reference, own_attributes, reference_of
+from mpmfw.results.selection import points_of
 
 #: Width of one panel [inch]: 85 mm, a journal's column.
 PANEL = 85.0 / 25.4
@@ -80,6 +81,19 @@ def new_figure(columns: int, rows: int, height: float = 58.0) -> Figure:
     figure = _Figure(figsize=(PANEL if columns == 1 else PAGE, rows * height / 25.4 + LEGEND))
     FigureCanvasAgg(figure)
     return figure
+
+
+def new_panels(count: int, height: float, most: int = 2, **options: Any) -> tuple[Figure, list[Any]]:
+    """Return a figure of ``count`` panels of ``height`` [mm], at most ``most`` in a row, and the panels.
+
+    ``options`` are those of ``Figure.subplots``."""
+    columns = min(most, count)
+    rows = -(-count // columns)
+    figure = new_figure(columns, rows, height)
+    grid = figure.subplots(rows, columns, squeeze=False, **options).ravel()
+    for axes in grid[count:]:
+        axes.remove()
+    return figure, list(grid[:count])
 
 
 def dress(axes: Any, xlabel: str, ylabel: str, title: str = "") -> None:
@@ -185,9 +199,8 @@ def head(figure: Figure, dataset: xr.Dataset) -> None:
 
 def combinations(dataset: xr.Dataset) -> Iterator[tuple[str, str, xr.Dataset]]:
     """Yield (contact, shape, results) of a comparison, at the last value of each varied key."""
-    last = at_last(dataset)
-    for contact, shape in itertools.product(last["contact"].values.tolist(), last["shape"].values.tolist()):
-        yield str(contact), str(shape), last.sel(contact=contact, shape=shape)
+    for labels, run in points_of(at_last(dataset), ("contact", "shape")):
+        yield str(labels["contact"]), str(labels["shape"]), run
 
 
 def legend_below(

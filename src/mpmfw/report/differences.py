@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -11,8 +10,10 @@ import xarray as xr
 
 from mpmfw.errors import is_complete
 from mpmfw.plots.style import at_last
+from mpmfw.results.analysis import energy_sums
 from mpmfw.results.references import cell_size
 from mpmfw.results.round_off import without_round_off
+from mpmfw.results.selection import points_of
 from mpmfw.state.fields import FloatArray
 
 
@@ -99,24 +100,21 @@ def _each(
     ``scale`` is a number, or the values of which the largest magnitude counts.
     """
     size = scale if isinstance(scale, float) else _largest(scale)
-    dims = [str(dim) for dim in end.dims if dim not in ("contact", "shape")]
-    for labels in itertools.product(*(end[dim].values.tolist() for dim in dims)):
-        values = end.sel(dict(zip(dims, labels, strict=True))).transpose("contact", "shape").values
-        owner, *axis = labels
-        yield Difference(", ".join([f"{owner}: {what}", *axis]), unit, values.astype(float), size, against)
+    dims = [dim for dim in end.dims if dim not in ("contact", "shape")]
+    for labels, one in points_of(end.to_dataset(name="end"), dims):
+        owner, *axis = labels.values()
+        values = one["end"].transpose("contact", "shape").values.astype(float)
+        yield Difference(", ".join([f"{owner}: {what}", *axis]), unit, values, size, against)
 
 
 def _energies(runs: xr.Dataset, unit: str) -> Iterator[Difference]:
     """Yield energy of each kind at the end, of the largest mechanical energy at any time."""
-    kinds = {name: runs[f"{name}_energy"].sum("body", skipna=False) for name in ("kinetic", "strain")}
-    scale, against = _largest(kinds["kinetic"] + kinds["strain"]), "largest kinetic and strain energy"
-    end = {f"{name} energy": energy.isel(time=-1) for name, energy in kinds.items()}
-    works = [name for name in ("frictional_work", "damping_work", "spring_work") if name in runs]
-    if works:
-        lost = sum(runs[name].isel(time=-1).fillna(0.0).sum("pair") for name in works)
-        end["dissipated by contact"] = xr.DataArray(lost).where(_ended(runs))
-    for name, energy in end.items():
-        yield Difference(name, unit, energy.transpose("contact", "shape").values, scale, against)
+    sums = energy_sums(runs)
+    scale = _largest(sums["kinetic_energy"] + sums["strain_energy"])
+    for name, energy in sums.items():
+        words = "dissipated by contact" if name == "dissipated_energy" else name.replace("_", " ")
+        end = energy.isel(time=-1).transpose("contact", "shape").values
+        yield Difference(words, unit, end, scale, "largest kinetic and strain energy")
 
 
 def _largest(array: xr.DataArray) -> float:

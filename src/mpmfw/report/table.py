@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Hashable
 from typing import Any
 
@@ -14,6 +13,7 @@ from mpmfw.results import analysis, references
 from mpmfw.results.conservation import dissipation
 from mpmfw.results.references import RingsReference, RollingReference, cell_size, own_attributes, rings_table
 from mpmfw.results.round_off import ROUND_OFF
+from mpmfw.results.selection import points_of
 from mpmfw.state.fields import FloatArray
 
 
@@ -28,13 +28,9 @@ def table(dataset: xr.Dataset) -> list[dict[str, Any]]:
 
     Errors are in per cent; NaN where a run did not reach the time of the measure.
     """
-    dims = method_dims(dataset)
     rows = []
-    for labels in itertools.product(*(dataset[dim].values.tolist() for dim in dims)):
-        choice = dict(zip(dims, labels, strict=True))
-        one = dataset.sel(choice)
-        row: dict[str, Any] = {str(dim): label for dim, label in choice.items()}
-        row |= {name: str(one[name].item()) for name in CHOICES if name in dataset.data_vars}
+    for labels, one in points_of(dataset, method_dims(dataset)):
+        row = labels | {name: str(one[name].item()) for name in CHOICES if name in dataset.data_vars}
         row["status"] = str(one["status"].item())
         reference = references.reference_of(own_attributes(one))
         if isinstance(reference, RollingReference):

@@ -7,6 +7,7 @@ short, is NaN.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -193,6 +194,18 @@ def contact_phases(time: FloatArray, force: FloatArray, threshold: float = 1e-6)
     return ContactPhases(
         first, float(time[acting[longest]]), float(time[acting[longest + 1] - 1]), separation
     )
+
+
+def energy_sums(series: xr.Dataset) -> dict[str, xr.DataArray]:
+    """Kinetic and strain energy of all bodies over time, and the work of friction, dashpots and contact
+    springs, where it is known.
+    """
+    sums = {name: series[name].sum("body", skipna=False) for name in ("kinetic_energy", "strain_energy")}
+    works = [name for name in ("frictional_work", "damping_work", "spring_work") if name in series]
+    if works:
+        lost: Any = sum(series[name].fillna(0.0).sum("pair") for name in works)
+        sums["dissipated_energy"] = lost.where(sums["kinetic_energy"].notnull())
+    return sums
 
 
 #: Series that make up the energy, per body and per pair; friction and damping are work that is gone.

@@ -6,7 +6,7 @@ import itertools
 import json
 import operator
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -48,6 +48,14 @@ def opened_run(results: Results) -> Iterator[xr.DataTree]:
                 f"{where}results of kind '{kind}' keep no frames; expected those of a run (mpmfw run)"
             )
         yield found
+
+
+def points_of(dataset: xr.Dataset, dims: Iterable[Hashable]) -> Iterator[tuple[dict[str, Any], xr.Dataset]]:
+    """Yield the labels of every point along some dimensions, and what the dataset holds there."""
+    names = [str(dim) for dim in dims]
+    for labels in itertools.product(*(dataset[name].values.tolist() for name in names)):
+        point = dict(zip(names, labels, strict=True))
+        yield point, dataset.sel(point)
 
 
 def series_of(results: Results) -> xr.Dataset:

@@ -11,18 +11,14 @@ import numpy as np
 import xarray as xr
 
 from mpmfw.campaigns.grid import in_words
+from mpmfw.results.selection import points_of
 
 
 def rows(dataset: xr.Dataset) -> Iterator[dict[str, Any]]:
     """One mapping for each combination: its labels, and every variable over the dimensions of the grid."""
-    dims = list(dataset["status"].dims)
     names = [name for name in dataset.data_vars if dataset[name].dims == dataset["status"].dims]
-    for labels in itertools.product(*(dataset[dim].values.tolist() for dim in dims)):
-        one = dataset.sel(dict(zip(dims, labels, strict=True)))
-        yield {
-            **{str(dim): label for dim, label in zip(dims, labels, strict=True)},
-            **{str(name): one[name].values.item() for name in names},
-        }
+    for labels, run in points_of(dataset, dataset["status"].dims):
+        yield labels | {str(name): run[name].values.item() for name in names}
 
 
 def conclusions(dataset: xr.Dataset, under: float | None = None) -> list[str]:
@@ -81,8 +77,7 @@ def method_rows(dataset: xr.Dataset) -> list[dict[str, Any]]:
     ``pilots`` (the errors of its runs in per cent, at falling cell sizes), ``cell_size_needed`` [m],
     ``error`` and ``cost`` [s] of the cheapest run that meets the target, else of the most accurate one, and
     its ``status``."""
-    labels = itertools.product(dataset["contact"].values.tolist(), dataset["shape"].values.tolist())
-    found = [_row(dataset.sel(contact=contact, shape=shape)) for contact, shape in labels]
+    found = [_row(method) for _, method in points_of(dataset, ("contact", "shape"))]
 
     def place(row: Mapping[str, Any]) -> tuple[bool, bool, float]:
         value = row["cost"] if row["verdict"] == "meets" else row["error"]
