@@ -126,11 +126,12 @@ class Judge:
         plain = exact_of(self.measure, scene, About())
         if known is None and given and plain is not None and plain.kind == error.kind:
             alone = {key: replace(About(), **{key: getattr(error, key)}) for key in given}
-            key = next((key for key in given if exact_of(self.measure, scene, alone[key]) is None), given[0])
+            guilty = [key for key in given if exact_of(self.measure, scene, alone[key]) is None] or given
+            text = " and ".join(f"{key} = '{getattr(error, key)}'" for key in guilty)
             raise self.at(
-                ("error", key),
-                f"the scene '{scene.name}' has a {what} of {error.quantity}, but none for {key} = "
-                f"'{getattr(error, key)}'; leave {key} out, or take kind = 'finest'",
+                ("error", guilty[0]),
+                f"the scene '{scene.name}' has a {what} of {error.quantity}, but none for {text}; leave "
+                f"{' and '.join(guilty)} out, or take kind = 'finest'",
             )
         others = [f"kind = '{known.kind}'"] if known is not None else []
         others += ["kind = 'finest'"] if self.measure.kind != "field" else []
