@@ -180,7 +180,7 @@ def test_saved_and_opened(tmp_path):
     xr.testing.assert_equal(saved, opened)
     assert opened["min_gap"].sel(contact="none").isnull().all()  # a series that one method lacks
     assert sorted(path.name for path in tmp_path.iterdir()) == ["c.nc", "c.nc.runs"]
-    with pytest.raises(MpmfwError, match="no folder"):
+    with pytest.raises(MpmfwError, match="does not exist"):
         compare("any", ["none"], ["cpdi"], runner=Cylinder(), output=tmp_path / "nowhere" / "c.nc")
 
 

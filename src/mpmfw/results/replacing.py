@@ -54,7 +54,7 @@ def check_writable(path: Path) -> Path:
         raise SceneError(f"{path}: is a folder; give the name of a file")
     if path.exists() and not path.is_file():
         raise SceneError(f"{path}: is a device or a pipe; give the name of a file")
-    folder = path.parent
+    folder = (Path(os.path.realpath(path)) if path.is_symlink() else path).parent
     if not folder.is_dir():
         raise SceneError(f"{path}: the folder {folder} does not exist")
     if not all(os.access(one, os.W_OK) for one in (folder, path) if one.exists()):
