@@ -92,6 +92,15 @@ def test_seams_of_a_turned_floor_are_no_walls_either() -> None:
     assert speed_at_the_end(floor_of_tiles(2, 3, 0.35), "penalty", along) == pytest.approx(SPEED, rel=3e-3)
 
 
+@pytest.mark.parametrize("contact", ["bardenhagen(criterion=position, normal=master)", "nairn"])
+@pytest.mark.parametrize(("tiles", "over"), [(2, False), (3, True)])
+def test_contact_at_nodes_says_that_it_feels_seams(contact: str, tiles: int, over: bool) -> None:
+    """The block begins on one of two tiles, or over the seam of two of three."""
+    simulation = mpmfw.Simulation(floor_of_tiles(2, tiles), contact=contact)
+    simulation.advance(1)
+    assert any("a seam brakes" in text for text in simulation.concerns()) == over
+
+
 @pytest.mark.parametrize(("tiles", "listed"), [(1, False), (2, True)])
 def test_two_bodies_alone_have_no_list_of_covered_facets(tiles: int, listed: bool) -> None:
     surface = mpmfw.Simulation(mpmfw.load_scene(floor_of_tiles(2, tiles))).state.surface

@@ -168,4 +168,6 @@ def _print_cost(simulation: Simulation, found: Prediction, everything: bool) -> 
     typer.echo(f"{found.output_time:.3g} s for output, {found.start_time:.3g} s to start")
     if found.settle_steps:
         typer.echo(f"settling: at most {found.settle_steps} steps, {found.settle_time:.3g} s")
-    typer.echo(f"from a trial of {TIMED} steps; compilation is not in it\n")
+    missing = ["compilation", "contacts that come later"]
+    missing += ["plastic flow"] if any(m.dissipates for m in simulation.setup.material_of_bodies) else []
+    typer.echo(f"from a trial of {TIMED} steps, without {', '.join(missing[:-1])} and {missing[-1]}\n")

@@ -32,6 +32,12 @@ from mpmfw.state.structs import Grid, Particles, State, Stencil
 #: would be all acceleration.
 LEAST_MASS = 0.05
 
+#: Share of a full cell's mass that three bodies have at a node which they fill: round bodies leave pores.
+FULL = 0.98
+
+#: Steps between two looks for such nodes.
+SEAMS_EVERY = 50
+
 
 class NodesOptions(BaseModel):
     """Criterion of contact and kind of normal."""
@@ -76,6 +82,9 @@ class AtNodes(Detection):
     By itself it lists all shared nodes at which there is a normal, that of the bodies' volume gradients.
     """
 
+    history = ("seams",)
+    #: Whether three bodies have filled a node.
+    seams = False
     #: Whether forces act on the rows, which need nodes that have some mass.
     forces = False
     #: What is projected on the nodes: volume gradients, and mean positions.
@@ -88,8 +97,9 @@ class AtNodes(Detection):
         """The bodies of the pairs, and the least mass of a node."""
         self.state, self.owner = setup.state, owner
         self.given = np.zeros(setup.dim)  #: direction that takes the normals' place, if it is one
-        cell = min(body.areal_density for body in setup.bodies) * setup.cell_size**setup.dim
-        self.least_mass = LEAST_MASS * cell if self.forces else 0.0
+        #: (body,) mass of a node that a body fills [kg/m]
+        self.full_mass = np.array([body.areal_density for body in setup.bodies]) * setup.cell_size**setup.dim
+        self.least_mass = LEAST_MASS * float(self.full_mass.min()) if self.forces else 0.0
         self.make_room(64)
         self.grid: GridNodes | None = None
         self.list_pairs(setup.state)
@@ -144,6 +154,8 @@ class AtNodes(Detection):
             find_shared_nodes(self.pairs, nodes, self.shared)
         if listed == 0:
             return
+        if not self.seams and len(self.full_mass) > 2 and self.state.steps % SEAMS_EVERY == 0:
+            self.seams = self._fill_a_node(listed, grid)
         mark_nodes(listed, self.shared, nodes)
         if len(nodes.gradient):
             project_volume_gradient(phi.row, phi.nodes, phi.gradient, particles.volume, nodes, grid.spacing)
@@ -154,6 +166,28 @@ class AtNodes(Detection):
         if len(rows.pair) < listed:
             rows.make_room(2 * listed, 4 * listed)
         rows.count = self.write(listed, grid, phi, particles, rows)
+
+    def _fill_a_node(self, listed: int, grid: Grid) -> bool:
+        """Return whether three bodies fill one of the ``listed`` shared nodes."""
+        pair = self.shared.pair[:listed]
+        node = np.concatenate([self.shared.first[:listed], self.shared.second[:listed]])
+        body = np.concatenate([self.pairs.first[pair], self.pairs.second[pair]])
+        share = grid.mass[node] / self.full_mass[body]
+        total = np.bincount(node, weights=np.roll(share, listed))  # of the bodies that meet this one there
+        total[node] += share
+        return bool((total[np.bincount(node) > 1] > FULL).any())
+
+    def remarks(self) -> list[str]:
+        """Return the warning that seams between bodies which lie flush act as steps."""
+        text = (
+            "three bodies fill a node of the grid: contact at nodes cannot tell which two of them lie flush; "
+            "a seam brakes a body that slides over it, or throws it up; try a detection on surfaces"
+        )
+        return [text] if self.seams else []
+
+    def copy_history(self, other: AtNodes, index_map: Any) -> None:  # noqa: ARG002
+        """Copy whether three bodies have filled a node."""
+        self.seams = self.seams or other.seams
 
     def write(
         self,

@@ -111,6 +111,10 @@ class Detection(PlugIn):
         """Return values of the declared output fields from the ``rows`` of the last step."""
         return {}
 
+    def remarks(self) -> list[str]:
+        """Return warnings for a reader of the results, a sentence each, after the last step."""
+        return []
+
 
 def stiffness_ranks(bodies: Sequence[Body]) -> IntArray:
     """Rank every body by its wave modulus, (body,): 0 for the softest, the same for equally stiff ones.

@@ -92,8 +92,7 @@ class PairRecords(Records):
 class RowContact(ContactStrategy):
     """Base of contacts that name the classes ``Detection`` and ``Law``; their options are those of both.
 
-    Subclasses are :class:`ForceContact` and :class:`ImpulseContact`, after what the law gives. The hook
-    ``concerns`` is there where the law has warnings.
+    Subclasses are :class:`ForceContact` and :class:`ImpulseContact`, after what the law gives.
     """
 
     Detection: ClassVar[type[Detection]]  #: what lists the rows
@@ -103,8 +102,6 @@ class RowContact(ContactStrategy):
     velocity_fields = "per_body"
     stage = "contact"
     history: ClassVar[tuple[str, ...]] = ("detection", "law", "friction", "records")
-    #: The hook, of laws that have warnings.
-    concerns: ClassVar[Any]
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
@@ -129,8 +126,6 @@ class RowContact(ContactStrategy):
         cls.dimensions = tuple(d for d in detection.dimensions if d in law.dimensions)
         cls.dimensions_note = detection.dimensions_note or law.dimensions_note
         cls.uses_friction = cls.takes_friction_law = law.uses_friction
-        if law.remarks is not ContactLaw.remarks:
-            cls.concerns = _concerns
         if "Options" not in vars(cls) and ("Detection" in vars(cls) or "Law" in vars(cls)):
             cls.Options = options_of_both(cls)
 
@@ -253,8 +248,7 @@ class RowContact(ContactStrategy):
         """Return the pairs' series and the law's; ``interval`` [s] is since the last output."""
         return {**self.records.series(interval), **self.law.series()}
 
-
-@hookimpl
-def _concerns(self: RowContact) -> list[str]:
-    """Return the law's warnings."""
-    return self.law.remarks()  # type: ignore[no-any-return]
+    @hookimpl
+    def concerns(self) -> list[str]:
+        """Return the warnings of law and detection."""
+        return [*self.law.remarks(), *self.detection.remarks()]

@@ -8,8 +8,6 @@ other: two bodies may pass through each other between two outputs. Settling is n
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from mpmfw.effects.ledger_energies import kinetic_energy
