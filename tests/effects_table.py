@@ -171,7 +171,7 @@ EFFECTS = {
     "bardenhagen": brings(
         "bardenhagen",
         hooks="declare_fields setup add_pairs detect after_momentum_projection after_momentum_update "
-        "after_second_projection advect diagnostics",
+        "after_second_projection advect diagnostics concerns",
         arrays="impulse friction_impulse frictional_work damping_work energy count volume_gradient",
         modules="mpmfw_contact.bardenhagen mpmfw_contact.impulse mpmfw.contact.nodes "
         "mpmfw.contact.shared_nodes",
@@ -187,7 +187,8 @@ EFFECTS = {
     "distance of bodies": brings("bardenhagen", arrays="mean_position"),
     "penalty": brings(
         "penalty",
-        hooks="declare_fields setup add_pairs detect add_nodal_force advect stable_timestep diagnostics",
+        hooks="declare_fields setup add_pairs detect add_nodal_force advect stable_timestep diagnostics "
+        "concerns",
         arrays="impulse friction_impulse frictional_work damping_work spring_work energy count force master "
         "facet share gap "
         "normal inside inside_facet",
