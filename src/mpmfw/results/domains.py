@@ -39,13 +39,14 @@ def corners_of(tree: xr.DataTree, body: str) -> Corners | None:
     needed = {"position", "deformation_gradient", "mass"}
     if not str(tree.attrs.get("shape", "")).startswith("cpdi") or not needed <= set(points.data_vars):
         return None
-    found = _body(tree, body)
+    if (found := _body(tree, body)) is None:
+        return None
     try:
-        layout = None if found is None else discretise(found[0].geometry, found[0].particles, None)
+        layout = discretise(found[0].geometry, found[0].particles, None)
     except (OSError, ValueError, MpmfwError):  # a mesh file that is no longer there
         return None
     mass = np.asarray(points["mass"].values, dtype=float)
-    if layout is None or layout.half_edges is None or len(layout.volume) != len(mass):
+    if len(layout.volume) != len(mass):
         return None
     half_edges, density = layout.half_edges, mass / layout.volume
     if not np.allclose(density, density[0], rtol=1e-9, atol=0.0):
