@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 if TYPE_CHECKING:
     from mpmfw.campaigns.running import Event
@@ -18,7 +18,7 @@ PREPARING = "compiling, settling"
 
 
 @contextmanager
-def _bar(*columns: str, total: float | None = None, **fields: str) -> Iterator[Callable[..., None] | None]:
+def _bar(*columns: str, total: float | None = None, **fields: Any) -> Iterator[Callable[..., None] | None]:
     """Function that updates a bar between columns of text, or those of rich that are named; None without a
     terminal.
     """
