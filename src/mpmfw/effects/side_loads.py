@@ -47,7 +47,7 @@ def from_setup(setup: Setup) -> Acts:
         normal, place = setup.face_of(body, side)
         own = surface.facets_of(body.index)
         on_side = np.abs(surface.position @ normal - place) <= FLAT * setup.cell_size
-        on_side = on_side[surface.facets[own]].all(axis=1)
+        on_side = np.asarray(on_side[surface.facets[own]].all(axis=1))
         loaded = np.asarray(own.start + np.flatnonzero(on_side), dtype=np.int64)
         if len(loaded) == 0:
             raise SceneError(f"bodies.{body.name}.sides: no surface facet lies on the side '{side.side}'")
