@@ -19,7 +19,7 @@ from mpmfw.campaigns.running import Progress, complete, counted, do, resumable
 from mpmfw.campaigns.store import COSTS, Cost, Finished, Outcome
 from mpmfw.campaigns.work import LOADED, Task
 from mpmfw.errors import ResultsWarning, is_complete
-from mpmfw.plugin.measure import About, Measure
+from mpmfw.plugin.measure import Measure
 from mpmfw.state.clock import STEP_STAGES
 
 _SPREAD = {"units": "s", "long_name": "half the range of the repeats; NaN of a single one"}
@@ -169,6 +169,6 @@ class GridRuns:
 
     def numbers(self, measure: Measure) -> xr.DataArray:
         """A measure that is a number, over the grid; NaN where it is not known."""
-        found = measured(measure, self.grid, self.results, self.succeeded(), About())
+        found = measured(measure, self.grid, self.results, self.succeeded())
         values = {index: float(one.values[0]) for index, one in found.items()}
         return self.grid.array(values, measure.meaning, measure.unit)

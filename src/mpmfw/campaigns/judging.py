@@ -233,14 +233,14 @@ def measured(
     grid: RunGrid,
     results: Results,
     succeeded: Mapping[Index, bool],
-    about: About,
+    about: About | None = None,
 ) -> dict[Index, Measured]:
-    """Read a measure off all runs that went through; the first decides on body, pair and axis."""
+    """Read a measure off all runs that went through; without ``about`` the first decides what it is of."""
     found: dict[Index, Measured] = {}
     for index, one in grid.combinations.items():
         tree = results(index) if succeeded.get(index) else None
         if tree is not None and one.scene is not None:
-            about = about if found else inferred(measure, tree, one.scene, about)
+            about = inferred(measure, tree, one.scene, About()) if about is None else about
             found[index] = measure.of(tree, one.scene, about)
     return found
 
