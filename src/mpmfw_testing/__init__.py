@@ -37,45 +37,25 @@ if TYPE_CHECKING:
         output_conformance,
         reference_conformance,
         shape_conformance,
-    )
+    )  # fmt: skip
     from mpmfw_testing.subject import Subject, subject_of
 
 __all__ = [
-    "Check",
-    "Inapplicable",
-    "Outcome",
-    "Subject",
-    "Violation",
-    "boundary_conformance",
-    "check_plugin",
-    "checks_of",
-    "contact_conformance",
-    "detection_conformance",
-    "examine",
-    "friction_conformance",
-    "geometry_conformance",
-    "ladder",
-    "law_conformance",
-    "load_conformance",
-    "material_conformance",
-    "measure_conformance",
-    "output_conformance",
-    "reference_conformance",
-    "search",
-    "shape_conformance",
-    "subject_of",
-    "try_all",
-]
+    "Check", "Inapplicable", "Outcome", "Subject", "Violation", "boundary_conformance", "check_plugin",
+    "checks_of", "contact_conformance", "detection_conformance", "examine", "friction_conformance",
+    "geometry_conformance", "ladder", "law_conformance", "load_conformance", "material_conformance",
+    "measure_conformance", "output_conformance", "reference_conformance", "search", "shape_conformance",
+    "subject_of", "try_all",
+]  # fmt: skip
 
 
 def __getattr__(name: str) -> Any:
     """Import a public name at its first use."""
     if name not in __all__:
         raise AttributeError(f"module 'mpmfw_testing' has no attribute {name!r}")
-    module = {"examine": "examination", "Subject": "subject", "subject_of": "subject"}.get(
-        name, "parametrised"
-    )
-    value = getattr(importlib.import_module(f"mpmfw_testing.{module}"), name)
+    where = {"examine": "examination", "Subject": "subject", "subject_of": "subject"}
+    module = importlib.import_module(f"mpmfw_testing.{where.get(name, 'parametrised')}")
+    value = getattr(module, name)
     globals()[name] = value
     return value
 

@@ -1,19 +1,39 @@
-"""Points and plug-ins that are set up by hand, and the memory that they keep."""
+"""Points, plug-ins and small scenes that are set up by hand."""
 
 from __future__ import annotations
 
-import gc
-import tracemalloc
-from collections.abc import Callable
+import functools
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from mpmfw.plugin.discovery import available, load
 from mpmfw.plugin.hooks import BoundHooks, make_manager
+from mpmfw.plugin.named import NamedPlugIn
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.clock import Clock
-from mpmfw.state.fields import FloatArray
+from mpmfw.state.fields import AnyArray, FloatArray
 from mpmfw.state.structs import Particles, State
+from mpmfw_testing.check import Inapplicable
+from mpmfw_testing.searching import try_all
+from mpmfw_testing.subject import Subject
+
+#: Length of a step of :func:`square` [s].
+STEP = 1e-5
+
+
+@dataclass
+class Opened:
+    """A session whose results are the same in every round."""
+
+    results: Callable[[Any], Iterable[tuple[str, AnyArray]]]
+    made: Any  #: object of the plug-in
+
+    def advance(self) -> Iterable[tuple[str, AnyArray]]:
+        """Return the results."""
+        return self.results(self.made)
 
 
 def points_at_rest(position: FloatArray, volume: FloatArray, first: Any, stress: float = 0.0) -> Particles:
@@ -52,20 +72,61 @@ def set_up(plugin: Any, state: State, **facts: Any) -> tuple[Setup, BoundHooks]:
     return setup, hook
 
 
-def memory_kept(action: Callable[[], Any], times: int, warm: int = 0) -> FloatArray:
-    """Return what Python holds [bytes] before an action and after each of so many, (times + 1,).
+def square(dim: int, size: float = 0.25, *, beside: bool) -> dict[str, Any]:
+    """Return the scene of a moving square or cube, "loaded", of points of a ``size`` [m] in cells of 0.5 m.
 
-    Before that it is done ``warm`` times, while Python and NumPy fill their own caches.
+    ``beside`` it lies one at rest, "other", with a contact that does nothing.
     """
-    held = np.zeros(times + 1)  # made before anything is counted
-    tracemalloc.start()
-    try:
-        for k in range(-warm, times + 1):
-            if k != 0:
-                action()
-            if k >= 0:
-                gc.collect()  # what is waiting to be collected is not kept
-                held[k] = tracemalloc.get_traced_memory()[0]
-    finally:
-        tracemalloc.stop()
-    return held
+    bodies: dict[str, dict[str, Any]] = {}
+    for name, left in ({"other": -2.5, "loaded": -0.5} if beside else {"loaded": -0.5}).items():
+        lower = [left, -0.5, -0.5][:dim]
+        upper = [x + 1.0 for x in lower]
+        bodies[name] = {
+            "material": "soft",
+            "geometry": {"type": "rectangle" if dim == 2 else "box", "lower": lower, "upper": upper},
+            "particles": {"size": size},
+            "rotation": "lumped",
+        }
+    bodies["loaded"]["velocity"] = [1.0, -0.5, 0.25][:dim]
+    return {
+        "grid": {"cell_size": 0.5, "lower": [-4.0] * dim, "upper": [4.0] * dim},
+        "time": {"end": 1.0, "output_interval": 1.0, "step": STEP},
+        "shape": {"method": "linear"},
+        "stepping": {"scheme": "usl", "transfer": "flip"},
+        "materials": {
+            "soft": {"model": "linear_elastic", "density": 1000.0, "bulk_modulus": 5e6, "shear_modulus": 3e6}
+        },
+        "bodies": bodies,
+        "output": {"gap": False},
+        **({"contact": {"method": _no_contact()}} if beside else {}),
+    }
+
+
+def _no_contact() -> str:
+    """Return the name of a contact that gives every body its own velocity field and does nothing else."""
+    for name in available("contact"):
+        strategy = load("contact", name)
+        if strategy.velocity_fields == "per_body" and not strategy.keeps_apart:
+            return name
+    raise Inapplicable("no installed contact lets bodies pass through each other")
+
+
+def dims_of(subject: Subject) -> tuple[int, ...]:
+    """Return the dimensions that a plug-in works in, with its options."""
+    made = subject.make()
+    dims: tuple[int, ...] = tuple(getattr(made, "dimensions", (2, 3)))
+    if isinstance(made, NamedPlugIn):
+        dims = tuple(dim for dim in dims if not list(type(made).problems(made.options, dim)))
+    if not dims:
+        raise Inapplicable(f"the {subject.kind} works in no dimension with its options")
+    return dims
+
+
+def in_each_dimension(check: Callable[[Subject, int], None]) -> Callable[[Subject], None]:
+    """Make a check of a function of a subject and a dimension that it works in."""
+
+    @functools.wraps(check)
+    def run(subject: Subject) -> None:
+        try_all({"dim": dims_of(subject)}, functools.partial(check, subject))
+
+    return run

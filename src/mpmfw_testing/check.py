@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextvars
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -11,10 +12,31 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 if TYPE_CHECKING:
     from mpmfw_testing.subject import Subject
 
-#: What draws a counterexample into matplotlib axes.
+#: A function that draws a counterexample into matplotlib axes.
 Picture: TypeAlias = Callable[[Any], None]
 
 Status: TypeAlias = Literal["passed", "failed", "expected failure", "not applicable", "unexpectedly passed"]
+
+
+@dataclass(frozen=True)
+class LastCase:
+    """The case that the kit ran last: its scene, the number of steps, and a function that draws it."""
+
+    scene: Mapping[str, Any] | None = None
+    steps: int = 0
+    draw: Callable[[Any, Mapping[str, object]], None] | None = None  #: takes axes and the counterexample
+
+
+_last: contextvars.ContextVar[LastCase | None] = contextvars.ContextVar("last_case", default=None)
+
+
+def remember(
+    scene: Mapping[str, Any] | None = None,
+    steps: int = 0,
+    draw: Callable[[Any, Mapping[str, object]], None] | None = None,
+) -> None:
+    """Name the case that the kit runs now; a violation keeps it. Without arguments none was run."""
+    _last.set(LastCase(scene, steps, draw))
 
 
 class Violation(AssertionError):
@@ -27,7 +49,7 @@ class Violation(AssertionError):
     counterexample
         The case in which it happened, as named numbers (or words); units belong to the names, ``gap [m]``.
     picture
-        Draws the case into matplotlib axes, labels included; None if there is nothing to see.
+        Draws the case into matplotlib axes, labels included; by default the kit's own picture, if any.
     measured, bound
         What was measured, and what it may be at most (or at least, if ``message`` says so).
     where
@@ -47,27 +69,24 @@ class Violation(AssertionError):
         super().__init__(message)
         self.message = message
         self.counterexample: dict[str, object] = dict(counterexample or {})
-        self.picture = picture
-        self.measured, self.bound = measured, bound
-        self.where = tuple(where)
+        self.measured, self.bound, self.where = measured, bound, tuple(where)
+        self.case = _last.get() or LastCase()
+        self.picture: Picture | None = picture
+        if picture is None and (draw := self.case.draw) is not None:
+            self.picture = lambda axes: draw(axes, self.counterexample)
 
     def with_case(self, numbers: Mapping[str, object]) -> Violation:
-        """The same, with the ``numbers`` of the case in front of the counterexample's own."""
-        case = {**numbers, **self.counterexample}
-        return Violation(
-            self.message, case, self.picture, measured=self.measured, bound=self.bound, where=self.where
-        )
+        """Put the ``numbers`` of the case in front of the counterexample's own."""
+        self.counterexample = {**numbers, **self.counterexample}
+        return self
 
     def __str__(self) -> str:
-        lines = [self.message]
-        if self.measured is not None and self.bound is not None:
-            lines.append(f"  measured {shown(self.measured)}, bound {shown(self.bound)}")
-        lines += [f"  {name} = {shown(value)}" for name, value in self.counterexample.items()]
-        return "\n".join([*lines, *self.where])
+        lines = [self.message, *_numbers(self, "  "), *self.where]
+        return "\n".join(lines)
 
 
 class Inapplicable(Exception):
-    """The plug-in is of a kind of which the property cannot be asked; carries the reason."""
+    """The property cannot be asked of this plug-in; carries the reason."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +102,7 @@ class Check:
     run
         Takes the :class:`~mpmfw_testing.subject.Subject` and returns if the property holds: None, or a note
         that belongs beside it ("refuses: linear"); raises :class:`Violation` if it does not,
-        :class:`Inapplicable` if it cannot be asked. Its docstring states the bound and why it is that.
+        :class:`Inapplicable` if it cannot be asked. Its docstring states the bound and the reason for it.
     """
 
     name: str
@@ -97,16 +116,10 @@ class Check:
         return cls(function.__name__.replace("_", "-"), re.split(r"(?<=\.)\s", text)[0], function)
 
 
-def within(
-    measured: float,
-    bound: float,
-    message: str,
-    case: Mapping[str, object] | None = None,
-    picture: Picture | None = None,
-) -> None:
-    """Raise a violation unless ``measured`` is at most ``bound``; NaN is beyond any bound."""
+def within(measured: Any, bound: Any, message: str, case: Mapping[str, object] | None = None) -> None:
+    """Raise a violation unless the number ``measured`` is at most ``bound``; NaN is beyond any bound."""
     if not measured <= bound:
-        raise Violation(message, case, picture, measured=float(measured), bound=float(bound))
+        raise Violation(message, case, measured=float(measured), bound=float(bound))
 
 
 @dataclass(frozen=True)
@@ -140,11 +153,11 @@ class Outcome:
         lines = [f"{self.check}: {self.status}", f"  what must hold: {self.statement}"]
         if self.message:
             lines.append(f"  what happened: {self.message}")
+        numbers = _numbers(self, "    ")
         if self.measured is not None and self.bound is not None:
-            lines.append(f"  measured {shown(self.measured)}, bound {shown(self.bound)}")
-        if self.counterexample:
-            lines.append("  smallest counterexample:")
-            lines += [f"    {name} = {shown(value)}" for name, value in self.counterexample.items()]
+            lines.append(numbers.pop(0)[2:])
+        if numbers:
+            lines += ["  smallest counterexample:", *numbers]
         if self.where:
             lines += ["  where:", *(f"    {line}" for line in self.where)]
         if self.justification:
@@ -156,8 +169,16 @@ class Outcome:
         return "\n".join(lines)
 
 
+def _numbers(of: Violation | Outcome, indent: str) -> list[str]:
+    """Return lines with what was measured, if it was, and the counterexample's numbers."""
+    lines = [f"{indent}{name} = {shown(value)}" for name, value in of.counterexample.items()]
+    if of.measured is not None and of.bound is not None:
+        lines.insert(0, f"{indent}measured {shown(of.measured)}, bound {shown(of.bound)}")
+    return lines
+
+
 def shown(value: object) -> str:
-    """Numbers to six digits, everything else as it is."""
+    """Return numbers to six digits, everything else as it is."""
     if isinstance(value, float) or (hasattr(value, "dtype") and getattr(value, "ndim", 1) == 0):
         return f"{float(value):.6g}"  # type: ignore[arg-type]
     return str(value)

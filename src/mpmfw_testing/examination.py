@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -10,12 +9,12 @@ from pathlib import Path
 
 from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import did_you_mean
-from mpmfw_testing.check import Check, Inapplicable, Outcome, Status, Violation
-from mpmfw_testing.saving import forget, save
+from mpmfw_testing.check import Check, Inapplicable, Outcome, Violation, remember
+from mpmfw_testing.files import draw, save
 from mpmfw_testing.searching import raised
 from mpmfw_testing.subject import Subject
 
-#: Shortest justification of an expected failure, in characters: a word is none.
+#: Shortest justification of an expected failure, in characters.
 LEAST_JUSTIFICATION = 20
 
 
@@ -27,7 +26,7 @@ def examine(
     progress: Callable[[Check], None] | None = None,
     folder: Path | None = None,
 ) -> list[Outcome]:
-    """Run the checks one after the other.
+    """Run the checks one after the other; return one outcome a check, in their order.
 
     Parameters
     ----------
@@ -40,13 +39,9 @@ def examine(
     pictures
         Folder for the pictures of counterexamples, made if there is one; None draws none.
     progress
-        Told of every check before it runs.
+        Called with every check before it runs.
     folder
         For the scenes of counterexamples and the programs that run them; None writes none.
-
-    Returns
-    -------
-    One outcome a check, in their order.
 
     Raises
     ------
@@ -59,8 +54,7 @@ def examine(
     for check in checks:
         if progress is not None:
             progress(check)
-        why = expected.get(check.name, "")
-        outcome = examine_one(subject, check, why, None if why else pictures, None if why else folder)
+        outcome = examine_one(subject, check, expected.get(check.name, ""), pictures, folder)
         outcomes.append(named(outcome, causes))
     return outcomes
 
@@ -80,54 +74,46 @@ def examine_one(
     pictures: Path | None = None,
     folder: Path | None = None,
 ) -> Outcome:
-    """Run one check, which must fail if justified; ``folder`` takes a counterexample's scene."""
+    """Run one check, which must fail if justified; files are written of unexpected failures alone."""
     started = time.perf_counter()
-    forget()
-    violation = reason = note = None
+    remember()
+    outcome, violation = Outcome(check.name, check.property, "passed", justification=justification), None
     try:
-        note = check.run(subject)
+        outcome = replace(outcome, message=check.run(subject) or "")
     except Violation as broken:
         violation = broken
-    except Inapplicable as asked:
-        reason = str(asked)
+    except Inapplicable as reason:
+        outcome = replace(outcome, status="not applicable", message=str(reason))
     except Exception as error:
         violation = raised(error)
-    seconds = time.perf_counter() - started
-    if violation is None:
-        status, message = _without_violation(reason, justification, note or "")
-        return Outcome(
-            check.name, check.property, status, message, justification=justification, seconds=seconds
+    outcome = replace(outcome, seconds=time.perf_counter() - started)
+    if violation is not None:
+        unexpected = not justification
+        return replace(
+            outcome,
+            status="failed" if unexpected else "expected failure",
+            message=violation.message,
+            counterexample=violation.counterexample,
+            measured=violation.measured,
+            bound=violation.bound,
+            picture=draw(pictures, subject, check, violation) if pictures and unexpected else None,
+            saved=save(folder, subject, check, violation) if folder and unexpected else (),
+            where=violation.where,
         )
-    return Outcome(
-        check.name,
-        check.property,
-        "expected failure" if justification else "failed",
-        violation.message,
-        violation.counterexample,
-        violation.measured,
-        violation.bound,
-        justification,
-        None if pictures is None else _draw(subject, check, violation, pictures),
-        () if folder is None else save(folder, _file_name(subject, check), subject, violation),
-        seconds,
-        violation.where,
-    )
-
-
-def _without_violation(reason: str | None, justification: str, note: str) -> tuple[Status, str]:
     if justification:
-        what = "the check passes" if reason is None else f"the check does not apply ({reason})"
-        return "unexpectedly passed", f"{what}, but is listed as an expected failure; take it off the list"
-    return ("passed", note) if reason is None else ("not applicable", reason)
+        what = "the check passes" if outcome.status == "passed" else f"it does not apply ({outcome.message})"
+        text = f"{what}, but is listed as an expected failure; take it off the list"
+        return replace(outcome, status="unexpectedly passed", message=text)
+    return outcome
 
 
 def justified(expected: Mapping[str, str], checks: Sequence[Check]) -> dict[str, str]:
-    """The table of expected failures, if it is in order.
+    """Return the table of expected failures, if it is in order.
 
     Raises
     ------
     SceneError
-        It names an unknown check, or a justification is too short to be one.
+        It names an unknown check, or a justification is too short.
     """
     names = [check.name for check in checks]
     for name, why in expected.items():
@@ -139,16 +125,3 @@ def justified(expected: Mapping[str, str], checks: Sequence[Check]) -> dict[str,
                 f"found {why!r}"
             )
     return {name: str(why).strip() for name, why in expected.items()}
-
-
-def _draw(subject: Subject, check: Check, violation: Violation, folder: Path) -> Path | None:
-    if violation.picture is None:
-        return None
-    from mpmfw_testing.pictures import draw
-
-    return draw(folder / f"{_file_name(subject, check)}.png", f"{subject.label}: {check.name}", violation)
-
-
-def _file_name(subject: Subject, check: Check) -> str:
-    """Of a counterexample's files, without an ending."""
-    return re.sub(r"[^\w.=-]+", "-", subject.label).strip("-") + f"-{check.name}"

@@ -1,27 +1,25 @@
-"""The rule that no option is without effect, for plug-ins of either kind."""
+"""The rule that no option is without effect, and the values of options that are tried."""
 
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias, get_args, get_origin
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
 from mpmfw.errors import SceneError
 from mpmfw_testing.check import Violation
-from mpmfw_testing.option_values import candidates, choices
 from mpmfw_testing.subject import Subject
 
-#: What the plug-in makes of options, to the bit. Options are refused with a ``ValidationError`` or
-#: ``SceneError``.
-Experiment: TypeAlias = Callable[[dict[str, Any]], str]
+#: A function that returns the digest of what the plug-in does with options; None where they are refused.
+Experiment: TypeAlias = Callable[[dict[str, Any]], str | None]
 
 
-def every_option_acts(subject: Subject, experiments: Sequence[Experiment]) -> None:
-    """Ask of every option whether two of its values, the one that it has among them, differ in one of the
-    experiments.
+def every_option_acts(subject: Subject, experiments: Sequence[Callable[[dict[str, Any]], str]]) -> None:
+    """Require of every option that two of its values, its own among them, differ in one of the experiments.
 
     Values are tried alone, and together with each choice or another number of the other options, since an
     option may need one. A refused value says nothing for or against the option.
@@ -35,33 +33,28 @@ def every_option_acts(subject: Subject, experiments: Sequence[Experiment]) -> No
         The plug-in has no options.
     """
     model = subject.options_model()
-    asked = [_remembered(experiment) for experiment in experiments]
+    remembered = [_remembered(experiment) for experiment in experiments]
     for name, field in model.model_fields.items():
-        _check_option(subject, model, name, field, asked)
+        _check_option(subject, model, name, field, remembered)
 
 
 def _check_option(
-    subject: Subject,
-    model: type[BaseModel],
-    name: str,
-    field: FieldInfo,
-    experiments: Sequence[Callable[[dict[str, Any]], str | None]],
+    subject: Subject, model: type[BaseModel], name: str, field: FieldInfo, experiments: Sequence[Experiment]
 ) -> None:
-    values, has = candidates(field), field.get_default(call_default_factory=True)
+    values, own = candidates(field), field.get_default(call_default_factory=True)
     configured = name in subject.options
     if configured:  # the default is then a value like others
-        values += [] if field.is_required() else [has]
-        has = subject.options[name]
+        values += [] if field.is_required() else [own]
+        own = subject.options[name]
     if not values:
         raise Violation(
             f"no value of the option '{name}' could be made up; give its field examples=[…]",
             {"option": name, "type": str(field.annotation)},
         )
-    other_values = [value for value in values if value != has]
     silent: list[tuple[Any, dict[str, Any]]] = []
     for others, experiment in itertools.product(_others(model, name), experiments):
         first = experiment(others)
-        for value in other_values:
+        for value in (value for value in values if value != own):
             found = experiment({**others, name: value})
             if first is None or found is None:
                 first = first or found
@@ -73,7 +66,7 @@ def _check_option(
         what = "the configured one" if configured else "the default"
         raise Violation(
             f"every value made up for '{name}' is refused or {what}; give its field examples=[…]",
-            {"option": name, what: has, "values": values},
+            {"option": name, what: own, "values": values},
         )
     value, others = silent[0]
     raise Violation(
@@ -82,8 +75,8 @@ def _check_option(
     )
 
 
-def _remembered(experiment: Experiment) -> Callable[[dict[str, Any]], str | None]:
-    """The experiment, made once for the same options; None where they are refused."""
+def _remembered(experiment: Callable[[dict[str, Any]], str]) -> Experiment:
+    """Return the experiment, made once for the same options."""
     found: dict[str, str | None] = {}
 
     def remembered(options: dict[str, Any]) -> str | None:
@@ -99,12 +92,60 @@ def _remembered(experiment: Experiment) -> Callable[[dict[str, Any]], str | None
 
 
 def _others(model: type[BaseModel], name: str) -> Iterator[dict[str, Any]]:
-    """No other option, then each choice, or another number, of each other option."""
+    """Yield no other option, then each choice, or another number, of each other option."""
     yield {}
     fields = [(other, field) for other, field in model.model_fields.items() if other != name]
-    for other, field in sorted(fields, key=lambda one: not choices(one[1].annotation)):
+    for other, field in sorted(fields, key=lambda one: not _choices(one[1].annotation)):
         default = field.get_default(call_default_factory=True)
-        values = choices(field.annotation) or candidates(field)
-        different = [value for value in values if value != default]
-        for value in different if choices(field.annotation) else different[:1]:
+        choices = _choices(field.annotation)
+        different = [value for value in choices or candidates(field) if value != default]
+        for value in different if choices else different[:1]:
             yield {other: value}
+
+
+def candidates(field: FieldInfo) -> list[Any]:
+    """Return values to try of an option: the field's examples, then values that its type accepts.
+
+    A value may still be refused by a validator of the model. An example may be the value that the plug-in
+    under test was given, so that examples alone would leave nothing to compare it with.
+    """
+    default = field.get_default(call_default_factory=True)
+    leaves = list(_leaves(field.annotation)) + [leaf for each in field.metadata for leaf in _leaves(each)]
+    bounds = [getattr(leaf, name, None) for leaf in leaves for name in ("gt", "ge", "lt", "le")]
+    ends = sorted(float(bound) for bound in bounds if bound is not None)
+    numbers: list[float] = [0.01, 1.0, 0.1, 0.0, 2.0]
+    if isinstance(default, int | float) and not isinstance(default, bool):
+        numbers = [2.0 * default, default / 2.0, *numbers]
+    numbers += [end + step for end in ends for step in (1.0, -1.0, 0.0)]
+    numbers += [ends[0] + (ends[-1] - ends[0]) * share for share in (0.25, 0.75) if len(ends) > 1]
+    vectors = ((1.0, 0.0), (0.0, 1.0), (0.0, 0.0, 1.0))
+    made_up = [*_choices(field.annotation), *numbers, *map(math.floor, numbers), "second", "first", *vectors]
+    annotation: Any = Annotated[field.annotation, *field.metadata, None]
+    accepted: TypeAdapter[Any] = TypeAdapter(annotation)
+    tried = list(field.examples or ())
+    for value in made_up:
+        try:
+            accepted.validate_python(value, strict=not isinstance(value, tuple))
+        except Exception:  # a stranger's validator may raise anything
+            continue
+        if value not in tried:  # no set: values need not be hashable
+            tried.append(value)
+    return tried
+
+
+def _leaves(annotation: Any) -> Iterator[Any]:
+    """Yield the parts of a type, and the constraints in it."""
+    yield annotation
+    parts = (*get_args(annotation), *getattr(annotation, "metadata", ()))
+    for part in parts if get_origin(annotation) is not Literal else ():
+        yield from _leaves(part)
+
+
+def _choices(annotation: Any) -> list[Any]:
+    """Return all values of a type that has a few: a ``Literal`` or bool, or a union with one."""
+    choices = [
+        [False, True] if leaf is bool else get_args(leaf)
+        for leaf in _leaves(annotation)
+        if leaf is bool or get_origin(leaf) is Literal
+    ]
+    return [value for values in choices for value in values]

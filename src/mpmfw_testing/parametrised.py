@@ -1,4 +1,4 @@
-"""The kit as parametrised pytest tests."""
+"""The kit as parametrised pytest tests, and as one call."""
 
 from __future__ import annotations
 
@@ -12,19 +12,16 @@ from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import Kind, did_you_mean
 from mpmfw_testing.check import Check
 from mpmfw_testing.examination import examine, examine_one, justified, named
-from mpmfw_testing.parts import PARTS
-from mpmfw_testing.subject import Subject, bases_of_kinds, subject_of
+from mpmfw_testing.subject import Subject, kind_of, subject_of
 
+#: Module of the checks of each kind; kinds without bundled plug-ins have the generic checks alone.
+MODULES: dict[Kind, str] = {
+    "contact": "contact", "detection": "contact", "law": "contact", "shape": "shape", "material": "material",
+    "load": "load", "friction": "friction", "boundary": "others", "output": "others", "geometry": "geometry",
+    "measure": "others", "reference": "others",
+}  # fmt: skip
 #: Kinds of plug-ins that there are checks for.
-CHECKED: tuple[Kind, ...] = (
-    "contact", "detection", "law", "shape", "material", "load", "friction", "boundary", "output",
-    "geometry", "measure",
-    "reference",
-)  # fmt: skip
-
-#: Those that nothing bundled is: one generic check each.
-GENERIC = ("boundary", "output", "measure", "reference")
-
+CHECKED: tuple[Kind, ...] = tuple(MODULES)
 #: Folder for pictures of counterexamples, in the working directory; made by the first failure.
 PICTURES = Path("mpmfw-check")
 
@@ -69,7 +66,7 @@ def _conformance_of(kind: Kind, more: str = "") -> Callable[..., Callable[[Any],
         ... def test_conformance(check):
         ...     check()
         """
-        return _parametrised(plugin, kind, checks_of(kind), expected_failures, only, pictures)
+        return _parametrised(subject_of(plugin, kind), checks_of(kind), expected_failures, only, pictures)
 
     conformance.__name__ = conformance.__qualname__ = f"{kind}_conformance"
     conformance.__doc__ = cleandoc(conformance.__doc__ or "").replace("a plug-in.", f"a {kind}.{more}", 1)
@@ -107,10 +104,9 @@ def checks_of(kind: Kind) -> tuple[Check, ...]:
     SceneError
         There are none for it.
     """
-    if kind not in CHECKED:
+    if kind not in MODULES:
         raise SceneError(f"there are no checks of a {kind} by itself; expected one of {', '.join(CHECKED)}")
-    module = "contact" if kind in PARTS else "repeatable" if kind in GENERIC else kind
-    return tuple(map(Check.of, import_module(f"mpmfw_testing.{module}").CHECKS))
+    return tuple(map(Check.of, import_module(f"mpmfw_testing.{MODULES[kind]}").CHECKS))
 
 
 def check_plugin(
@@ -134,7 +130,7 @@ def check_plugin(
     AssertionError
         A check went wrong: all that did, each with its smallest counterexample.
     SceneError
-        It is no plug-in that there are checks for.
+        There are no checks for it.
 
     Examples
     --------
@@ -142,108 +138,62 @@ def check_plugin(
     """
     subject = subject_of(plugin, kind_of(plugin))
     checks = checks_of(subject.kind)
-    outcomes = examine(subject, chosen(checks, only), _among(expected_failures, checks, only), pictures)
+    table, run = justified(expected_failures or {}, checks), chosen(checks, only)
+    expected = {check.name: table[check.name] for check in run if check.name in table}
+    outcomes = examine(subject, run, expected, pictures)
     if wrong := [outcome.report for outcome in outcomes if outcome.wrong]:
         raise AssertionError("\n".join([subject.label, *wrong]))
 
 
-def _among(
-    expected: Mapping[str, str] | None, checks: Sequence[Check], only: Iterable[str] | None
-) -> dict[str, str]:
-    """The expected failures among the checks that run."""
-    table = justified(expected or {}, checks)
-    names = {check.name for check in chosen(checks, only)}
-    return {name: why for name, why in table.items() if name in names}
-
-
-def kind_of(plugin: Any) -> Kind:
-    """The kind of a plug-in's class or object, by its base class.
-
-    Raises
-    ------
-    SceneError
-        It has none of the base classes that there are checks for.
-    """
-    kind, bases = plugin if isinstance(plugin, type) else type(plugin), {**bases_of_kinds(), **PARTS}
-    for name, base in bases.items():
-        if issubclass(kind, base):
-            return name
-    expected = ", ".join(f"mpmfw.api.{base.__name__}" for base in bases.values())
-    raise SceneError(
-        f"cannot check {plugin!r}: expected a class, or an object of one, derived from {expected}"
-    )
-
-
 def chosen(checks: Sequence[Check], only: Iterable[str] | None) -> list[Check]:
-    """The checks of these names, in the kit's order; all if none is given.
+    """Return the checks of these names, in the kit's order; all if none is given.
 
     Raises
     ------
     SceneError
         There is no check of a name.
     """
-    if only is None:
-        return list(checks)
-    names, asked = [check.name for check in checks], list(only)
+    names = [check.name for check in checks]
+    asked = names if only is None else list(only)
     for name in asked:
         if name not in names:
             raise SceneError(f"no such check '{name}'; {did_you_mean(name, names)}")
     return [check for check in checks if check.name in asked]
 
 
-class BoundCheck:
-    """A check of one plug-in; call it in a test."""
-
-    def __init__(
-        self,
-        subject: Subject,
-        check: Check,
-        justification: str,
-        pictures: Path | None,
-        causes: dict[tuple[str, ...], str] | None = None,
-    ) -> None:
-        self.subject, self.check, self.causes = subject, check, {} if causes is None else causes
-        self.justification, self.pictures = justification, pictures
-
-    def __repr__(self) -> str:
-        return f"{self.check.name} of {self.subject.label}"
-
-    def __call__(self) -> None:
-        """Pass, skip where the check does not apply, or fail with the smallest counterexample."""
-        pytest = _pytest()
-        pictures = None if self.justification else self.pictures
-        outcome = named(examine_one(self.subject, self.check, self.justification, pictures), self.causes)
-        if outcome.status == "not applicable":
-            pytest.skip(outcome.message)
-        if outcome.status == "expected failure":
-            pytest.xfail(f"{self.justification} ({outcome.message})")
-        if outcome.wrong:
-            pytest.fail(f"{self.subject.label}\n{outcome.report}", pytrace=False)
-
-
 def _parametrised(
-    plugin: Any,
-    kind: Kind,
+    subject: Subject,
     checks: Sequence[Check],
     expected_failures: Mapping[str, str] | None,
     only: Iterable[str] | None,
     pictures: Path | None,
 ) -> Callable[[Any], Any]:
-    pytest = _pytest()
-    subject = subject_of(plugin, kind)
-    run = chosen(checks, only)
-    expected = justified(expected_failures or {}, checks)
-    causes: dict[tuple[str, ...], str] = {}  # of one plug-in's tests together
-    bound = [BoundCheck(subject, check, expected.get(check.name, ""), pictures, causes) for check in run]
-    mark: Callable[[Any], Any] = pytest.mark.parametrize("check", bound, ids=[check.name for check in run])
-    return mark
-
-
-def _pytest() -> Any:
+    """Return pytest's mark with a function for each check."""
     try:
         import pytest
     except ImportError as error:
         raise SceneError(
             "mpmfw_testing's decorators need pytest, which is not installed: pip install 'mpmfw[testing]'"
         ) from error
-    return pytest
+    expected = justified(expected_failures or {}, checks)
+    causes: dict[tuple[str, ...], str] = {}  # of one plug-in's tests together
+
+    def bound(check: Check) -> Callable[[], None]:
+        def run() -> None:
+            """Pass, skip where the check does not apply, or fail with the smallest counterexample."""
+            why = expected.get(check.name, "")
+            outcome = named(examine_one(subject, check, why, pictures), causes)
+            if outcome.status == "not applicable":
+                pytest.skip(outcome.message)
+            if outcome.status == "expected failure":
+                pytest.xfail(f"{why} ({outcome.message})")
+            if outcome.wrong:
+                pytest.fail(f"{subject.label}\n{outcome.report}", pytrace=False)
+
+        return run
+
+    run = chosen(checks, only)
+    mark: Callable[[Any], Any] = pytest.mark.parametrize(
+        "check", [bound(check) for check in run], ids=[check.name for check in run]
+    )
+    return mark

@@ -6,12 +6,10 @@ from typing import Any
 
 
 def say_lines() -> None:
-    """Let kernels that meet an index out of bounds raise it from the line in question, in this process from
-    now on.
+    """Let kernels of this process raise an index out of bounds from its line.
 
-    Compiled code raises a bare ``IndexError``. The kernel is then run once more as Python, with the arrays as
-    they are, which raises it from the line; where that cannot be, as of what only compiled code can call, the
-    first error stands.
+    Compiled code raises a bare ``IndexError``. The kernel is then run once more as Python, which raises it
+    from the line; where Python cannot run it, the first error stands.
     """
     from numba.core import dispatcher
 

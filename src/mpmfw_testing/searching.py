@@ -1,4 +1,4 @@
-"""Search for a counterexample over placements, orientations and options, and the smallest one there is."""
+"""Search for a counterexample over placements, orientations and options, and for the smallest one."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class _Enough(BaseException):
 
 
 def hypothesis() -> Any:
-    """The module hypothesis with its strategies.
+    """Return the module hypothesis with its strategies.
 
     Raises
     ------
@@ -44,11 +44,9 @@ def hypothesis() -> Any:
 
 
 def ladder(first: float, last: float, rungs: int) -> Any:
-    """Numbers at equal distance, ``first`` the simplest: a counterexample moves towards it as far as it can.
+    """Return a hypothesis strategy of ``rungs`` numbers at equal distance from ``first`` to ``last``.
 
-    Returns
-    -------
-    A hypothesis strategy of ``rungs`` numbers from ``first`` to ``last``.
+    ``first`` is the simplest: a counterexample moves towards it as far as it can.
     """
     step = (last - first) / (rungs - 1)
     return hypothesis().strategies.integers(0, rungs - 1).map(lambda k: first + k * step)
@@ -79,28 +77,54 @@ def search(
     most
         Trials in all, those that look for the smallest counterexample included.
     names
-        What numbers are called in the counterexample, where it is not their keyword.
+        Names of numbers in the counterexample, where they differ from the keyword.
 
     Raises
     ------
     Violation
-        Of the smallest case found; its counterexample begins with the case's numbers. What else a trial
-        raises counts as a violation that names the error.
+        Of the smallest case found; its counterexample begins with the case's numbers. Another error of a
+        trial counts as a violation that names the error.
     Inapplicable
         As raised by a trial, unless another one has broken the property before.
     """
-    trials = _Trials(trial, most, {name: (names or {}).get(name, name) for name in cases})
+    library, counted = hypothesis(), itertools.count()
+    found: list[Violation] = []
+    inapplicable: list[Inapplicable] = []
+
+    def one(numbers: Mapping[str, Any]) -> None:
+        if next(counted) >= most:
+            raise _Enough
+        try:
+            _tried(trial, numbers, names)
+        except Violation as violation:
+            found.append(violation)
+            raise
+        except Inapplicable as reason:
+            inapplicable.append(reason)
+            raise _Enough from None
+
+    settings = library.settings(
+        max_examples=examples,
+        derandomize=True,
+        database=None,
+        deadline=None,
+        suppress_health_check=list(library.HealthCheck),
+        phases=(library.Phase.generate, library.Phase.shrink),
+        report_multiple_bugs=False,
+        print_blob=False,
+        verbosity=library.Verbosity.quiet,
+    )
     try:
-        _decorated(lambda numbers: trials(numbers), cases, examples)()
+        settings(library.given(library.strategies.fixed_dictionaries(dict(cases)))(one))()
     except _Enough:
         pass
     except Exception:
-        if not trials.found:
+        if not found:
             raise
-    if trials.found:
-        raise trials.found[-1] from trials.found[-1].__cause__
-    if trials.inapplicable is not None:
-        raise trials.inapplicable
+    if found:
+        raise found[-1] from found[-1].__cause__
+    if inapplicable:
+        raise inapplicable[0]
 
 
 def try_all(
@@ -117,74 +141,30 @@ def try_all(
         that cannot be asked are left out.
     """
     ranks = itertools.product(*(range(len(values)) for values in cases.values()))
-    text = {name: (names or {}).get(name, name) for name in cases}
     for count, rank in enumerate(sorted(ranks, key=sum)):
         numbers = {name: values[k] for (name, values), k in zip(cases.items(), rank, strict=True)}
-        case = {text[name]: value for name, value in numbers.items()}
         try:
-            trial(**numbers)
-        except Violation as violation:
-            raise violation.with_case(case) from violation.__cause__
+            _tried(trial, numbers, names)
         except Inapplicable:
             if count == 0:
                 raise
-        except Exception as error:
-            raise raised(error).with_case(case) from error
 
 
-class _Trials:
-    """Run the trials of one search; the last violation kept is that of the smallest case."""
-
-    def __init__(self, trial: Callable[..., None], most: int, names: Mapping[str, str]) -> None:
-        self.trial, self.most, self.names = trial, most, names
-        self.count = 0
-        self.found: list[Violation] = []
-        self.inapplicable: Inapplicable | None = None
-
-    def __call__(self, numbers: Mapping[str, Any]) -> None:
-        """One case; what breaks the property is kept, and raised again for hypothesis to see."""
-        if self.count >= self.most:
-            raise _Enough
-        self.count += 1
-        case = {text: numbers[name] for name, text in self.names.items()}
-        try:
-            self.trial(**numbers)
-        except Violation as violation:
-            self.found.append(violation.with_case(case))
-            raise
-        except Inapplicable as reason:
-            self.inapplicable = reason
-            raise _Enough from None
-        except Exception as error:
-            self.found.append(raised(error).with_case(case))
-            self.found[-1].__cause__ = error
-            raise
-
-
-def _decorated(
-    one: Callable[[Mapping[str, Any]], None], cases: Mapping[str, Any], examples: int
-) -> Callable[[], None]:
-    """The function as a hypothesis test over the cases."""
-    library = hypothesis()
-    settings = library.settings(
-        max_examples=examples,
-        derandomize=True,
-        database=None,
-        deadline=None,
-        suppress_health_check=list(library.HealthCheck),
-        phases=(library.Phase.generate, library.Phase.shrink),
-        report_multiple_bugs=False,
-        print_blob=False,
-        verbosity=library.Verbosity.quiet,
-    )
-    test: Callable[[], None] = settings(
-        library.given(library.strategies.fixed_dictionaries(dict(cases)))(one)
-    )
-    return test
+def _tried(trial: Callable[..., None], numbers: Mapping[str, Any], names: Mapping[str, str] | None) -> None:
+    """Try one case; a violation, or an error as one, begins with the case's numbers."""
+    case = {(names or {}).get(name, name): value for name, value in numbers.items()}
+    try:
+        trial(**numbers)
+    except Violation as violation:
+        raise violation.with_case(case) from violation.__cause__
+    except Inapplicable:
+        raise
+    except Exception as error:
+        raise raised(error).with_case(case) from error
 
 
 def raised(error: BaseException) -> Violation:
-    """An error of the plug-in, or of the run with it, as a violation that says where it was raised."""
+    """Return an error of the plug-in, or of the run with it, as a violation with the lines that raised it."""
     first = error
     while (
         inner := first.__cause__ or (None if first.__suppress_context__ else first.__context__)
@@ -194,7 +174,7 @@ def raised(error: BaseException) -> Violation:
 
 
 def _lines(error: BaseException) -> list[str]:
-    """Lines of the traceback outside mpmfw's core and libraries; the last one if there is none."""
+    """Return lines of the traceback outside mpmfw's core and libraries; the last one if there is none."""
     frames = traceback.extract_tb(error.__traceback__)
     own = [frame for frame in frames if not Path(frame.filename).resolve().is_relative_to(_CORE)]
     strange = [frame for frame in own if not _LIBRARY.search(frame.filename)]

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
+from mpmfw.campaigns.measures import measure_of
+from mpmfw.contact.parts import ContactLaw, Detection
 from mpmfw.errors import SceneError
 from mpmfw.geometry.discretise import refuse_incomplete
 from mpmfw.plugin.discovery import (
     Kind,
+    available,
     did_you_mean,
     full_name,
     load,
@@ -20,9 +24,13 @@ from mpmfw.plugin.discovery import (
     refuse_nameless,
 )
 from mpmfw.plugin.hooks import make_manager, register
+from mpmfw.runs.build import BASES
 from mpmfw.scene.specification import parse_specification, specification_of
 from mpmfw_testing.check import Inapplicable
-from mpmfw_testing.parts import PARTS, part_of, whole
+
+#: Base classes of the parts of a contact, and of all kinds that there are checks for.
+PARTS: dict[Kind, type[Any]] = {"detection": Detection, "law": ContactLaw}
+ALL_BASES: dict[Kind, type[Any]] = {**BASES, **PARTS}
 
 
 @dataclass(frozen=True)
@@ -40,7 +48,7 @@ class Subject:
     options: Mapping[str, Any] = field(default_factory=dict)  #: those that were given
 
     def make(self, **options: Any) -> Any:
-        """A fresh plug-in with the given options, and these in their place.
+        """Return a fresh plug-in with the given options, of which these take the place.
 
         Raises
         ------
@@ -50,7 +58,7 @@ class Subject:
         return self.factory(**{**self.options, **options})
 
     def options_model(self) -> type[BaseModel]:
-        """The plug-in's ``Options``.
+        """Return the plug-in's ``Options``.
 
         Raises
         ------
@@ -63,7 +71,7 @@ class Subject:
 
 
 def subject_of(plugin: Any, kind: Kind, options: Mapping[str, Any] | None = None) -> Subject:
-    """The subject of a class, a configured object, a function without arguments, or a name.
+    """Return the subject of a class, a configured object, a function without arguments, or a name.
 
     Parameters
     ----------
@@ -85,91 +93,111 @@ def subject_of(plugin: Any, kind: Kind, options: Mapping[str, Any] | None = None
     given = dict(options or {})
     if isinstance(plugin, str):
         text = parse_specification(plugin)
-        twice = sorted(set(text.options) & set(given))
-        if twice:
+        if twice := sorted(set(text.options) & set(given)):
             raise SceneError(
                 f"{plugin}: the option '{twice[0]}' is given beside it as well; leave one of them out"
             )
-        given = {**text.options, **given}
-        plugin = _named(kind, text.name)
+        plugin, given = _named(kind, text.name), {**text.options, **given}
+    elif not isinstance(plugin, type) and isinstance(plugin, tuple(ALL_BASES.values())):
+        plugin, given = type(plugin), {**_options_set(plugin), **given}
     if kind == "contact":
-        kind = part_of(plugin) or kind
+        kind = _part_of(plugin) or kind
     if kind in PARTS:
-        plugin, kind, given = _whole(plugin, kind, given)
-    if isinstance(plugin, type):
-        _check_kind(plugin, kind)
-        refuse_class(plugin)
-        _refuse_unusable(plugin, kind)
-        _one(plugin, given)
-        return Subject(kind, _label(plugin, given), plugin, plugin, given)
-    if isinstance(plugin, tuple(bases_of_kinds().values())):
-        return subject_of(type(plugin), kind, {**_options_set(plugin), **given})
-    if callable(plugin):
-        made = _one(plugin, given)
-        _check_kind(type(made), kind)
-        refuse_nameless(type(made))
-        _refuse_unusable(type(made), kind)
-        return Subject(kind, _label(type(made), given), None, plugin, given)
-    raise SceneError(
-        f"cannot check {plugin!r}: expected a plug-in class, an object of one, a function that makes one, or "
-        "a name"
-    )
+        plugin, kind = _joined(plugin, kind, given), "contact"
+    if not callable(plugin):
+        raise SceneError(
+            f"cannot check {plugin!r}: expected a plug-in class, an object of one, a function that makes "
+            "one, or a name"
+        )
+    made = plugin if isinstance(plugin, type) else type(_make(plugin, given))
+    _check_kind(made, kind)
+    (refuse_class if made is plugin else refuse_nameless)(made)
+    _refuse_unusable(made, kind)
+    if made is plugin:
+        _make(plugin, given)
+    return Subject(kind, _label(made, given), made if made is plugin else None, plugin, given)
 
 
-def _whole(plugin: Any, kind: Kind, given: dict[str, Any]) -> tuple[type[Any], Kind, dict[str, Any]]:
-    """The contact strategy of a detection or a law, or of an object of one, with its options.
+def _part_of(plugin: Any) -> Kind | None:
+    """Return whether a class is a detection or a law; None if it is neither."""
+    found = (part for part, base in PARTS.items() if isinstance(plugin, type) and issubclass(plugin, base))
+    return next(found, None)
+
+
+def _joined(part: Any, kind: Kind, options: Mapping[str, Any]) -> type[Any]:
+    """Return the contact strategy of a detection or a law, with an installed part that ``checks_others``.
+
+    Facets and laws of forces are tried first.
 
     Raises
     ------
     SceneError
-        It is none, or goes with no other part.
+        It is of another kind, or goes with no such part.
     """
-    if isinstance(plugin, type):
-        refuse_class(plugin)
-        return whole(plugin, kind, given), "contact", given
-    if part_of(plugin) is None:
+    if _part_of(part) != kind:
+        name = full_name(part) if isinstance(part, type) else repr(part)
         raise SceneError(
-            f"cannot check {plugin!r}: expected a {kind} plug-in's class, an object of one, or a name"
+            f"{name} is not of the kind {kind}; expected a subclass of mpmfw.api.{PARTS[kind].__name__}"
         )
-    given = {**_options_set(plugin), **given}
-    return whole(type(plugin), kind, given), "contact", given
+    refuse_class(part)
+    partner: Kind = "detection" if kind == "law" else "law"
+    others = [load(partner, name) for name in available(partner)]
+    others = [other for other in others if vars(other).get("checks_others")]  # heirs have their own faults
+    first = [getattr(o, "gives_forces", False) or getattr(o, "provides", False) for o in others]
+    refusals = []
+    for _, other in sorted(zip(first, others, strict=True), key=lambda pair: not pair[0]):
+        law, detection = (part, other) if kind == "law" else (other, part)
+        try:
+            joined: type[Any] = law.joined_with(detection)
+            with suppress(ValidationError):  # a later call names what is wrong with the options
+                joined(**options)
+            return joined
+        except SceneError as error:
+            refusals.append(str(error))
+    raise SceneError(f"{kind} '{part.name}' cannot be checked alone: {'; '.join(refusals)}")
 
 
 def _named(kind: Kind, name: str) -> type[Any]:
-    """The class of a name; bundled measures are registered, not announced."""
-    if kind == "measure":
-        from mpmfw.campaigns.measures import measure_of
-
-        return type(measure_of(name))
-    return load(kind, name)
+    """Return the class of a name; bundled measures are registered, not announced."""
+    return type(measure_of(name)) if kind == "measure" else load(kind, name)
 
 
 def _refuse_unusable(plugin: type[Any], kind: Kind) -> None:
-    """Refuse a class with hooks that nobody would call, or a geometry that does not say what it must."""
+    """Refuse a class with hooks that nobody would call, or a geometry that lacks a required member."""
     if kind == "geometry":
         refuse_incomplete(plugin)
     elif kind not in ("measure", "reference"):
         register(make_manager(), object.__new__(plugin), full_name(plugin))
 
 
-def bases_of_kinds() -> dict[Kind, type[Any]]:
-    """Base classes of the kinds that there are checks for."""
-    from mpmfw.runs.build import BASES
+def kind_of(plugin: Any) -> Kind:
+    """Return the kind of a plug-in's class or object, by its base class.
 
-    return dict(BASES)
+    Raises
+    ------
+    SceneError
+        It has none of the base classes that there are checks for.
+    """
+    kind = plugin if isinstance(plugin, type) else type(plugin)
+    for name, base in ALL_BASES.items():
+        if issubclass(kind, base):
+            return name
+    expected = ", ".join(f"mpmfw.api.{base.__name__}" for base in ALL_BASES.values())
+    raise SceneError(
+        f"cannot check {plugin!r}: expected a class, or an object of one, derived from {expected}"
+    )
 
 
 def _check_kind(plugin: type[Any], kind: Kind) -> None:
-    bases = bases_of_kinds()
-    if not issubclass(plugin, bases[kind]):
+    base = ALL_BASES[kind]
+    if not issubclass(plugin, base):
         raise SceneError(
-            f"{full_name(plugin)} is no {kind} plug-in; expected a subclass of "
-            f"mpmfw.api.{bases[kind].__name__}"
+            f"{full_name(plugin)} is not of the kind {kind}; expected a subclass of mpmfw.api.{base.__name__}"
         )
 
 
-def _one(factory: Callable[..., Any], options: Mapping[str, Any]) -> Any:
-    """One object, to see that it can be made; a stranger's constructor may raise anything."""
+def _make(factory: Callable[..., Any], options: Mapping[str, Any]) -> Any:
+    """Return one object, to see that it can be made; a stranger's constructor may raise anything."""
     name = str(getattr(factory, "name", getattr(factory, "__qualname__", factory)))
     try:
         return factory(**options)
@@ -179,9 +207,7 @@ def _one(factory: Callable[..., Any], options: Mapping[str, Any]) -> Any:
     except SceneError:
         raise
     except Exception as error:
-        if isinstance(error, TypeError) and not isinstance(
-            factory, type
-        ):  # of a class the signature has been read
+        if isinstance(error, TypeError) and not isinstance(factory, type):  # a class's signature was read
             raise SceneError(f"{name}(…) must be made from its options alone: {error}") from error
         raise SceneError(f"{name}(…) cannot be made: {type(error).__name__}: {error}") from error
 

@@ -14,14 +14,14 @@ from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
 from mpmfw_contact.penalty import Penalty
 from mpmfw_shape.linear import Linear
-from mpmfw_testing.contact.meeting import Meeting
+from mpmfw_testing.contact.impact import Impact
 
 PLACE = "faulty_plugins.contact.plain:PlainContact"
 
 
 def end(contact: Any) -> np.ndarray:
     """Positions after twenty steps of two blocks that meet."""
-    simulation = Simulation(Meeting().mapping(), contact=contact)
+    simulation = Simulation(Impact().mapping(), contact=contact)
     simulation.advance(20)
     return simulation.state.particles.position
 
@@ -32,7 +32,7 @@ def test_a_scene_names_a_class_of_a_module() -> None:
 
 def end_of(contact: dict[str, Any]) -> np.ndarray:
     """As :func:`end`, of a scene with this table of contact."""
-    simulation = Simulation({**Meeting().mapping(), "contact": contact})
+    simulation = Simulation({**Impact().mapping(), "contact": contact})
     simulation.advance(20)
     return simulation.state.particles.position
 
@@ -43,7 +43,7 @@ def test_options_stand_in_a_table_of_that_name_or_beside_it() -> None:
     assert np.array_equal(end_of({"method": place, "friction": 0.0, place: {"kappa": 2.0}}), expected)
     assert np.array_equal(end(f"{place}(kappa=2)"), expected)
     with pytest.raises(SceneError, match="kapa"):
-        load_scene({**Meeting().mapping(), "contact": {"method": place, place: {"kapa": 2.0}}})
+        load_scene({**Impact().mapping(), "contact": {"method": place, place: {"kapa": 2.0}}})
 
 
 @pytest.mark.parametrize(
@@ -55,7 +55,7 @@ def test_options_stand_in_a_table_of_that_name_or_beside_it() -> None:
 )
 def test_what_is_not_there_is_said(place: str, said: str) -> None:
     with pytest.raises(SceneError, match=said):
-        load_scene({**Meeting().mapping(), "contact": {"method": place}})
+        load_scene({**Impact().mapping(), "contact": {"method": place}})
 
 
 @pytest.mark.parametrize(
@@ -71,7 +71,7 @@ def test_what_is_not_there_is_said(place: str, said: str) -> None:
 )
 def test_what_is_no_contact_is_refused_in_one_line(given: Any, said: str) -> None:
     with pytest.raises(SceneError, match=said):
-        Simulation(Meeting().mapping(), contact=given)
+        Simulation(Impact().mapping(), contact=given)
 
 
 @pytest.mark.parametrize("made", [PlainContact(), Penalty(kappa=2.0)])

@@ -13,7 +13,7 @@ from mpmfw.api import ImpulseLaw
 from mpmfw.errors import SceneError
 from mpmfw_contact.penalty import Penalty
 from mpmfw_testing import check_plugin, subject_of
-from mpmfw_testing.option_values import candidates
+from mpmfw_testing.options import candidates
 
 
 def test_subjects_of_all_sorts():
@@ -35,7 +35,7 @@ def test_a_law_that_attracts_fails_what_the_kit_asks_of_it():
     ("plugin", "options", "said"),
     [
         ("penalti", {}, "did you mean 'penalty'"),
-        ("mpmfw_shape.gimp:Gimp", {}, "is no contact plug-in"),
+        ("mpmfw_shape.gimp:Gimp", {}, "is not of the kind contact"),
         (Penalty, {"kapa": 1.0}, "no such option 'kapa'; did you mean 'kappa'"),
         (3, {}, "cannot check 3"),
     ],

@@ -147,7 +147,8 @@ def _kind_of(text: str, kind: str | None) -> Kind:
     from mpmfw.campaigns.measures import names_of_measures
     from mpmfw.plugin.discovery import available, choices, did_you_mean, load
     from mpmfw.scene.specification import parse_specification
-    from mpmfw_testing.parametrised import CHECKED, kind_of
+    from mpmfw_testing.parametrised import CHECKED
+    from mpmfw_testing.subject import kind_of
 
     plugin = parse_specification(text).name
     for asked in CHECKED:

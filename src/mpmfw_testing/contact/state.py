@@ -1,44 +1,62 @@
-"""State: runs are independent, and time zero resets the records but not the contact."""
+"""State: a session of the generic checks, time zero, and the arrays that contact must not change."""
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Callable, Iterator
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
 
-from mpmfw.runs.simulation import Simulation
-from mpmfw.state.history import NotSaved
-from mpmfw_testing.check import Picture, Violation, within
-from mpmfw_testing.contact.drawing import histories
-from mpmfw_testing.contact.meeting import Meeting, search_meetings
-from mpmfw_testing.contact.motion import Motion, note, recorded, simulate
-from mpmfw_testing.contact.separation import same_bits
-from mpmfw_testing.saving import remember
+from mpmfw.api.types import AnyArray, Grid, Stencil, hookimpl
+from mpmfw.plugin.hooks import Observer
+from mpmfw_testing.check import Violation, within
+from mpmfw_testing.contact.impact import Impact, search_impacts
+from mpmfw_testing.contact.motion import Motion, simulate
+from mpmfw_testing.generic import require_same
 from mpmfw_testing.subject import Subject
 
-#: Steps before and after the restart.
-BEFORE, AFTER = 12, 12
+#: Scenes in which options and state act: with slip and stick, unequal bodies, at an angle.
+SCENES = (
+    Impact(form="blocks", slide=0.5, friction=0.3, heavier=2.0, stiffer=4.0),
+    Impact(form="discs", slide=0.3, friction=0.9, turn=30.0),
+    Impact(form="blocks", speed=2.0, slide=1.0, friction=0.3, turn=90.0, shift=0.4, rise=0.3),
+)
+#: Steps of a round, in the course of which the bodies meet; and before and after a restart.
+ROUND, HALF = 24, 12
 #: Series that count since time zero.
 ACCUMULATED = ("frictional_work", "damping_work", "spring_work")
 
 
-def used_twice(subject: Subject) -> None:
-    """A strategy object carries nothing from one run to the next. An object that has served one simulation
-    serves the next with the same bits as a fresh one.
+class ContactSession:
+    """A law at work in one of the scenes."""
 
-    Comparisons and studies hand one configured object to many runs.
-    """
+    def __init__(self, impact: Impact, made: Any) -> None:
+        self.motion = Motion(made, impact.mapping())
 
-    def trial(meeting: Meeting) -> None:
-        reference = simulate(subject, meeting.mapping(), BEFORE + AFTER)
-        used = subject.make()
-        simulate(used, meeting.mapping(), BEFORE)  # ends in the middle of contact
-        motion = simulate(used, meeting.mapping(), BEFORE + AFTER)
-        same_bits(
-            motion, reference, "a strategy object that was used before gives another motion than a fresh one"
-        )
+    def advance(self) -> Iterator[tuple[str, AnyArray]]:
+        """Go a round of steps on; yield the state of the points and all series."""
+        self.motion.forget()
+        motion = self.motion.advance(ROUND)
+        particles = motion.simulation.state.particles
+        for name in ("position", "velocity", "stress"):
+            yield name, getattr(particles, name)
+        yield from ((name, motion.of(name)) for name in motion.series)
 
-    search_meetings(trial, **_SLIDING, examples=3)
+    def save(self) -> dict[str, AnyArray]:
+        """Return a snapshot of the simulation."""
+        return self.motion.simulation.snapshot()
+
+    def load(self, saved: dict[str, AnyArray]) -> None:
+        """Restore it."""
+        self.motion.simulation.restore(saved)
+
+
+def openings(subject: Subject) -> Iterator[Callable[[Any], ContactSession]]:  # noqa: ARG001
+    """Yield the three scenes."""
+    for impact in SCENES:
+        yield functools.partial(ContactSession, impact)
 
 
 def restart(subject: Subject) -> None:
@@ -49,95 +67,85 @@ def restart(subject: Subject) -> None:
     forgotten. So the first force reported after it is that of the interval after it.
     """
 
-    def trial(meeting: Meeting) -> None:
-        reference = _restarted(subject, meeting, call=False)
-        motion = _restarted(subject, meeting, call=True)
-        same_bits(motion, reference, "restart() changes the motion: the state of contact is lost")
-        for name in ACCUMULATED:
-            if name in motion.series:
-                left = float(np.abs(motion.series[name][BEFORE + 1]).max())
-                picture = _side_by_side(motion, reference, name, "J/m")
-                within(left, 0.0, f"restart() does not forget the series {name}", None, picture)
+    def trial(impact: Impact) -> None:
+        reference, motion = (simulate(subject, impact.mapping(), HALF) for _ in range(2))
+        if motion.simulation.contact is None:
+            raise Violation("the scene's contact was dropped though there are two bodies")
+        motion.simulation.contact.restart()
+        for each in (reference, motion):
+            each.advance(HALF)
+        expected, found = ({"position": m.positions[-1], "momentum": m.momentum} for m in (reference, motion))
+        require_same(expected, found, "restart() changes the motion: the state of contact is lost")
+        for name in set(ACCUMULATED) & set(motion.series):
+            left = np.abs(motion.series[name][HALF + 1]).max()
+            within(left, 0.0, f"restart() does not forget the series {name}")
         if "contact_force" in motion.series:
-            force, expected = (np.asarray(m.series["contact_force"][BEFORE + 2]) for m in (motion, reference))
-            scale = max(float(np.abs(expected).max()), 1e-300)
-            within(
-                float(np.abs(force - expected).max()) / scale,
-                1e-9,
-                "the first contact force after restart() is not that of the step (share of it)",
-                {"reported [N/m]": force.tolist(), "without restart() [N/m]": expected.tolist()},
-                _side_by_side(motion, reference, "contact_force", "N/m"),
-            )
+            before, after = (np.asarray(m.series["contact_force"][HALF + 2]) for m in (reference, motion))
+            text = "the first contact force after restart() is not that of the step (share of it)"
+            case = {"reported [N/m]": after.tolist(), "without restart() [N/m]": before.tolist()}
+            within(np.abs(after - before).max() / max(np.abs(before).max(), 1e-300), 1e-9, text, case)
 
-    search_meetings(trial, **_SLIDING, examples=3)
+    sliding: dict[str, Any] = {"friction": (0.3, 0.9, 3), "slide": (0.2, 1.0, 3), "heavier": (1.0, 4.0, 2)}
+    search_impacts(trial, **sliding, examples=3)
 
 
-def saved(subject: Subject) -> None:
-    """A run that is saved in the middle and loaded goes on to the same bits. A run that is saved in the
-    middle of contact and loaded into a simulation built anew goes on with the same bits.
+class Watch(Observer):
+    """Compares arrays before and after each of the hooks in which contact acts."""
 
-    Saved is what the classes of plug-ins name in ``history``, and declared arrays of points, surface nodes,
-    bodies and pairs. What is kept elsewhere is lost.
+    name = "contact_watch"
+    observes = ("detect", "after_momentum_projection", "add_nodal_force", "after_momentum_update")
+    running = True
+    phi: Stencil | None = None
+
+    def __init__(self, motion: Motion, *, adds_mass: bool) -> None:
+        self.particles, self.adds_mass = motion.simulation.state.particles, adds_mass
+        self.changed: set[str] = set()
+
+    @hookimpl
+    def detect(self, phi: Stencil) -> None:
+        """Keep the table of the step."""
+        self.phi = phi
+
+    def arrays(self, hook: str, grid: Grid) -> dict[str, AnyArray]:
+        """Return the arrays that no law may change in a hook, by name."""
+        names = ["position", *(() if self.adds_mass else ("mass",))]
+        names += ["force"] if hook.startswith("after") else []
+        names += ["momentum"] if hook == "add_nodal_force" else []
+        found = {f"grid.{name}": getattr(grid, name) for name in names}
+        found |= {
+            f"particles.{each.name}": getattr(self.particles, each.name) for each in fields(self.particles)
+        }
+        if self.phi is not None:
+            names = ["row", "nodes", "weight", "gradient"]
+            found |= {f"phi.{name}": getattr(self.phi, name) for name in names}
+        return {name: array for name, array in found.items() if isinstance(array, np.ndarray)}
+
+    def before(self, hook: str, plugin: Any, grid: Grid, dt: float) -> None:  # noqa: ARG002
+        """Copy the arrays."""
+        if plugin is None:
+            self.copies = {name: array.copy() for name, array in self.arrays(hook, grid).items()}
+
+    def after(self, hook: str, plugin: Any, grid: Grid, dt: float) -> None:  # noqa: ARG002
+        """Note those that changed."""
+        if plugin is None:
+            arrays = self.arrays(hook, grid)
+            for name, copy in self.copies.items():
+                if not np.array_equal(arrays[name], copy, equal_nan=True):
+                    self.changed.add(f"{name} in {hook}")
+
+
+def changes_nothing_else(subject: Subject) -> None:
+    """It changes forces and momentum of the grid alone. In forty steps of two discs that meet no bit of
+    points, weights and nodal masses is another one after any hook of contact.
+
+    Forces may be added to in ``add_nodal_force`` alone, momentum everywhere else. A law that ``adds_mass``
+    may add mass.
     """
-
-    def trial(meeting: Meeting) -> None:
-        remember(meeting.mapping(), BEFORE + AFTER)
-        first = Simulation(meeting.mapping(), contact=subject.make())
-        with recorded(first) as reference:
-            first.advance(BEFORE, lambda frame: note(reference, frame))
-            try:
-                snapshot = first.snapshot()
-            except NotSaved as error:
-                raise Violation(str(error)) from error
-            first.advance(AFTER, lambda frame: note(reference, frame))
-        second = Simulation(meeting.mapping(), contact=subject.make())
-        with recorded(second) as motion:
-            try:
-                second.restore(snapshot)
-            except NotSaved as error:
-                raise Violation(str(error)) from error
-            second.advance(AFTER, lambda frame: note(motion, frame))
-        motion.positions[:0] = reference.positions[: BEFORE + 1]
-        same_bits(
-            motion,
-            reference,
-            "what was saved and loaded goes on otherwise: history does not name all that is kept",
-        )
-        for name in motion.series:
-            one, other = (np.array(m.series[name][-AFTER - 1 :]) for m in (motion, reference))
-            if not np.array_equal(one, other, equal_nan=True):
-                raise Violation(
-                    f"the series {name} goes on otherwise after loading: history does not name all that is "
-                    "kept"
-                )
-
-    search_meetings(trial, **_SLIDING, examples=3)
-
-
-#: Blocks that slide on each other from the first step on.
-_SLIDING: dict[str, Any] = {"friction": (0.3, 0.9, 3), "slide": (0.2, 1.0, 3), "heavier": (1.0, 4.0, 2)}
-
-
-def _side_by_side(motion: Motion, reference: Motion, name: str, unit: str) -> Picture:
-    """A series of the first pair with and without the call, over time; of a vector its size."""
-    curves = {}
-    for label, run in ((f"restart() after step {BEFORE}", motion), ("not called", reference)):
-        values = run.of(name)[:, 0]
-        dt = np.array([0.0, *run.dt])
-        dt[BEFORE + 1] = 0.0  # two outputs at one time: before and after the call
-        curves[label] = (np.cumsum(dt), values if values.ndim == 1 else np.linalg.norm(values, axis=1))
-    return histories(curves, f"{name} [{unit}]")
-
-
-def _restarted(subject: Subject, meeting: Meeting, *, call: bool) -> Motion:
-    """A run with ``restart()`` called in the middle, or not; an output follows either way."""
-    remember(meeting.mapping(), BEFORE + AFTER)
-    simulation = Simulation(meeting.mapping(), contact=subject.make())
-    with recorded(simulation) as motion:
-        simulation.advance(BEFORE, lambda frame: note(motion, frame))
-        if call:
-            if simulation.contact is None:
-                raise Violation("the scene's contact was dropped though there are two bodies")
-            simulation.contact.restart()
-        simulation.advance(AFTER, lambda frame: note(motion, frame))
-    return motion
+    law = subject.make()
+    motion = Motion(law, Impact(form="discs", gap=0.05, slide=0.5, friction=0.3).mapping())
+    motion.simulation.start()
+    watch = Watch(motion, adds_mass=getattr(law, "adds_mass", False))
+    with motion.simulation.extra_plugin(watch):
+        motion.advance(40)
+    if watch.changed:
+        raise Violation(f"contact changes {', '.join(sorted(watch.changed))}", {"bodies": "discs"})

@@ -8,16 +8,15 @@ Tests of a shape function's own closed forms can use :func:`place` as well::
 
 from __future__ import annotations
 
-from mpmfw_testing.sent import sent
-from mpmfw_testing.shape import contract, deformation, gradients, options, support, surfaces, weights
-from mpmfw_testing.shape.placement import Placement, boxes, place
+from mpmfw_testing.generic import no_growth, options, repeatable, runs, saved, sent
+from mpmfw_testing.shape import bodies, points, support
+from mpmfw_testing.shape.placement import Placement, boxes, openings, place
 from mpmfw_testing.shape.sums import dense
 
 #: Those first whose failure makes others fail as well.
 CHECKS = (
-    *contract.CHECKS, *weights.CHECKS, *gradients.CHECKS, *support.CHECKS, *deformation.CHECKS,
-    *surfaces.CHECKS,
-    *options.CHECKS, sent,
+    runs, support.dimensions, support.structure, repeatable, saved, support.changes_nothing_else, no_growth,
+    *points.CHECKS, *support.CHECKS, *bodies.CHECKS, options, sent,
 )  # fmt: skip
 
-__all__ = ["Placement", "boxes", "dense", "place"]
+__all__ = ["Placement", "boxes", "dense", "openings", "place"]

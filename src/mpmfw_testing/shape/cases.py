@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from mpmfw.state.fields import FloatArray
-from mpmfw_testing.check import Inapplicable, Violation
-from mpmfw_testing.searching import hypothesis, search
-from mpmfw_testing.shape.picture import picture_of
+from mpmfw_testing.bench import dims_of
+from mpmfw_testing.check import Inapplicable
+from mpmfw_testing.searching import hypothesis, ladder, search
 from mpmfw_testing.shape.placement import Placement, boxes, place
 from mpmfw_testing.subject import Subject
 
@@ -26,93 +26,92 @@ EDGES = (0.5, 0.25, 1.0, 0.1, 1.0 / 3.0)
 #: Motions, by their velocity gradient; four steps of it make the deformation.
 MOTIONS = ("stretch", "compression", "shear", "rotation", "stretch and rotation")
 
+#: A function of the dimension that returns strategies of a case's numbers.
+Cases = Callable[[int], dict[str, Any]]
+#: What a trial takes: the subject, the dimension, and the case.
+Trial = Callable[[Subject, int, dict[str, Any]], None]
 
-def dimensions_of(subject: Subject) -> tuple[int, ...]:
-    """The dimensions that the shape function declares."""
-    declared: tuple[int, ...] = tuple(subject.make().dimensions)
-    return declared
+
+def sampled(values: Any) -> Any:
+    """Return a strategy of these values, the simplest first."""
+    return hypothesis().strategies.sampled_from(values)
 
 
 def coordinates(dim: int) -> dict[str, Any]:
-    """Position of a point within its cell, by axis."""
-    draw = hypothesis().strategies.sampled_from
-    return {f"{axis} [cells]": draw(WITHIN) for axis in AXES[:dim]}
+    """Return the position of a point within its cell, by axis."""
+    return {f"{axis} [cells]": sampled(WITHIN) for axis in AXES[:dim]}
 
 
-def within(case: Mapping[str, Any], dim: int) -> FloatArray:
-    """The position that :func:`coordinates` drew, (dim,)."""
-    return np.array([case[f"{axis} [cells]"] for axis in AXES[:dim]])
+def position(case: Mapping[str, Any], dim: int) -> FloatArray:
+    """Return the position that :func:`coordinates` drew, in the middle cell, (dim,) [cells]."""
+    return MIDDLE + np.array([case[f"{axis} [cells]"] for axis in AXES[:dim]])
 
 
 def points(dim: int) -> dict[str, Any]:
-    """Cases of one point: its position within the cell, and the edge of its domain."""
-    return {**coordinates(dim), "edge [cells]": hypothesis().strategies.sampled_from(EDGES)}
+    """Return cases of one point: its position within the cell, and the edge of its domain."""
+    return {**coordinates(dim), "edge [cells]": sampled(EDGES)}
+
+
+def shifts(dim: int) -> dict[str, Any]:
+    """Return cases of a body that lies anywhere on the grid."""
+    return {f"shifted along {axis} [cells]": ladder(0.0, 0.875, 8) for axis in AXES[:dim]}
+
+
+def shift(case: Mapping[str, Any], dim: int) -> FloatArray:
+    """Return the vector that :func:`shifts` drew, (dim,) [cells]."""
+    return np.array([case[f"shifted along {axis} [cells]"] for axis in AXES[:dim]])
+
+
+def two_points(subject: Subject, at: FloatArray, edge: float = 0.5) -> Placement:
+    """Return point 1 at ``at`` (dim,) [cells] with a domain of an ``edge`` [cells], and a point of another
+    body elsewhere, which is point 0.
+    """
+    other = np.full((1, len(at)), MIDDLE - 1.6)
+    other[0, 0] = MIDDLE + 2.2
+    return place(subject, [boxes(other, 0.5), boxes(at[None, :], edge)], CELLS)
 
 
 def one_point(subject: Subject, case: Mapping[str, Any], dim: int) -> Placement:
-    """The point of a case, which is point 1, and a body that is elsewhere, which is point 0."""
-    return two_points(subject, MIDDLE + within(case, dim), float(case["edge [cells]"]))
-
-
-def two_points(subject: Subject, position: FloatArray, edge: float) -> Placement:
-    """A point at ``position`` (dim,) [cells], after another body's at a place of its own."""
-    other = np.full((1, len(position)), MIDDLE - 1.6)
-    other[0, 0] = MIDDLE + 2.2
-    return place(subject, [boxes(other, 0.5), boxes(position[None, :], edge)], CELLS)
+    """Return the point of a case of :func:`points`, as of :func:`two_points`."""
+    return two_points(subject, position(case, dim), float(case["edge [cells]"]))
 
 
 def velocity_gradient(motion: str, dim: int) -> FloatArray:
-    """L of a motion, (dim, dim) [1/s]; four steps of 1 s stretch by 1.4 or turn by 30°."""
-    stretch, spin = np.zeros((dim, dim)), np.zeros((dim, dim))
+    """Return L of a motion, (dim, dim) [1/s]; four steps of 1 s stretch by 1.4 or turn by 30°."""
+    stretch, spin, shear = np.zeros((3, dim, dim))
     stretch[0, 0], stretch[1, 1] = 0.09, -0.03
     spin[0, 1], spin[1, 0] = -0.13, 0.13
-    if motion == "stretch":
-        return stretch
-    if motion == "compression":
-        return -0.8 * stretch - 0.02 * np.eye(dim)
-    if motion == "shear":
-        shear = np.zeros((dim, dim))
-        shear[0, dim - 1] = 0.11
-        return shear
-    return spin if motion == "rotation" else spin + stretch
-
-
-def search_dimensions(
-    subject: Subject,
-    cases: Callable[[int], dict[str, Any]],
-    trial: Callable[[int, dict[str, Any]], None],
-    *,
-    only: tuple[int, ...] = (2, 3),
-    examples: int = 15,
-) -> None:
-    """Search in every dimension that the shape function declares; ``trial`` takes the dimension and the case.
-
-    Raises
-    ------
-    Inapplicable
-        The shape function works in none of the dimensions ``only``.
-    """
-    dimensions = [dim for dim in dimensions_of(subject) if dim in only]
-    if not dimensions:
-        raise Inapplicable(f"the property is one of {' and '.join(f'{dim}D' for dim in only)}")
-    for dim in dimensions:
-
-        def one(dim: int = dim, **case: Any) -> None:
-            trial(dim, case)
-
-        given = {"dim": hypothesis().strategies.just(dim), **cases(dim)}
-        search(given, one, examples=examples, most=8 * examples)
+    shear[0, dim - 1] = 0.11
+    compression = -0.8 * stretch - 0.02 * np.eye(dim)
+    return {"stretch": stretch, "compression": compression, "shear": shear, "rotation": spin}.get(
+        motion, spin + stretch
+    )
 
 
 def searched(
-    cases: Callable[[int], dict[str, Any]] = points, only: tuple[int, ...] = (2, 3), examples: int = 15
-) -> Callable[[Callable[[Subject, int, dict[str, Any]], None]], Callable[[Subject], None]]:
-    """Make a check of a trial, by :func:`search_dimensions`; the trial takes the subject as well."""
+    cases: Cases = points, only: tuple[int, ...] = (2, 3), examples: int = 15, motions: bool = False
+) -> Callable[[Trial], Callable[[Subject], None]]:
+    """Make a check of a trial: search in every dimension that the shape function declares, ``only`` these.
 
-    def check_of(trial: Callable[[Subject, int, dict[str, Any]], None]) -> Callable[[Subject], None]:
+    With ``motions`` each homogeneous motion is searched too, the case's ``motion``.
+    """
+
+    def check_of(trial: Trial) -> Callable[[Subject], None]:
         @functools.wraps(trial)
         def check(subject: Subject) -> None:
-            search_dimensions(subject, cases, functools.partial(trial, subject), only=only, examples=examples)
+            dimensions = [dim for dim in dims_of(subject) if dim in only]
+            if not dimensions:
+                raise Inapplicable(f"the property is one of {' and '.join(f'{dim}D' for dim in only)}")
+            just = hypothesis().strategies.just
+            for motion in MOTIONS if motions else ("",):
+                for dim in dimensions:
+                    given = {"motion": just(motion)} if motions else {}
+                    search(
+                        {"dim": just(dim), **given, **cases(dim)},
+                        lambda dim, **case: trial(subject, dim, case),
+                        examples=examples,
+                        most=8 * examples,
+                    )
 
         return check
 
@@ -128,30 +127,3 @@ def of_one_point(look: Callable[[Placement], None]) -> Callable[[Subject], None]
         look(one_point(subject, case, dim))
 
     return trial
-
-
-def search_motions(
-    subject: Subject,
-    cases: Callable[[int], dict[str, Any]],
-    trial: Callable[[int, dict[str, Any]], None],
-    *,
-    examples: int,
-) -> None:
-    """Search in every dimension with every homogeneous motion, which is the case's ``motion``."""
-    for motion in MOTIONS:
-        given = {"motion": hypothesis().strategies.just(motion)}
-
-        def moved(dim: int, given: dict[str, Any] = given) -> dict[str, Any]:
-            return {**given, **cases(dim)}
-
-        search_dimensions(subject, moved, trial, examples=examples)
-
-
-def require(
-    measured: float, bound: float, message: str, placement: Placement, point: int, **numbers: object
-) -> None:
-    """Raise a violation with the point's picture if ``measured`` is above ``bound`` or NaN."""
-    if not measured <= bound:
-        raise Violation(
-            message, numbers, picture_of(placement, point), measured=float(measured), bound=float(bound)
-        )

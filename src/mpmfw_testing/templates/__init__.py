@@ -1,5 +1,4 @@
-"""What ``mpmfw new`` writes: for each kind of plug-in the least that passes its checks, to be renamed and
-replaced.
+"""Write the distributions of ``mpmfw new``: for each kind of plug-in the least that passes its checks.
 
 A template is one folder of files or several laid over each other, some of them in the documentation.
 """
@@ -19,10 +18,9 @@ TEMPLATES: Mapping[str, tuple[tuple[str, ...], str, str]] = {
     "contact": (("plugin-template",), "film", "Film"),
     "law": (("plugin-template",), "film", "Film"),
     "shape": (("shape-template",), "bounded_bspline", "BoundedBSpline"),
-    **{kind: (("common", kind), "template", "Template") for kind in ("material", "load")},
     **{
-        kind: (("common", "square", kind), "template", "Template")
-        for kind in ("friction", "detection", "geometry")
+        kind: (("common", kind), "template", "Template")
+        for kind in ("material", "load", "friction", "detection", "geometry")
     },
 }
 
@@ -32,18 +30,8 @@ _NAME = re.compile(r"[a-z][a-z0-9_]*")
 def write_package(kind: str, name: str, folder: Path) -> Path:
     """Write a distribution with a new plug-in, and with tests that it passes.
 
-    Parameters
-    ----------
-    kind
-        One of :data:`TEMPLATES`.
-    name
-        What scenes will call it: small letters, digits and ``_``.
-    folder
-        Where the distribution's folder ``mpmfw-NAME`` is made.
-
-    Returns
-    -------
-    The folder.
+    ``kind`` is one of :data:`TEMPLATES`; scenes call the plug-in ``name``, of small letters, digits and
+    ``_``. The distribution's folder ``mpmfw-NAME`` is made in ``folder``, and returned.
 
     Raises
     ------
