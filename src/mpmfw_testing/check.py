@@ -93,20 +93,13 @@ class Inapplicable(Exception):
 class Check:
     """One property that a plug-in must have; :meth:`of` makes one of a function.
 
-    Parameters
-    ----------
-    name
-        Short, in lower case with hyphens: ``partition-of-unity``.
-    property
-        One sentence that says what must hold.
-    run
-        Takes the :class:`~mpmfw_testing.subject.Subject` and returns if the property holds: None, or a note
-        that belongs beside it ("refuses: linear"); raises :class:`Violation` if it does not,
-        :class:`Inapplicable` if it cannot be asked. Its docstring states the bound and the reason for it.
+    ``run`` takes the :class:`~mpmfw_testing.subject.Subject` and returns if the property holds: None, or a note
+    beside it ("refuses: linear"). It raises :class:`Violation` if it does not hold, :class:`Inapplicable` if it
+    cannot be asked. Its docstring states the bound and the reason for it.
     """
 
-    name: str
-    property: str
+    name: str  #: short, in lower case with hyphens: ``partition-of-unity``
+    property: str  #: one sentence that says what must hold
     run: Callable[[Subject], str | None]
 
     @classmethod

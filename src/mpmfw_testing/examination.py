@@ -108,13 +108,7 @@ def examine_one(
 
 
 def justified(expected: Mapping[str, str], checks: Sequence[Check]) -> dict[str, str]:
-    """Return the table of expected failures, if it is in order.
-
-    Raises
-    ------
-    SceneError
-        It names an unknown check, or a justification is too short.
-    """
+    """Return the table of expected failures; refuse unknown checks, and justifications that are too short."""
     names = [check.name for check in checks]
     for name, why in expected.items():
         if name not in names:

@@ -11,8 +11,6 @@ from mpmfw.scene.toml_text import toml_text
 from mpmfw_testing.check import Check, Violation, shown
 from mpmfw_testing.subject import Subject
 
-#: Characters of a line of text under a picture.
-LINE = 74
 #: Kinds whose checks run no scene that names the plug-in, or none that a simulation is given.
 NO_PROGRAM = ("material", "friction", "geometry", "measure", "reference")
 
@@ -37,7 +35,7 @@ def draw(folder: Path, subject: Subject, check: Check, violation: Violation) -> 
         case = [f"{name} = {shown(value)}" for name, value in violation.counterexample.items()]
         if violation.measured is not None and violation.bound is not None:
             case.insert(0, f"measured {shown(violation.measured)}, bound {shown(violation.bound)}")
-        text = "\n".join(textwrap.wrap("; ".join(case), LINE))
+        text = "\n".join(textwrap.wrap("; ".join(case), 74))
         figure.supxlabel(text, x=0.02, horizontalalignment="left")
         folder.mkdir(parents=True, exist_ok=True)
         figure.savefig(path)

@@ -94,10 +94,9 @@ def each_for_itself(subject: Subject) -> None:
 
 def frame(subject: Subject) -> None:
     """Turned rows, and rows seen from the other side, have the same bound. To 1e-12."""
-    turned = _bounds(subject, turn=np.array([[0.8, -0.6], [0.6, 0.8]]))
-    _same(_bounds(subject), turned, "whether rows are turned", ROUNDING)
-    seen = _bounds(subject, turn=-np.eye(2))
-    _same(_bounds(subject), seen, "whether rows are seen from the other side", ROUNDING)
+    turns = {"turned": np.array([[0.8, -0.6], [0.6, 0.8]]), "seen from the other side": -np.eye(2)}
+    for name, turn in turns.items():
+        _same(_bounds(subject), _bounds(subject, turn=turn), f"whether rows are {name}", ROUNDING)
 
 
 def slip(subject: Subject) -> None:

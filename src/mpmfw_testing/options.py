@@ -22,15 +22,8 @@ def every_option_acts(subject: Subject, experiments: Sequence[Callable[[dict[str
     """Require of every option that two of its values, its own among them, differ in one of the experiments.
 
     Values are tried alone, and together with each choice or another number of the other options, since an
-    option may need one. A refused value says nothing for or against the option.
-
-    Raises
-    ------
-    Violation
-        All values that are accepted do the same, or there are no two to be compared, or none could be made
-        up.
-    Inapplicable
-        The plug-in has no options.
+    option may need one. A refused value says nothing for or against the option. It is a violation as well if
+    there are no two values to be compared.
     """
     model = subject.options_model()
     remembered = [_remembered(experiment) for experiment in experiments]

@@ -146,13 +146,7 @@ def check_plugin(
 
 
 def chosen(checks: Sequence[Check], only: Iterable[str] | None) -> list[Check]:
-    """Return the checks of these names, in the kit's order; all if none is given.
-
-    Raises
-    ------
-    SceneError
-        There is no check of a name.
-    """
+    """Return the checks of these names, in the kit's order; all if none is given. Refuse unknown names."""
     names = [check.name for check in checks]
     asked = names if only is None else list(only)
     for name in asked:

@@ -25,13 +25,7 @@ class _Enough(BaseException):
 
 
 def hypothesis() -> Any:
-    """Return the module hypothesis with its strategies.
-
-    Raises
-    ------
-    SceneError
-        It is not installed.
-    """
+    """Return the module hypothesis with its strategies; refuse to go on if it is not installed."""
     try:
         import hypothesis
         import hypothesis.strategies

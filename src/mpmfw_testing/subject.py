@@ -58,13 +58,7 @@ class Subject:
         return self.factory(**{**self.options, **options})
 
     def options_model(self) -> type[BaseModel]:
-        """Return the plug-in's ``Options``.
-
-        Raises
-        ------
-        Inapplicable
-            The plug-in has no options that could be set.
-        """
+        """Return the plug-in's ``Options``; ``Inapplicable`` is raised of one without."""
         if self.plugin is None or not options_of(self.plugin):
             raise Inapplicable("the plug-in has no options")
         return getattr(self.plugin, "Options", self.plugin)
@@ -127,12 +121,7 @@ def _part_of(plugin: Any) -> Kind | None:
 def _joined(part: Any, kind: Kind, options: Mapping[str, Any]) -> type[Any]:
     """Return the contact strategy of a detection or a law, with an installed part that ``checks_others``.
 
-    Facets and laws of forces are tried first.
-
-    Raises
-    ------
-    SceneError
-        It is of another kind, or goes with no such part.
+    Facets and laws of forces are tried first. Refuse a part of another kind, or that goes with no other.
     """
     if _part_of(part) != kind:
         name = full_name(part) if isinstance(part, type) else repr(part)
@@ -171,13 +160,7 @@ def _refuse_unusable(plugin: type[Any], kind: Kind) -> None:
 
 
 def kind_of(plugin: Any) -> Kind:
-    """Return the kind of a plug-in's class or object, by its base class.
-
-    Raises
-    ------
-    SceneError
-        It has none of the base classes that there are checks for.
-    """
+    """Return the kind of a plug-in's class or object, by its base class; refuse one that has none."""
     kind = plugin if isinstance(plugin, type) else type(plugin)
     for name, base in ALL_BASES.items():
         if issubclass(kind, base):

@@ -6,7 +6,7 @@ import numpy as np
 
 from mpmfw_testing.check import Inapplicable, within
 from mpmfw_testing.contact.impact import CELL, TURNS, UNEQUAL, Impact, three_blocks
-from mpmfw_testing.contact.motion import Motion, impacts, moment, simulate
+from mpmfw_testing.contact.motion import STEPS, Motion, impacts, moment, simulate
 from mpmfw_testing.searching import try_all
 from mpmfw_testing.subject import Subject
 
@@ -20,8 +20,6 @@ FAINT = 1e-6
 REPORTED = 1e-9
 #: Fall of an accumulated work, as a share of the largest value or of the energy that the bodies bring.
 FALLEN = 1e-12
-#: Steps of three bodies.
-STEPS = 135
 
 
 @impacts(
@@ -88,9 +86,8 @@ def energy(_impact: Impact, motion: Motion) -> None:
     """Contact gives two bodies no energy. Kinetic and strain energy of all bodies never exceed those at the
     start by more than 0.5 %.
 
-    Springs of a law hold energy for a while, never less than nothing, so that the bodies' own can only be
-    less. Half a per cent is left for the time integration. Bodies of unequal mass and stiffness meet at an
-    angle, with friction.
+    Springs hold energy for a while, never less than nothing. Half a per cent is left for the time
+    integration. Bodies of unequal mass and stiffness meet at an angle, with friction.
     """
     motion.require_no_gain("the bodies")
 
@@ -100,7 +97,7 @@ def three_bodies(subject: Subject) -> None:
     two others touch has one mass to give."""
 
     def trial(slide: float, heavier: float) -> None:
-        motion = simulate(subject, three_blocks(slide, heavier, heavier), STEPS, partial=True)
+        motion = simulate(subject, three_blocks(slide, heavier, heavier), 3 * STEPS, partial=True)
         motion.require_no_gain("three bodies that meet")
         motion.require_whole()
 
@@ -121,9 +118,7 @@ def reports(_impact: Impact, motion: Motion) -> None:
     is the impulse on the pair's first body, to 1e-9 of all exchanged.
 
     And ``frictional_work`` never falls: from one output to the next by at most 1e-12 of its largest value or
-    of the energy that the bodies bring, whichever is more. That is rounding: where bodies stick the remaining
-    slip, times the impulse, is the difference of two equal numbers. Laws that declare neither series are not
-    asked.
+    of the energy that the bodies bring, which is rounding. Laws that declare neither series are not asked.
     """
     if not {"contact_force", "frictional_work"} & set(motion.series):
         raise Inapplicable("the law declares neither of the series contact_force and frictional_work")

@@ -94,8 +94,7 @@ def slip_on_the_cone(subject: Subject) -> None:
     """Bodies that slip feel the full friction, against their slip. Blocks that slip fast feel at least 90 %
     of μ times the normal impulse, against their slip.
 
-    Over the impact, through the middle of the face, at a sliding speed that friction cannot stop. The rest is
-    left for springs that must be stretched before they carry.
+    Over the impact, at a sliding speed that friction cannot stop; springs must be stretched before.
     """
     if not getattr(subject.make(), "uses_friction", False):
         raise Inapplicable("the law says that it does not use friction (uses_friction is false)")

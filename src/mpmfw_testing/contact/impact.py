@@ -87,7 +87,8 @@ class Impact:
         n, t, at = self.normal, 0.5 * WIDTH * self.tangent, self.origin
         near = at + CELL * self.gap * n
         if self.form == "discs":
-            shapes = [disc(at - RADIUS * n), disc(near + RADIUS * n)]
+            centres = (at - RADIUS * n, near + RADIUS * n)
+            shapes = [{"type": "disc", "centre": x.tolist(), "radius": RADIUS} for x in centres]
         else:
             shapes = [rectangle(at - DEPTH * n - t, at + t), rectangle(near - t, near + DEPTH * n + t)]
         bodies = {
@@ -132,13 +133,8 @@ def rectangle(corner: FloatArray, opposite: FloatArray) -> dict[str, Any]:
     return {"type": "rectangle", "lower": lower.tolist(), "upper": upper.tolist()}
 
 
-def disc(centre: FloatArray) -> dict[str, Any]:
-    """Return a disc [m]."""
-    return {"type": "disc", "centre": centre.tolist(), "radius": RADIUS}
-
-
 def body(
-    geometry: dict[str, Any], of: str, velocity: FloatArray | list[float], form: str = "blocks", **keys: Any
+    geometry: dict[str, Any], of: str, velocity: FloatArray | list[float], form: str = "blocks"
 ) -> dict[str, Any]:
     """Return a body of particles of half a cell."""
     layout = "fitted" if form == "discs" else "lattice"
@@ -149,7 +145,6 @@ def body(
         "particles": {"layout": layout, "size": 0.5 * CELL},
         "velocity": np.asarray(velocity, dtype=float).tolist(),
         **outline,
-        **keys,
     }
 
 

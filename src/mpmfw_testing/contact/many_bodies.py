@@ -38,8 +38,8 @@ def many_contacts(subject: Subject) -> None:
     """Of many bodies that touch each gets its share. Twenty blocks that come down on one plate, whole cells
     apart, get the same impulse, to 5 %; so do halves of a long face.
 
-    Twenty-one bodies have 210 pairs, twenty of which touch; two strips of 120 cells share some 360 nodes, and
-    have 480 points on their faces: arrays that are too small for them leave the last ones without contact.
+    Twenty-one bodies have 210 pairs; two strips of 120 cells share some 360 nodes, and have 480 points on
+    their faces. Arrays that are too small for them leave the last ones without contact.
     """
     low, width = np.array([0.03, 0.02]), CELL * (BLOCKS * APART + 6)
     corners = [low + np.array([k * CELL * APART, 0.005]) for k in range(BLOCKS)]
@@ -154,7 +154,7 @@ def met_again(subject: Subject) -> None:
     line = _line(simulation) / np.linalg.norm(_line(simulation))
     _throw(simulation, 0.5 * line)
     motion.advance(3 * steps)
-    moving = motion.velocity[-1, 0] - motion.velocity[-1, 1]
+    moving = motion.left()
     left, across = moving @ line, np.linalg.norm(moving - (moving @ line) * line)
     case = {
         "second line from the first to the second body": line.round(3).tolist(),

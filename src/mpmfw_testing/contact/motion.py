@@ -114,19 +114,8 @@ class ContactRecorder(Observer):
 class Motion:
     """A simulation with contact, observed at every step; the first row of a series is the start.
 
-    Parameters
-    ----------
-    contact
-        A strategy object or name, or a subject that makes one.
-    mapping
-        The scene.
-    shape
-        Name of a shape function, in place of the scene's.
-
-    Raises
-    ------
-    Inapplicable
-        The law does not work in as many dimensions.
+    ``contact`` is a strategy object or name, or a subject that makes one; the name of a ``shape`` function
+    replaces that of the scene, ``mapping``. ``Inapplicable`` is raised of a law for other dimensions.
     """
 
     def __init__(self, contact: Any, mapping: Mapping[str, Any], shape: Any = None) -> None:
@@ -148,10 +137,7 @@ class Motion:
     def advance(self, steps: int, dt: float | None = None, *, partial: bool = False) -> Motion:
         """Go so many steps on, stable ones or of length ``dt`` [s], with an output at first and after each.
 
-        Raises
-        ------
-        Violation
-            The run broke down; ``partial`` allows that after its first step.
+        A run that breaks down is a violation; ``partial`` allows that after its first step.
         """
         self.asked += steps
         remember(self.mapping, self.asked, self.draw)
@@ -201,9 +187,13 @@ class Motion:
 
     def require_stopped(self, impact: Impact, share: float, who: str = "bodies that meet") -> None:
         """Raise a violation if more than a share of the speed of approach is left at the end."""
-        left = (self.velocity[-1, 0] - self.velocity[-1, 1]) @ impact.normal
         text = f"{who} are not stopped: a share of the speed of approach is left"
-        within(left / impact.speed, share, text)
+        within(self.left() @ impact.normal / impact.speed, share, text)
+
+    def left(self) -> FloatArray:
+        """Return the velocity of the first body against the second at the end, (dim,) [m/s]."""
+        first, second = self.series["mean_velocity"][-1][:2]
+        return np.asarray(first - second)
 
     def of(self, name: str) -> FloatArray:
         """Return a recorded series, (steps + 1, …)."""
@@ -213,11 +203,6 @@ class Motion:
     def momentum(self) -> FloatArray:
         """Return linear momentum, (steps + 1, bodies, dim) [N s/m]."""
         return self.of("linear_momentum")
-
-    @property
-    def velocity(self) -> FloatArray:
-        """Return mean velocities, (steps + 1, bodies, dim) [m/s]."""
-        return self.of("mean_velocity")
 
     @property
     def impulse(self) -> FloatArray:
@@ -302,9 +287,8 @@ def impacts(
 ) -> Callable[[Callable[[Impact, Motion], None]], Callable[[Subject], None]]:
     """Make a check of a function that looks at the motion of one impact.
 
-    ``form`` and ``numbers`` are those of :func:`mpmfw_testing.contact.impact.search_impacts`. A run has so
-    many ``steps``, or a share ``lasting`` of an impact's duration. With ``partial`` the function is given a
-    run that breaks down, as far as it got.
+    ``form`` and ``numbers`` are those of ``search_impacts``. A run has so many ``steps``, or a share
+    ``lasting`` of an impact's duration. With ``partial`` a run that breaks down is looked at as far as it got.
     """
 
     def check_of(look: Callable[[Impact, Motion], None]) -> Callable[[Subject], None]:

@@ -72,7 +72,6 @@ def no_adhesion(impact: Impact, motion: Motion) -> None:
     less than 1e-12 of their momentum in every step.
 
     They are without stress and part along the line between them, so that contact has nothing to transmit.
-    Discs that also slide would graze each other for a law that sees them through a cell.
     """
     exchanged = np.linalg.norm(motion.impulse[:, 0], axis=1)
     step = int(exchanged.argmax())
@@ -85,8 +84,7 @@ def isolation(subject: Subject) -> None:
     """A body that touches no other moves as if there were no contact, to the bit. Two bodies three cells
     apart or more, and a third three cells from two that meet, move bit by bit as without contact.
 
-    All run at the same fixed step. Three cells: farther than two bodies' shape functions reach, and than any
-    search need look.
+    All run at the same fixed step. Three cells are more than two bodies' shape functions reach.
     """
 
     def apart(impact: Impact) -> None:

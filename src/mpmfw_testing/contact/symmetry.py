@@ -31,8 +31,7 @@ def relabelling(subject: Subject) -> None:
     """The order in which the scene names the bodies does not matter. The order of the bodies in the scene
     changes positions and momenta by at most 1e-9 cells and of the largest momentum.
 
-    Two blocks, or three that meet at one spot, in every order; equal ones and unequal ones. The bound leaves
-    room for sums that run in another order, whose roundings grow over the steps.
+    Two blocks, or three that meet at one spot, in every order; equal ones and unequal ones.
     """
 
     def trial(bodies: int, **numbers: Any) -> None:
@@ -72,8 +71,7 @@ def rotation(subject: Subject) -> None:
     """Which way the scene is turned does not matter. A quarter turn of the scene changes the motion by at
     most 1e-9; another turn, the exchanged impulse by 15 %.
 
-    As for a shift; the impulse's direction counts as well, so that a normal which prefers the grid's axes is
-    seen.
+    The impulse's direction counts as well, so that a normal which prefers the grid's axes is seen.
     """
 
     def back(impact: Impact, x: FloatArray) -> FloatArray:
@@ -138,9 +136,8 @@ def similarity(subject: Subject) -> None:
     """The scene in other units moves alike. The scene with lengths, times or densities 1024 times as large or
     small moves alike, to 1e-9 cells and of its momentum.
 
-    Moduli go with density (length / time)², and options that declare a unit with theirs: the two are one
-    motion in other units; all factors are powers of two, so that arithmetic gives the same digits. A
-    tolerance in metres, a stiffness as a constant or a speed that counts as zero does not.
+    Moduli go with density (length / time)², and options that declare a unit with theirs. A tolerance in
+    metres, a stiffness as a constant or a speed that counts as zero changes the motion.
     """
     impact = Impact(form="discs", gap=0.05, friction=0.3, slide=0.5, heavier=4.0, stiffer=4.0)
     reference = simulate(subject, impact.mapping(), STEPS)

@@ -47,8 +47,7 @@ def deformed_sums(subject: Subject, dim: int, case: dict[str, Any]) -> None:
     """After stretch, shear and rotation weights and gradients still reproduce constant and linear fields.
     After a homogeneous deformation Σ φ = 1 and Σ φ x_i = x_p to 1e-11, Σ ∇φ = 0 and Σ x_i ⊗ ∇φ = 1 to 1e-9.
 
-    Four steps of the motion, with ``update_particle_domains`` after each; the bounds are rounding, more of it
-    than before the deformation since positions and domains have been summed up.
+    Four steps of the motion, with ``update_particle_domains`` after each; the bounds are rounding.
     """
     placed = one_point(subject, case, dim)
     centre = placed.grid.lower + placed.grid.cell_size * (MIDDLE - 0.4)
@@ -61,8 +60,8 @@ def irregular_domains(subject: Subject, dim: int, case: dict[str, Any]) -> None:
     """Weights and gradients of irregular domains reproduce constant and linear fields (2D). The sums of
     ``deformed-sums``, to the same bounds, for every point of a disc with a fitted layout.
 
-    Its domains are quadrilaterals of different shapes and sizes; parallelograms of the same centre and area
-    stand for them in CPDI. Points are where the plug-in left them in ``setup``: at the centroids.
+    Its domains are quadrilaterals of different shapes and sizes. Points are where the plug-in left them in
+    ``setup``: at the centroids.
     """
     centre = np.array(ORIGIN[:dim]) + CELL * (MIDDLE + shift(case, dim))
     disc = Disc(centre=tuple(centre.tolist()), radius=1.6 * CELL).fitted(0.5 * CELL)
@@ -87,9 +86,8 @@ def constant_stress(subject: Subject, dim: int, case: dict[str, Any]) -> None:
     """A constant stress makes no force inside a body. |Σ V ∇φ| ≤ 1e-11 h^(dim−1), rounding alone, at every
     node inside a block of square domains.
 
-    The block lies anywhere on the grid. Domains tile it, whatever their edge: the sum over them has no net
-    boundary inside. Of points without extent the sum is a quadrature, exact where each cell holds the same
-    lattice of points: their distance is half a cell.
+    Domains tile the block, whatever their edge. Of points without extent the sum is a quadrature, exact where
+    each cell holds the same lattice of points: their distance is half a cell.
     """
     edge = float(case["edge [cells]"]) if _has_extent(subject) else EDGES[0]
     reach = _support(_block(subject, dim, 2.0, shift(case, dim), edge)) + 0.25
@@ -102,9 +100,8 @@ def constant_stress_deformed(subject: Subject, dim: int, case: dict[str, Any]) -
     """A constant stress makes no force inside a body that was deformed homogeneously: domains follow F. |Σ V
     ∇φ| ≤ 1e-9 h^(dim−1) at every node inside a block that was deformed homogeneously.
 
-    Domains that follow the deformation still tile the block: the sum over them has no net boundary inside,
-    whatever F is. The bound is rounding. Asked of functions with domains alone: of points without extent the
-    sum is a quadrature, which is exact on commensurate lattices only.
+    Domains that follow the deformation still tile the block, whatever F is. Asked of functions with domains
+    alone: of points without extent the sum is a quadrature.
     """
     if not _has_extent(subject):
         raise Inapplicable("points have no extent (particle_reach is 0): Σ V ∇φ is a quadrature")

@@ -76,14 +76,10 @@ class Placement:
         return stencil
 
     def deform(self, velocity_gradient: FloatArray, centre: FloatArray, steps: int = 4) -> None:
-        """Let all points take part in the motion v = L (x − c) for ``steps`` steps of 1 s, as the stepper
-        does.
+        """Move all points by v = L (x − c) for ``steps`` steps of 1 s, as the stepper does.
 
-        ``velocity_gradient`` is L, (dim, dim) [1/s], and ``centre`` c, (dim,) [m].
-
-        F ← (1 + L) F and V = det F V_0 at every step; the grid's velocity is v at every node, which any shape
-        function with linear reproduction reads without error, so that domains that ride on it are moved
-        exactly.
+        ``velocity_gradient`` is L, (dim, dim) [1/s], and ``centre`` c, (dim,) [m]. The grid's velocity is v
+        at every node, so that domains that ride on it are moved exactly.
         """
         p, g = self.particles, self.grid
         for _ in range(steps):

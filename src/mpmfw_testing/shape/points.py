@@ -94,9 +94,8 @@ def regular_spread(subject: Subject, dim: int, case: dict[str, Any]) -> None:
     """Σ φ q qᵀ, q = x_i − x_p, can be inverted, or singular_spread is declared. The smallest eigenvalue of
     D_p = Σ φ q qᵀ, q = x_i − x_p, is at least 0.01 h².
 
-    Affine transfers multiply by D⁻¹. A domain of a tenth of a cell, the smallest that is tried, leaves 0.025
-    h² with GIMP; a D that vanishes somewhere must be declared with ``singular_spread``, so that ∇φ is taken
-    instead.
+    Affine transfers multiply by D⁻¹. A D that vanishes somewhere must be declared with ``singular_spread``,
+    so that ∇φ is taken instead. A domain of a tenth of a cell leaves 0.025 h² with GIMP.
     """
     if subject.make().singular_spread:
         raise Inapplicable("singular_spread is declared: affine transfers take Σ v ∇φᵀ")
@@ -113,10 +112,9 @@ def regular_spread(subject: Subject, dim: int, case: dict[str, Any]) -> None:
 def gradient_sums(placed: Placement) -> None:
     """Σ ∇φ = 0 and Σ x_i ⊗ ∇φ = 1, in every dimension. h |Σ ∇φ| and |Σ x_i ⊗ ∇φ − 1| are at most 1e-10.
 
-    They are the gradients of Σ φ = 1 and of Σ φ x_i = x. Domains of a tenth of a cell multiply rounding by 10
-    and more, whence the bound. With the first, a uniform velocity strains nothing and internal forces add up
-    to zero; with the second, a uniform velocity gradient is read correctly, and a gradient's sign and its 1/h
-    are right.
+    With the first, a uniform velocity strains nothing and internal forces add up to zero; with the second, a
+    uniform velocity gradient is read correctly. Domains of a tenth of a cell multiply rounding by 10 and
+    more, whence the bound.
     """
     constant, linear = gradient_errors(placed.table(), 1, placed.particles.position[1], placed.grid)
     within(constant, 1e-10, "the gradients do not add up to zero: h |Σ ∇φ|")

@@ -122,9 +122,9 @@ def support_inside(subject: Subject, dim: int, case: dict[str, Any]) -> None:
     """A support lies in the point's window, or OutsideGrid is raised with the index of the point. As a point
     moves without its window being laid anew, either its table is right or ``OutsideGrid`` names it.
 
-    Right means entries of the own field with Σ φ = 1 and Σ φ x_i = x_p to 1e-9: nodes that run over the end
-    of a row or of a field are somewhere else. A point that is not a number any more, or beyond the grid, must
-    be named; after the windows are laid anew a point with three cells of grid on all sides must not be.
+    Right means entries of the own field with Σ φ = 1 and Σ φ x_i = x_p to 1e-9. A point that is not a number
+    any more, or beyond the grid, must be named; after the windows are laid anew a point with three cells of
+    grid on all sides must not be.
     """
     for cells in MOVES:
         placed = one_point(subject, case, dim)
@@ -198,9 +198,7 @@ def reach(subject: Subject, dim: int, case: dict[str, Any]) -> None:
     fold, or to 16 cells.
 
     The reach is finite, not negative and (n, dim). The window's margin of three cells hides a reach that is
-    too small until domains are large, when a run would stop with "left the grid" in the middle of it. Domains
-    that are bounded while they stretch become so large where they begin with four cells; a shape function may
-    refuse these.
+    too small until domains are large. Some begin with four cells, which a shape function may refuse.
     """
     centre, edge = ROOMY / 2 - MIDDLE + position(case, dim), float(case["edge [cells]"])
     try:
