@@ -93,8 +93,8 @@ class Inapplicable(Exception):
 class Check:
     """One property that a plug-in must have; :meth:`of` makes one of a function.
 
-    ``run`` takes the :class:`~mpmfw_testing.subject.Subject` and returns if the property holds: None, or a note
-    beside it ("refuses: linear"). It raises :class:`Violation` if it does not hold, :class:`Inapplicable` if it
+    ``run`` takes the :class:`~mpmfw_testing.subject.Subject` and returns if the property holds: None, or a
+    note ("refuses: linear"). It raises :class:`Violation` if it does not hold, :class:`Inapplicable` if it
     cannot be asked. Its docstring states the bound and the reason for it.
     """
 

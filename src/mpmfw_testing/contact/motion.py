@@ -288,7 +288,7 @@ def impacts(
     """Make a check of a function that looks at the motion of one impact.
 
     ``form`` and ``numbers`` are those of ``search_impacts``. A run has so many ``steps``, or a share
-    ``lasting`` of an impact's duration. With ``partial`` a run that breaks down is looked at as far as it got.
+    ``lasting`` of an impact's duration. With ``partial`` a run that breaks down counts as far as it got.
     """
 
     def check_of(look: Callable[[Impact, Motion], None]) -> Callable[[Subject], None]:
