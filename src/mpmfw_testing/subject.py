@@ -15,7 +15,6 @@ from mpmfw.errors import SceneError
 from mpmfw.geometry.discretise import refuse_incomplete
 from mpmfw.plugin.discovery import (
     Kind,
-    available,
     did_you_mean,
     full_name,
     load,
@@ -31,6 +30,8 @@ from mpmfw_testing.check import Inapplicable
 #: Base classes of the parts of a contact, and of all kinds that there are checks for.
 PARTS: dict[Kind, type[Any]] = {"detection": Detection, "law": ContactLaw}
 ALL_BASES: dict[Kind, type[Any]] = {**BASES, **PARTS}
+#: Parts that others are joined with, in the order of the trials.
+PARTNERS: dict[Kind, tuple[str, ...]] = {"detection": ("surfaces", "nodes"), "law": ("penalty", "impulse")}
 
 
 @dataclass(frozen=True)
@@ -119,9 +120,9 @@ def _part_of(plugin: Any) -> Kind | None:
 
 
 def _joined(part: Any, kind: Kind, options: Mapping[str, Any]) -> type[Any]:
-    """Return the contact strategy of a detection or a law, with an installed part that ``checks_others``.
+    """Return the contact strategy of a detection or a law, with the first of ``PARTNERS`` that it goes with.
 
-    Facets and laws of forces are tried first. Refuse a part of another kind, or that goes with no other.
+    Refuse a part of another kind, or that goes with none of them.
     """
     if _part_of(part) != kind:
         name = full_name(part) if isinstance(part, type) else repr(part)
@@ -130,11 +131,8 @@ def _joined(part: Any, kind: Kind, options: Mapping[str, Any]) -> type[Any]:
         )
     refuse_class(part)
     partner: Kind = "detection" if kind == "law" else "law"
-    others = [load(partner, name) for name in available(partner)]
-    others = [other for other in others if vars(other).get("checks_others")]  # heirs have their own faults
-    first = [getattr(o, "gives_forces", False) or getattr(o, "provides", False) for o in others]
     refusals = []
-    for _, other in sorted(zip(first, others, strict=True), key=lambda pair: not pair[0]):
+    for other in (load(partner, name) for name in PARTNERS[partner]):
         law, detection = (part, other) if kind == "law" else (other, part)
         try:
             joined: type[Any] = law.joined_with(detection)
