@@ -112,4 +112,4 @@ class TwoApart(OneBody):
         """Outlines move with the grid, and contacts become history."""
         s, t = self.s, self.n_s
         self.contact.advect(self.g, dt)
-        move_points(t.row, t.nodes, t.weight, self.g.velocity, s.position, s.displacement, dt, self.g.spacing)
+        move_points(t, self.g.velocity, s.position, s.displacement, dt, self.g.spacing)

@@ -10,6 +10,7 @@ import pytest
 
 from interpreted import interpreted
 from mpmfw.effects.local_spin import correct_spin, find_excess
+from mpmfw.kernels import struct
 from mpmfw.runs.simulation import Simulation
 from mpmfw.state.fields import FloatArray
 from mpmfw.step.operations import project
@@ -57,16 +58,14 @@ def linearised(scene: dict[str, Any]) -> Linear:
     carried = np.repeat(g.mass > 1e-12 * g.mass.max(), dim)
     rows, excess = [], np.zeros((3, 3))
     edges = sim.manager.get_plugin("local_spin").half_edges
-    own = (p.mass, p.position, p.deformation_gradient, edges, g.position, g.mass)
-    total = find_excess(0, p.count, 0, n, *own, excess, g.spacing)
+    total = find_excess(0, p.count, p, edges, 0, n, g, excess, g.spacing)
     assert total > 0.0
     for k in range(n * dim):
         momentum = (np.eye(1, n * dim, k).reshape(n, dim)) * g.mass[:, None]
         corrected = momentum.copy()
-        correct_spin(
-            *(0, n, g.window_shape[0], total, excess, g.mass),
-            *(np.zeros((n, dim)), momentum, corrected, np.zeros((n, dim)), np.zeros(n), g.spacing),
-        )
+        grid = struct(mass=g.mass, start_velocity=np.zeros((n, dim)), momentum=corrected)
+        change, common = np.zeros((n, dim)), np.zeros(n)
+        correct_spin(0, n, g.window_shape[0], total, excess, grid, momentum, change, common, g.spacing)
         rows.append((corrected - momentum).ravel())
     keep = np.ix_(carried, carried)
     return Linear(

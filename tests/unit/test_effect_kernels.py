@@ -11,6 +11,7 @@ from mpmfw.effects.exact_rotation import correct_rotation
 from mpmfw.effects.settling import damp_locally
 from mpmfw.effects.side_rows import SideTable, meet, quadrature, splines
 from mpmfw.effects.surface import CRITICAL_MASS, LIGHT, weigh_by_mass, weigh_plain
+from mpmfw.kernels import struct
 from mpmfw_shape.cpdi2 import fill_cpdi2, move_corners
 
 RNG = np.random.default_rng(7)
@@ -129,7 +130,9 @@ def test_rotation_gives_the_torque_the_true_inertia(dim, dt):
     middle = begin + 0.5 * answer(second, begin)
     spin = answer(second, middle) - answer(lumped, middle)
     expected = momentum + node_m[:, None] * np.cross(spin, r3)[:, :dim]
-    correct_rotation(0, POINTS, 0, NODES, m, x, f, edges, node_x, node_m, start, momentum, dt, spacing)
+    points = struct(mass=m, position=x, deformation_gradient=f)
+    grid = struct(mass=node_m, position=node_x, start_velocity=start, momentum=momentum)
+    correct_rotation(0, POINTS, points, edges, 0, NODES, grid, dt, spacing)
     np.testing.assert_allclose(momentum, expected, rtol=1e-10, atol=1e-12)
 
 
@@ -156,7 +159,8 @@ def test_damping_takes_a_share_of_the_change_against_the_motion():
     mass, start, momentum = RNG.random(NODES), RNG.normal(size=(NODES, 2)), RNG.normal(size=(NODES, 2))
     change = np.abs(momentum - mass[:, None] * start)
     expected = momentum - 0.8 * change * np.sign(momentum)
-    total = damp_locally(0.8, mass, start, momentum, (1.0, 1.0))
+    grid = struct(mass=mass, start_velocity=start, momentum=momentum)
+    total = damp_locally(0.8, grid, (1.0, 1.0))
     np.testing.assert_allclose(momentum, expected, rtol=1e-13)
     assert total == pytest.approx(change.sum(), rel=1e-12)
 

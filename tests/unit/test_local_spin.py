@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from interpreted import interpreted
 from mpmfw.effects.local_spin import LEAST_SHARE, correct_spin, find_excess
+from mpmfw.kernels import struct
 from mpmfw.state.fields import FloatArray
 
 H, FIRST = 0.3, 5  #: cell size, and nodes of another window before this one
@@ -44,12 +45,13 @@ class Window:
         out = momentum.copy()
         change, common = np.zeros_like(out), np.zeros(len(out))
         excess, spacing = np.zeros((3, 3)), (H,) * self.dim
-        own = (self.mass, self.position, self.deformation, self.edges, self.node, self.node_mass)
-        total = find_excess(0, len(self.mass), FIRST, len(out), *own, excess, spacing)
+        points = struct(mass=self.mass, position=self.position, deformation_gradient=self.deformation)
+        grid = struct(mass=self.node_mass, position=self.node, start_velocity=start, momentum=out)
+        total = find_excess(0, len(self.mass), points, self.edges, FIRST, len(out), grid, excess, spacing)
         if total > 0.0:
             correct_spin(
-                *(FIRST, len(out), np.array(self.shape), total, excess, self.node_mass),
-                *(start, momentum if held is None else held, out, change, common, spacing),
+                *(FIRST, len(out), np.array(self.shape), total, excess, grid),
+                *(momentum if held is None else held, change, common, spacing),
             )
         return out
 

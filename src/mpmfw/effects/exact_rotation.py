@@ -15,7 +15,7 @@ from __future__ import annotations
 from mpmfw.effects.second_moments import inertia_of, moments_of_domains, moments_of_nodes
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.arithmetic import invert
-from mpmfw.kernels.types import Floats
+from mpmfw.kernels.types import Floats, Nodes, Points
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.structs import Body, Grid, Particles
@@ -92,10 +92,8 @@ def spin_change(
 
 @kernel
 def correct_rotation(
-    first_particle: int, last_particle: int, first_node: int, last_node: int, mass: Floats, position: Floats,
-    deformation_gradient: Floats, half_edges: Floats, node_position: Floats, node_mass: Floats,
-    node_start_velocity: Floats,
-    node_momentum: Floats, dt: float, spacing: tuple[float, ...],
+    begin: int, end: int, points: Points, half_edges: Floats, first_node: int, last_node: int, grid: Nodes,
+    dt: float, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """(m v)_i += m_i W (x_i − c), W from the torque of this step's momentum change (times Δt) about the
     centre c, and in 3D from the spin.
@@ -108,26 +106,24 @@ def correct_rotation(
     true, lumped = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
     torque, momentum = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
     spin = scratch.matrix(spacing, spacing)
-    moments_of_nodes(first_node, last_node, node_position, node_mass, centre, lumped, spacing)
-    moments_of_domains(
-        first_particle, last_particle, mass, position, deformation_gradient, half_edges, centre, true, spacing
-    )
+    moments_of_nodes(first_node, last_node, grid, centre, lumped, spacing)
+    moments_of_domains(begin, end, points, half_edges, centre, true, spacing)
     for d in range(dim):
         for e in range(dim):
             torque[d, e] = momentum[d, e] = 0.0
     for i in range(first_node, last_node):
         for d in range(dim):
-            arm = node_position[i, d] - centre[d]
+            arm = grid.position[i, d] - centre[d]
             for e in range(dim):
-                before = node_mass[i] * node_start_velocity[i, e]
-                torque[d, e] += arm * (node_momentum[i, e] - before)
+                before = grid.mass[i] * grid.start_velocity[i, e]
+                torque[d, e] += arm * (grid.momentum[i, e] - before)
                 if dim == 3:
                     momentum[d, e] += arm * before
     spin_change(true, lumped, torque, momentum, dt, spin, spacing)
     for i in range(first_node, last_node):
         for d in range(dim):
             for e in range(dim):
-                node_momentum[i, d] += node_mass[i] * spin[d, e] * (node_position[i, e] - centre[e])
+                grid.momentum[i, d] += grid.mass[i] * spin[d, e] * (grid.position[i, e] - centre[e])
 
 
 class ExactRotation:
@@ -149,20 +145,8 @@ class ExactRotation:
     def correct_inertia(self, grid: Grid, particles: Particles, dt: float) -> None:
         """Correct each body's own velocity field, in the step of ``dt`` [s]."""
         for body in self.bodies:
-            nodes = grid.field_nodes(body.field)
+            own, nodes = body.particles, grid.field_nodes(body.field)
             correct_rotation(
-                body.particles.start,
-                body.particles.stop,
-                nodes.start,
-                nodes.stop,
-                particles.mass,
-                particles.position,
-                particles.deformation_gradient,
-                self.half_edges,
-                grid.position,
-                grid.mass,
-                grid.start_velocity,
-                grid.momentum,
-                dt,
+                own.start, own.stop, particles, self.half_edges, nodes.start, nodes.stop, grid, dt,
                 grid.spacing,
-            )
+            )  # fmt: skip

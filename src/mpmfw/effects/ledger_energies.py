@@ -65,5 +65,5 @@ def motion_energy(state: State) -> float:
     """Return the kinetic and affine energy of the material points [J/m]."""
     p, affine = state.particles, np.zeros(1)
     if p.affine is not None:
-        sum_affine_energy(np.array([0, p.count]), p.mass, p.volume, p.affine, affine, state.grid.spacing)
+        sum_affine_energy(np.array([0, p.count]), p, p.affine, affine, state.grid.spacing)
     return float(kinetic_energy(p.mass, p.velocity) + affine[0])

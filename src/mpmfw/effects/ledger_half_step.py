@@ -21,7 +21,7 @@ contact, how far the rows came."""
 from __future__ import annotations
 
 from mpmfw.kernels import kernel
-from mpmfw.kernels.types import Floats
+from mpmfw.kernels.types import Floats, Points
 from mpmfw.state.structs import Grid, Particles
 
 
@@ -37,9 +37,7 @@ def power_at_start(force: Floats, mass: Floats, start_velocity: Floats) -> float
 
 
 @kernel
-def stress_power(
-    volume: Floats, stress: Floats, gradient: Floats, dt: float, spacing: tuple[float, ...]
-) -> float:
+def stress_power(volume: Floats, points: Points, dt: float, spacing: tuple[float, ...]) -> float:
     """−Σ V σ:(L − Δt L²) over material points, the power of the internal forces on the field of the
     ``gradient`` L with which they moved in their last step, of ``dt`` [s]; what it leaves out of L (1 + Δt
     L)⁻¹ is of the step's second order. V has the thickness."""
@@ -49,10 +47,10 @@ def stress_power(
         power = 0.0
         for d in range(dim):
             for e in range(dim):
-                moved = gradient[p, d, e]
+                moved = points.velocity_gradient[p, d, e]
                 for a in range(dim):
-                    moved -= dt * gradient[p, d, a] * gradient[p, a, e]
-                power += stress[p, d, e] * moved
+                    moved -= dt * points.velocity_gradient[p, d, a] * points.velocity_gradient[p, a, e]
+                power += points.stress[p, d, e] * moved
         total -= volume[p] * power
     return total
 
@@ -98,13 +96,6 @@ class HalfStep:
     def _power_of_motion(self, grid: Grid, particles: Particles) -> float:
         """Power [W/m] of the stress of now on the field with which the points moved in their last step."""
         if self._power is None:
-            self._power = float(
-                stress_power(
-                    particles.times_thickness(particles.volume),
-                    particles.stress,
-                    particles.velocity_gradient,
-                    self.dt,
-                    grid.spacing,
-                )
-            )
+            volume = particles.times_thickness(particles.volume)
+            self._power = float(stress_power(volume, particles, self.dt, grid.spacing))
         return self._power

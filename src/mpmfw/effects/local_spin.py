@@ -15,7 +15,7 @@ import numpy as np
 from mpmfw.effects.second_moments import inertia_of, moments_of_domains, moments_of_nodes
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.arithmetic import add_scaled_row, determinant, invert, set_scaled_row
-from mpmfw.kernels.types import Float, Floats, Ints
+from mpmfw.kernels.types import Float, Floats, Ints, Nodes, Points
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import Field, FloatArray
@@ -151,10 +151,8 @@ def turn_cell(
 
 @kernel
 def find_excess(
-    first_particle: int, last_particle: int, first_node: int, last_node: int, mass: Floats, position: Floats,
-    deformation_gradient: Floats, half_edges: Floats, node_position: Floats, node_mass: Floats,
-    excess: Floats,
-    spacing: tuple[float, ...],
+    begin: int, end: int, points: Points, half_edges: Floats, first_node: int, last_node: int, grid: Nodes,
+    excess: Floats, spacing: tuple[float, ...],
 ) -> float:  # fmt: skip
     """:func:`excess_inertia` of a body to ``excess`` (3, 3); return its mass [kg/m], or 0 where it is not
     positive definite.
@@ -162,18 +160,15 @@ def find_excess(
     centre = scratch.vector(spacing)
     lumped = scratch.matrix(spacing, spacing)
     true = scratch.matrix(spacing, spacing)
-    total = moments_of_nodes(first_node, last_node, node_position, node_mass, centre, lumped, spacing)
-    moments_of_domains(
-        first_particle, last_particle, mass, position, deformation_gradient, half_edges, centre, true, spacing
-    )
+    total = moments_of_nodes(first_node, last_node, grid, centre, lumped, spacing)
+    moments_of_domains(begin, end, points, half_edges, centre, true, spacing)
     return total if excess_inertia(true, lumped, excess, spacing) else 0.0
 
 
 @kernel
 def correct_spin(
-    first_node: int, last_node: int, shape: Ints, total: float, excess: Floats, node_mass: Floats,
-    node_start_velocity: Floats,
-    held_momentum: Floats, node_momentum: Floats, change: Floats, common: Floats, spacing: tuple[float, ...],
+    first_node: int, last_node: int, shape: Ints, total: float, excess: Floats, grid: Nodes,
+    held_momentum: Floats, change: Floats, common: Floats, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """(m v)_i += Σ_c (H_c / H) (X w_c) × q_i / (n A), over the cells c of node i.
 
@@ -190,16 +185,16 @@ def correct_spin(
         extent[d], stride[d] = shape[d], step
         step *= shape[d]
     for i in range(first_node, last_node):
-        common[i] = 1.0 / node_mass[i] if node_mass[i] > 0.0 else np.inf
-        if node_mass[i] > 0.0:
+        common[i] = 1.0 / grid.mass[i] if grid.mass[i] > 0.0 else np.inf
+        if grid.mass[i] > 0.0:
             for d in range(dim):
-                change[i, d] = common[i] * held_momentum[i, d] - node_start_velocity[i, d]
+                change[i, d] = common[i] * held_momentum[i, d] - grid.start_velocity[i, d]
     held = common_masses(first_node, last_node, extent, stride, common, spacing)
     # q_i = h/2 times the sides that ``turn_cell`` takes, which both factors of q_i / (n A) have.
     scale = 1.0 / (2**dim * spacing[0]) ** 2 / max(held, LEAST_SHARE * total)
     for i in range(first_node, last_node):
         if common[i] > 0.0:
-            turn_cell(i, scale * common[i], excess, stride, change, node_momentum, spacing)
+            turn_cell(i, scale * common[i], excess, stride, change, grid.momentum, spacing)
 
 
 class LocalSpin:
@@ -252,12 +247,11 @@ class LocalSpin:
         for body, excess in zip(self.bodies[some], self.excess[some], strict=True):
             nodes, points = grid.field_nodes(body.field), body.particles
             total = find_excess(
-                points.start, points.stop, nodes.start, nodes.stop, particles.mass, particles.position,
-                particles.deformation_gradient, self.half_edges, grid.position, grid.mass, excess,
+                points.start, points.stop, particles, self.half_edges, nodes.start, nodes.stop, grid, excess,
                 grid.spacing,
             )  # fmt: skip
             if total > 0.0:
                 correct_spin(
-                    nodes.start, nodes.stop, grid.window_shape[body.field], total, excess, grid.mass,
-                    grid.start_velocity, held, grid.momentum, self.change, self.common, grid.spacing,
+                    nodes.start, nodes.stop, grid.window_shape[body.field], total, excess, grid, held,
+                    self.change, self.common, grid.spacing,
                 )  # fmt: skip

@@ -7,7 +7,7 @@ and then stays in memory, where each addition waits for the one before."""
 from __future__ import annotations
 
 from mpmfw.kernels import device, scratch
-from mpmfw.kernels.types import Float, Floats
+from mpmfw.kernels.types import Float, Floats, Nodes, Points
 
 
 @device
@@ -29,13 +29,7 @@ def inertia_of(second_moment: Floats, out: Floats, spacing: tuple[float, ...]) -
 
 @device
 def moments_of_nodes(
-    first_node: int,
-    last_node: int,
-    node_position: Floats,
-    node_mass: Floats,
-    centre: Floats,
-    second: Floats,
-    spacing: tuple[float, ...],
+    first_node: int, last_node: int, grid: Nodes, centre: Floats, second: Floats, spacing: tuple[float, ...]
 ) -> Float:
     """c = Σ m_i x_i / m to ``centre``, Σ m_i (x_i − c)(x_i − c)ᵀ to ``second``; return m = Σ m_i.
 
@@ -51,17 +45,17 @@ def moments_of_nodes(
         for e in range(dim):
             sums[d, e] = 0.0
     for i in range(first_node, last_node):
-        total += node_mass[i]
+        total += grid.mass[i]
         for d in range(dim):
-            c[d] += node_mass[i] * node_position[i, d]
+            c[d] += grid.mass[i] * grid.position[i, d]
     for d in range(dim):
         c[d] /= total
     for i in range(first_node, last_node):
         for d in range(dim):
-            r[d] = node_position[i, d] - c[d]
+            r[d] = grid.position[i, d] - c[d]
         for d in range(dim):
             for e in range(d, dim if dim == 3 else d + 1):
-                sums[d, e] += node_mass[i] * r[d] * r[e]
+                sums[d, e] += grid.mass[i] * r[d] * r[e]
     for d in range(dim):
         centre[d] = c[d]
         for e in range(dim):
@@ -71,16 +65,9 @@ def moments_of_nodes(
 
 @device
 def moments_of_domains(
-    first_particle: int,
-    last_particle: int,
-    mass: Floats,
-    position: Floats,
-    deformation_gradient: Floats,
-    half_edges: Floats,
-    centre: Floats,
-    second: Floats,
+    begin: int, end: int, points: Points, half_edges: Floats, centre: Floats, second: Floats,
     spacing: tuple[float, ...],
-) -> None:
+) -> None:  # fmt: skip
     """Σ_p m_p ((x_p − c)(x_p − c)ᵀ + Σ_a r_a r_aᵀ / 3) to ``second``, r_a the half-edge vectors of the
     deformed domain F R_0; the same elements as :func:`moments_of_nodes`."""
     dim = len(spacing)
@@ -92,9 +79,9 @@ def moments_of_domains(
         c[d] = centre[d]
         for e in range(dim):
             sums[d, e] = 0.0
-    for p in range(first_particle, last_particle):
+    for p in range(begin, end):
         for d in range(dim):
-            r[d] = position[p, d] - c[d]
+            r[d] = points.position[p, d] - c[d]
         for d in range(dim):
             for e in range(d, dim if dim == 3 else d + 1):
                 own[d, e] = 3.0 * r[d] * r[e]
@@ -102,13 +89,13 @@ def moments_of_domains(
             for d in range(dim):
                 r[d] = 0.0
                 for e in range(dim):
-                    r[d] += deformation_gradient[p, d, e] * half_edges[p, e, a]
+                    r[d] += points.deformation_gradient[p, d, e] * half_edges[p, e, a]
             for d in range(dim):
                 for e in range(d, dim if dim == 3 else d + 1):
                     own[d, e] += r[d] * r[e]
         for d in range(dim):
             for e in range(d, dim if dim == 3 else d + 1):
-                sums[d, e] += mass[p] * own[d, e]
+                sums[d, e] += points.mass[p] * own[d, e]
     for d in range(dim):
         for e in range(dim):
             second[d, e] = sums[d, e] / 3.0

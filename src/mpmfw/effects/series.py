@@ -103,19 +103,7 @@ class BodySeries:
         total, kinetic = np.empty(count), np.empty(count)
         centre, mean, second = np.empty((count, dim)), np.empty((count, dim)), np.empty((count, dim, dim))
         spin = np.empty((count, 1 if dim == 2 else 3))
-        sum_motion(
-            first,
-            p.mass,
-            p.position,
-            p.velocity,
-            total,
-            centre,
-            mean,
-            spin,
-            second,
-            kinetic,
-            state.grid.spacing,
-        )
+        sum_motion(first, p, total, centre, mean, spin, second, kinetic, state.grid.spacing)
         series = {
             "centre_of_mass": centre,
             "mean_velocity": mean,
@@ -132,7 +120,7 @@ class BodySeries:
         series = {"kinetic_energy": kinetic, "strain_energy": strain, "total_energy": kinetic + strain}
         if self.affine and p.affine is not None:
             series["affine_energy"] = np.empty_like(kinetic)
-            sum_affine_energy(first, p.mass, p.volume, p.affine, series["affine_energy"], state.grid.spacing)
+            sum_affine_energy(first, p, p.affine, series["affine_energy"], state.grid.spacing)
         if self.strain.dissipates:
             series["material_dissipation"] = self.strain.dissipated(state)
         return series

@@ -16,7 +16,7 @@ import numpy as np
 
 from mpmfw.errors import ResultsWarning
 from mpmfw.kernels import kernel
-from mpmfw.kernels.types import Floats
+from mpmfw.kernels.types import Nodes
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.state.structs import Body, Grid, State
@@ -46,23 +46,17 @@ STEPS_OF_MEAN = 50
 
 
 @kernel
-def damp_locally(
-    share: float,
-    node_mass: Floats,
-    node_start_velocity: Floats,
-    node_momentum: Floats,
-    spacing: tuple[float, ...],
-) -> float:
+def damp_locally(share: float, grid: Nodes, spacing: tuple[float, ...]) -> float:
     """(m v)_i −= share |Δ(m v)_i| sign(v_i), component by component; return Σ |Δ(m v)_i| before damping."""
-    total = 0.0
-    for i in range(len(node_mass)):
+    momentum, total = grid.momentum, 0.0
+    for i in range(len(momentum)):
         for d in range(len(spacing)):
-            change = node_momentum[i, d] - node_mass[i] * node_start_velocity[i, d]
+            change = momentum[i, d] - grid.mass[i] * grid.start_velocity[i, d]
             total += abs(change)
-            if node_momentum[i, d] > 0.0:
-                node_momentum[i, d] -= share * abs(change)
-            elif node_momentum[i, d] < 0.0:
-                node_momentum[i, d] += share * abs(change)
+            if momentum[i, d] > 0.0:
+                momentum[i, d] -= share * abs(change)
+            elif momentum[i, d] < 0.0:
+                momentum[i, d] += share * abs(change)
     return total
 
 
@@ -135,7 +129,7 @@ class LocalDamping:
         """After the boundary conditions, so that reactions balance; once a step."""
         if self._integrated:
             self._integrated = False
-            self.impulse = damp_locally(DAMPING, grid.mass, grid.start_velocity, grid.momentum, grid.spacing)
+            self.impulse = damp_locally(DAMPING, grid, grid.spacing)
 
 
 class Settling:

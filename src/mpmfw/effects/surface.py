@@ -11,7 +11,7 @@ import numpy as np
 from mpmfw.kernels import kernel, scratch
 from mpmfw.kernels.arithmetic import add_scaled_row
 from mpmfw.kernels.stencil import entries
-from mpmfw.kernels.types import Floats, Indices, Ints
+from mpmfw.kernels.types import Floats, Indices, Ints, Table
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.state.fields import MIN_GAP, AnyArray, Field
@@ -76,22 +76,16 @@ def weigh_by_mass(row: Ints, nodes: Indices, weight: Floats, cell_mass: Floats, 
 
 @kernel
 def move_points(
-    row: Ints,
-    nodes: Indices,
-    weight: Floats,
-    node_velocity: Floats,
-    position: Floats,
-    displacement: Floats,
-    dt: float,
+    table: Table, velocity: Floats, position: Floats, displacement: Floats, dt: float,
     spacing: tuple[float, ...],
-) -> None:
+) -> None:  # fmt: skip
     """x_s += Δt Σ N_i v_i."""
     motion = scratch.matrix((0.0,), spacing)
     for s in range(len(position)):
         for d in range(len(spacing)):
             motion[0, d] = 0.0
-        for k in entries(row, s):
-            add_scaled_row(motion, 0, weight[k], node_velocity, nodes[k], spacing)
+        for k in entries(table.row, s):
+            add_scaled_row(motion, 0, table.weight[k], velocity, table.nodes[k], spacing)
         for d in range(len(spacing)):
             displacement[s, d] = dt * motion[0, d]
             position[s, d] += dt * motion[0, d]
@@ -148,19 +142,8 @@ class SurfaceTracker:
     @hookimpl
     def advect(self, grid: Grid, dt: float) -> None:
         """Move the nodes with their body's grid velocity."""
-        surface = self.surface
-        phi = surface.stencil
-        if phi is not None:
-            move_points(
-                phi.row,
-                phi.nodes,
-                phi.weight,
-                grid.velocity,
-                surface.position,
-                surface.displacement,
-                dt,
-                grid.spacing,
-            )
+        surface, velocity = self.surface, grid.velocity
+        move_points(surface.table, velocity, surface.position, surface.displacement, dt, grid.spacing)
 
 
 class GapDiagnostic:

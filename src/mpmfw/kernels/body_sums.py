@@ -4,23 +4,14 @@ from __future__ import annotations
 
 from mpmfw.kernels import scratch
 from mpmfw.kernels._jit import kernel
-from mpmfw.kernels.types import Floats, Ints
+from mpmfw.kernels.types import Floats, Ints, Points
 
 
 @kernel
 def sum_motion(
-    first: Ints,
-    mass: Floats,
-    position: Floats,
-    velocity: Floats,
-    total: Floats,
-    centre: Floats,
-    mean: Floats,
-    spin: Floats,
-    second: Floats,
-    kinetic: Floats,
-    spacing: tuple[float, ...],
-) -> None:
+    first: Ints, points: Points, total: Floats, centre: Floats, mean: Floats, spin: Floats, second: Floats,
+    kinetic: Floats, spacing: tuple[float, ...],
+) -> None:  # fmt: skip
     """Mass, centre, mean velocity, spin, second moment and kinetic energy of every body.
 
     ``total`` is m = Σ m_p, (B,) [kg/m]; ``centre`` c = Σ m_p x_p / m and ``mean`` v = Σ m_p v_p / m, (B, dim)
@@ -44,27 +35,28 @@ def sum_motion(
         for a in range(axes):
             turned[a] = 0.0
         for p in range(first[b], first[b + 1]):
-            body_mass += mass[p]
+            body_mass += points.mass[p]
             for d in range(dim):
-                c[d] += mass[p] * position[p, d]
-                v[d] += mass[p] * velocity[p, d]
-                energy += 0.5 * mass[p] * velocity[p, d] * velocity[p, d]
+                velocity = points.velocity[p, d]
+                c[d] += points.mass[p] * points.position[p, d]
+                v[d] += points.mass[p] * velocity
+                energy += 0.5 * points.mass[p] * velocity * velocity
         for d in range(dim):
             c[d] /= body_mass
             v[d] /= body_mass
         for p in range(first[b], first[b + 1]):
             for d in range(dim):
-                r[d] = position[p, d] - c[d]
-                w[d] = velocity[p, d] - v[d]
+                r[d] = points.position[p, d] - c[d]
+                w[d] = points.velocity[p, d] - v[d]
             if dim == 2:
-                turned[0] += mass[p] * (r[0] * w[1] - r[1] * w[0])
+                turned[0] += points.mass[p] * (r[0] * w[1] - r[1] * w[0])
             else:
                 for a in range(axes):
                     d, e = (a + 1) % 3, (a + 2) % 3
-                    turned[a] += mass[p] * (r[d] * w[e] - r[e] * w[d])
+                    turned[a] += points.mass[p] * (r[d] * w[e] - r[e] * w[d])
             for d in range(dim):
                 for e in range(dim):
-                    inertia[d, e] += mass[p] * r[d] * r[e]
+                    inertia[d, e] += points.mass[p] * r[d] * r[e]
         total[b], kinetic[b] = body_mass, energy
         for d in range(dim):
             centre[b, d], mean[b, d] = c[d], v[d]
@@ -76,7 +68,7 @@ def sum_motion(
 
 @kernel
 def sum_affine_energy(
-    first: Ints, mass: Floats, volume: Floats, affine: Floats, energy: Floats, spacing: tuple[float, ...]
+    first: Ints, points: Points, affine: Floats, energy: Floats, spacing: tuple[float, ...]
 ) -> None:
     """Σ m_p l² C:C / 24 of every body to ``energy``, (B,) [J/m]: squares of edge l = V^(1/dim) that move
     within themselves by C.
@@ -91,7 +83,6 @@ def sum_affine_energy(
             for d in range(dim):
                 for e in range(dim):
                     square += affine[p, d, e] * affine[p, d, e]
-            edge2 = (
-                volume[p] if dim == 2 else volume[p] ** (2.0 / dim)
-            )  # a power takes longer than all the rest
-            energy[b] += mass[p] * edge2 * square / 24.0
+            volume = points.volume[p]
+            edge2 = volume if dim == 2 else volume ** (2.0 / dim)  # a power takes longer than all the rest
+            energy[b] += points.mass[p] * edge2 * square / 24.0

@@ -6,7 +6,7 @@ import numpy as np
 
 from mpmfw.errors import SceneError
 from mpmfw.kernels import kernel
-from mpmfw.kernels.types import Floats, Indices, Ints
+from mpmfw.kernels.types import Floats, Ints, Table
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.named import NamedPlugIn
 from mpmfw.plugin.setup import Setup
@@ -15,14 +15,12 @@ from mpmfw.state.structs import Grid, Particles, Stencil
 
 
 @kernel
-def project_mass(
-    which: Ints, row: Ints, nodes: Indices, weight: Floats, mass: Floats, node_mass: Floats
-) -> None:
+def project_mass(which: Ints, table: Table, mass: Floats, node_mass: Floats) -> None:
     """m_i of some points alone, Σ φ_ip m_p."""
     node_mass[:] = 0.0
     for p in which:
-        for k in range(row[p], row[p + 1]):
-            node_mass[nodes[k]] += weight[k] * mass[p]
+        for k in range(table.row[p], table.row[p + 1]):
+            node_mass[table.nodes[k]] += table.weight[k] * mass[p]
 
 
 class Boundary(NamedPlugIn):
@@ -80,7 +78,7 @@ class Boundary(NamedPlugIn):
         """Project the mass of the held points alone."""
         if len(self.node_mass) != len(grid.mass):
             self.node_mass = np.zeros(len(grid.mass))
-        project_mass(self.held, phi.row, phi.nodes, phi.weight, particles.mass, self.node_mass)
+        project_mass(self.held, phi, particles.mass, self.node_mass)
 
     @hookimpl
     def constrain_momentum(self, grid: Grid, time: float) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from mpmfw.kernels import kernel, scratch
 from mpmfw.kernels.facets import area_vector, read_corners
-from mpmfw.kernels.types import Floats, Indices, Ints
+from mpmfw.kernels.types import Floats, Ints, Table
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.named import NamedPlugIn
 from mpmfw.plugin.setup import Setup
@@ -22,14 +22,12 @@ if TYPE_CHECKING:
 
 
 @kernel
-def add_point_forces(
-    begin: int, row: Ints, nodes: Indices, weight: Floats, force: Floats, node_force: Floats
-) -> None:
+def add_point_forces(begin: int, table: Table, force: Floats, node_force: Floats) -> None:
     """f_i += Σ φ_ip f_p over the points from ``begin`` on, of which ``force`` (n, dim) is given."""
     for q in range(len(force)):
-        for k in range(row[begin + q], row[begin + q + 1]):
+        for k in range(table.row[begin + q], table.row[begin + q + 1]):
             for d in range(force.shape[1]):
-                node_force[nodes[k], d] += weight[k] * force[q, d]
+                node_force[table.nodes[k], d] += table.weight[k] * force[q, d]
 
 
 @kernel
@@ -57,18 +55,16 @@ def measure_facets(
 
 
 @kernel
-def add_facet_forces(
-    which: Ints, force: Floats, facets: Ints, row: Ints, nodes: Indices, weight: Floats, node_force: Floats
-) -> None:
+def add_facet_forces(which: Ints, force: Floats, facets: Ints, table: Table, node_force: Floats) -> None:
     """f_i += f_m / dim N_i(x_s) from every corner of the facets, as contact forces are mapped (eq. 11 of
     [H17])."""
     dim = force.shape[1]
     for q in range(len(which)):
         for a in range(dim):
             node = facets[which[q], a]
-            for k in range(row[node], row[node + 1]):
+            for k in range(table.row[node], table.row[node + 1]):
                 for d in range(dim):
-                    node_force[nodes[k], d] += weight[k] * force[q, d] / dim
+                    node_force[table.nodes[k], d] += table.weight[k] * force[q, d] / dim
 
 
 class Load(NamedPlugIn):
@@ -109,7 +105,7 @@ class BodyLoad(Load):
             own = body.particles
             shape = (own.stop - own.start, state.grid.dim)
             force = self.checked(self.forces(state.particles, own, state.time), shape, state)
-            add_point_forces(own.start, phi.row, phi.nodes, phi.weight, force, grid.force)
+            add_point_forces(own.start, phi, force, grid.force)
             self._impulses.append((own, dt * force))
 
     @hookimpl
@@ -171,9 +167,9 @@ class SurfaceLoad(Load):
         """Map the tractions with the surface nodes' shape functions, as contact forces are (eq. 11 of
         [H17])."""
         surface, loaded = state.tracked_surface, LoadedFacets(state, self.facets)
-        phi, shape = surface.table, (len(self.facets), state.grid.dim)
+        shape = (len(self.facets), state.grid.dim)
         force = loaded.area[:, None] * self.checked(self.traction(loaded, state.time), shape, state)
-        add_facet_forces(self.facets, force, surface.facets, phi.row, phi.nodes, phi.weight, grid.force)
+        add_facet_forces(self.facets, force, surface.facets, surface.table, grid.force)
         self._force = force
 
     @hookimpl
