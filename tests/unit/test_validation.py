@@ -6,14 +6,15 @@ from __future__ import annotations
 
 import csv
 import math
+from dataclasses import replace
 
 import pytest
 from typer.testing import CliRunner
 
 from mpmfw.cli import app
-from mpmfw.validation import Case, Method, Row, Verdict
+from mpmfw.validation import Case, CaseRun, Method, Place, Row, Runs, RunSet, Verdict, methods
 from mpmfw.validation.page import BEGIN, END
-from mpmfw.validation.suite import find_cases, kept, run_cases
+from mpmfw.validation.suite import CaseResult, find_cases, kept, run_cases
 
 GREEN = """
 from measures import SIX
@@ -156,20 +157,21 @@ def test_runs_at_places_and_in_versions(suite, tmp_path):
     assert not any("fine" in row.quantity or row.quantity == "total" for row in quick.rows)
 
 
-@pytest.mark.parametrize(
-    "misspelt",
-    [
-        ('matches("penalty, *")', 'matches("penlty, *")'),
-        ('by_method("penalty*")', 'by_method("penlty*")'),
-        ('"penalty, c*": "known"', '"penlty, c*": "known"'),
-        ('run.at("fine")', 'run.at("fein")'),
-        ("by=in_place,", "by=in_place, binds=['penlty, *'],"),
-    ],
-    ids=lambda pair: pair[1],
-)
-def test_a_pattern_that_fits_no_method_or_place_is_refused(suite, tmp_path, misspelt):
-    (result,) = results(suite(a=RUNS.replace(*misspelt)), tmp_path)
-    assert "fits no name of the full version" in result.error
+def test_a_pattern_that_fits_no_method_or_place_is_refused(tmp_path):
+    runs = Runs("runs", methods=methods(["penalty", "bardenhagen"]), places=[Place("coarse"), Place("fine")])
+    method, place = runs.methods[0], runs.places[0]
+    run = CaseRun(Case(tmp_path), "runs", place, method, None, None)
+    assert method.matches("penalty, *")
+    assert run.at("coarse")
+    for misspelt in (
+        lambda: method.matches("penlty, *"),
+        lambda: run.at("coarze"),
+        lambda: list(RunSet([run]).by_method("penlty*")),
+        lambda: replace(runs, binds=["penlty, *"]),
+        lambda: replace(runs, places=[Place("fine", open={"size": {"penlty, c*": "known"}})]),
+    ):
+        with pytest.raises(ValueError, match="fits no name of the full version"):
+            misspelt()
 
 
 def test_a_case_of_full_runs_alone_has_no_quick_rows(suite, tmp_path):
@@ -197,20 +199,11 @@ def test_whatever_goes_wrong_is_said_and_ends_with_status_1(suite, tmp_path):
     assert (wrong.exit_code, "did you mean 'a'?" in wrong.output) == (2, True)
 
 
-@pytest.mark.parametrize(
-    ("text", "status", "said"),
-    [
-        (KNOWN.format(value=8.0), 0, "known red: a:"),
-        (KNOWN.format(value=6.0), 1, "marked as known red"),
-        (BROKEN, 1, "no reference"),
-        (KILLED, 1, "its process ended abruptly"),
-    ],
-    ids=["known red", "stale known red", "error", "killed"],
-)
-def test_each_of_them_alone_decides_the_status(suite, tmp_path, text, status, said):
-    result = command(suite(a=text, b=GREEN), tmp_path)
-    assert result.exit_code == status, result.output
-    assert said in " ".join(result.output.split())
+def test_an_error_and_a_red_gate_alone_decide_the_status(tmp_path):
+    red = Row("a", "by hand", "six", 8.0, "", "", 5.0, 7.0, binds=True)
+    assert CaseResult(tmp_path, (red,)).wrong
+    assert CaseResult(tmp_path, error="killed").wrong
+    assert not CaseResult(tmp_path, (replace(red, reason="eight is more"), replace(red, value=6.0))).wrong
 
 
 def test_table_figures_and_the_marked_part_of_a_page_are_written(suite, tmp_path):
