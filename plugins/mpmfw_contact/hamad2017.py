@@ -90,9 +90,9 @@ class Hamad2017Law(SpringLaw):
         super().prepare(setup, owner)
         if self.options.friction_law == "literal" and setup.friction_law is not None:
             raise SceneError(
-                f"contact.friction_law: has no effect with contact.{owner}.friction_law = 'literal', which "
-                "has no bound; "
-                "expected 'coulomb' there"
+                f"has no effect with contact.{owner}.friction_law = 'literal', which has no bound; expected "
+                "'coulomb' there",
+                key="contact.friction_law",
             )
 
     def normal_forces(

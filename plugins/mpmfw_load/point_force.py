@@ -65,15 +65,17 @@ class PointForce(BodyLoad):
         if len(self.bodies) != 1:
             names = ", ".join(body.name for body in self.bodies)
             raise SceneError(
-                f"loads.{self.title}.bodies: a point force acts on one body, not on {names}; expected one of "
-                "them"
+                f"a point force acts on one body, not on {names}; expected one of them",
+                key=f"loads.{self.title}.bodies",
             )
         (body,) = self.bodies
         try:
             position = setup.state.particles.position[body.particles]
             self.shares = shares_near(position, np.array(self.options.at), setup.cell_size)
         except ValueError as error:
-            raise SceneError(f"loads.{self.title}.at: {error}; expected a point of {body.name}") from error
+            raise SceneError(
+                f"{error}; expected a point of {body.name}", key=f"loads.{self.title}.at"
+            ) from error
 
     def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:  # noqa: ARG002
         """w_p F(t), (n, dim) [N]."""

@@ -55,9 +55,11 @@ class SceneError(MpmfwError):
     Parameters
     ----------
     message
-        One that no key of a scene belongs to.
+        What is wrong, if it is one thing.
     problems
         All that is wrong with a scene, instead.
+    key
+        Dotted key of the scene that the message is about.
 
     Attributes
     ----------
@@ -65,8 +67,8 @@ class SceneError(MpmfwError):
         What is wrong, as data; the error's text has a line for each.
     """
 
-    def __init__(self, message: str = "", problems: Sequence[SceneProblem] = ()) -> None:
-        self.problems = tuple(problems) or (SceneProblem(message),)
+    def __init__(self, message: str = "", problems: Sequence[SceneProblem] = (), key: str = "") -> None:
+        self.problems = tuple(problems) or (SceneProblem(message, key),)
         super().__init__("\n".join(map(str, self.problems)))
 
     def __reduce__(self) -> tuple[Any, ...]:

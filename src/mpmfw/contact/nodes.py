@@ -262,7 +262,7 @@ class Nodes(AtNodes):
         direction = self.options.direction
         if direction is not None and len(direction) != setup.dim:
             raise SceneError(
-                f"contact.{owner}.direction: expected {setup.dim} components, found {len(direction)}"
+                f"expected {setup.dim} components, found {len(direction)}", key=f"contact.{owner}.direction"
             )
         super().prepare(setup, owner)
         if direction is not None:

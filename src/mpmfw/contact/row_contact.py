@@ -165,8 +165,9 @@ class RowContact(ContactStrategy):
         self.rows, self.old = self.detection.new_rows(own), self.detection.new_rows(own)
         if self.friction.cohesive and not self.detection.measures_area:
             raise SceneError(
-                f"contact.friction_law = '{self.friction.name}' has cohesion, which acts on an area; "
-                f"detection '{self.detection.name}' measures none with its options"
+                f"'{self.friction.name}' has cohesion, which acts on an area; detection "
+                f"'{self.detection.name}' measures none with its options",
+                key="contact.friction_law",
             )
         if setup.has_friction and self.uses_friction:
             for rows in (self.rows, self.old):

@@ -155,7 +155,9 @@ class SpringLaw(ForceLaw):
         if not setup.has_friction:
             for name in ("tangential_ratio", "friction_law"):
                 if name in self.options.model_fields_set:
-                    raise SceneError(f"contact.{owner}.{name} has no effect: every pair has friction = 0")
+                    raise SceneError(
+                        "has no effect, since every pair has friction = 0", key=f"contact.{owner}.{name}"
+                    )
         self.owner, self.state, self.cell_size = owner, setup.state, setup.cell_size
         given = self.options.kappa
         self.kappa = KAPPA[setup.state.particles.dim] if given is None else given

@@ -223,7 +223,7 @@ def _prescribed(setup: Setup, body: Body, side: Side) -> PrescribedSide:
     along = (on[corners].all(axis=1).any() for on, corners in zip(at_side, body.facets, strict=True))
     if body.outlines and not any(along):
         raise SceneError(
-            f"bodies.{body.name}.sides: no part of the outline lies along the side '{side.side}'"
+            f"no part of the outline lies along the side '{side.side}'", key=f"bodies.{body.name}.sides"
         )
     axes = setup.scene.bodies[body.name].geometry.axes
     velocity = _velocity(side, setup.dim)

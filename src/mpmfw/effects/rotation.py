@@ -53,7 +53,7 @@ def _choice(setup: Setup, body: Body) -> tuple[str, str]:
     if asked == "exact" and (held or not model.geometry.is_connected):
         kind, has = ("free", "prescribed sides") if held else ("connected", "parts")
         raise SceneError(
-            f"bodies.{body.name}.rotation: 'exact' is for a {kind} body, and this one has {has}; "
-            "expected 'spin' or 'lumped'"
+            f"'exact' is for a {kind} body, and this one has {has}; expected 'spin' or 'lumped'",
+            key=f"bodies.{body.name}.rotation",
         )
     return asked, "given"

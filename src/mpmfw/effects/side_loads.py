@@ -50,7 +50,9 @@ def from_setup(setup: Setup) -> Acts:
         on_side = np.asarray(on_side[surface.facets[own]].all(axis=1))
         loaded = np.asarray(own.start + np.flatnonzero(on_side), dtype=np.int64)
         if len(loaded) == 0:
-            raise SceneError(f"bodies.{body.name}.sides: no surface facet lies on the side '{side.side}'")
+            raise SceneError(
+                f"no surface facet lies on the side '{side.side}'", key=f"bodies.{body.name}.sides"
+            )
         loads.append(SideLoad(body, side, loaded))
     sides = ", ".join(f"{body.name} {side.side}" for body, side in setup.loaded_sides)
     return Acts(sides, loads)

@@ -56,7 +56,7 @@ class Boundary(NamedPlugIn):
         found = []
         if state.grid.n_fields < len(state.bodies):
             raise SceneError(
-                f"boundaries.{self.title}: the bodies share one velocity field; none can be held alone"
+                "the bodies share one velocity field; none can be held alone", key=f"boundaries.{self.title}"
             )
         for body in self.bodies:
             position = state.particles.position[body.particles]
@@ -65,7 +65,7 @@ class Boundary(NamedPlugIn):
         self.held = np.concatenate(found).astype(np.int64)
         if len(self.held) == 0:
             names = ", ".join(body.name for body in self.bodies)
-            raise SceneError(f"boundaries.{self.title}: holds no material point of {names}")
+            raise SceneError(f"holds no material point of {names}", key=f"boundaries.{self.title}")
         self.node_mass, self.at_rest = np.zeros(0), False
         self.calls = self.left = 2 if setup.scheme == "usf" else 1
 

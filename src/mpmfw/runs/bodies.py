@@ -36,7 +36,7 @@ def lay_out(scene: Scene) -> tuple[Layout, ...]:
                 by = np.subtract(body.geometry.centroid, geometry.centroid)
                 made.append(about_the_origin(geometry, particles, segment).moved(by))
         except ValueError as error:
-            raise SceneError(f"bodies.{name}: {error}") from error
+            raise SceneError(str(error), key=f"bodies.{name}") from error
     return tuple(made)
 
 
@@ -122,8 +122,9 @@ def check_overlap(bodies: tuple[Body, ...]) -> None:
     too_much = np.flatnonzero(common > 1e-6 * np.minimum(shapely.area(one), shapely.area(other)))
     for pair in too_much[:1]:
         raise SceneError(
-            f"bodies.{bodies[first[pair]].name} and bodies.{bodies[second[pair]].name} overlap by "
-            f"{common[pair]:.3g} m² at the start; move them apart, or say allow_overlap = true"
+            f"overlaps body '{bodies[second[pair]].name}' by {common[pair]:.3g} m² at the start; move them "
+            "apart, or say allow_overlap = true",
+            key=f"bodies.{bodies[first[pair]].name}",
         )
 
 
@@ -138,8 +139,9 @@ def _check_depth(bodies: tuple[Body, ...], first: IntArray, second: IntArray) ->
     for a, b, gap in zip(first.tolist(), second.tolist(), gaps, strict=True):
         if gap < -1e-6 * min(size[a], size[b]):
             raise SceneError(
-                f"bodies.{bodies[a].name} and bodies.{bodies[b].name} overlap at the start, by {-gap:.3g} m "
-                "at one node; move them apart, or say allow_overlap = true"
+                f"overlaps body '{bodies[b].name}' by {-gap:.3g} m at one node at the start; move them "
+                "apart, or say allow_overlap = true",
+                key=f"bodies.{bodies[a].name}",
             )
 
 

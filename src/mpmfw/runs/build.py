@@ -172,7 +172,8 @@ def _named(
             if scene.dim not in plugin.dimensions:
                 works = " and ".join(f"{d}D" for d in plugin.dimensions)
                 raise SceneError(
-                    f"{group}.{name}: {plugin.name} works in {works}; the scene's grid is {scene.dim}D"
+                    f"{plugin.name} works in {works}; the scene's grid is {scene.dim}D",
+                    key=f"{group}.{name}",
                 )
             plugin.title = name
             plugin.bodies = tuple(b for b in bodies if table.bodies is None or b.name in table.bodies)
@@ -265,7 +266,7 @@ def _check_unused_contact(scene: Scene, contact: ContactStrategy | None) -> None
     if given.friction_law is not None:
         keys.append("friction_law")
     if keys:
-        raise SceneError(f"contact.{keys[0]}: has no effect, since the scene has one body only")
+        raise SceneError("has no effect, since the scene has one body only", key=f"contact.{keys[0]}")
 
 
 def _check_methods(scene: Scene, shape: ShapeFunction, contact: ContactStrategy | None) -> None:

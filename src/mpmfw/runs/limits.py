@@ -51,21 +51,22 @@ def check_length(simulation: Simulation) -> None:
     frames = frames_of(simulation)
     if frames > MOST_FRAMES:
         raise SceneError(
-            f"time.output_interval: {time.output_interval:g} s in {time.end:g} s makes {frames:.3g} frames, "
-            f"more than {MOST_FRAMES}{forced}"
+            f"{time.output_interval:g} s in {time.end:g} s makes {frames:.3g} frames, more than "
+            f"{MOST_FRAMES}{forced}",
+            key="time.output_interval",
         )
     step = simulation.stable_step()
     steps = steps_of(simulation, step)
     if steps > MOST_STEPS:
-        raise SceneError(_too_many(simulation, f"time.end: {time.end:g} s", steps, step) + forced)
+        raise SceneError(_too_many(simulation, f"{time.end:g} s", steps, step) + forced, key="time.end")
     settle = simulation.scene.settle
     if settle is not None and settle.max_time is not None and settle.max_time / step > MOST_STEPS:
-        text = f"settle.max_time: {settle.max_time:g} s"
-        raise SceneError(_too_many(simulation, text, settle.max_time / step, step) + forced)
+        text = _too_many(simulation, f"{settle.max_time:g} s", settle.max_time / step, step)
+        raise SceneError(text + forced, key="settle.max_time")
 
 
 def _too_many(simulation: Simulation, span: str, steps: float, step: float) -> str:
-    """``time.end: 1 s in steps of 1e-300 s, which time.step sets, takes 1e+300 steps, more than
+    """``1 s in steps of 1e-300 s, which time.step sets, takes 1e+300 steps, more than
     10000000``.
     """
     owner = "time.step" if simulation.scene.time.step is not None else min(simulation.limits())[1]

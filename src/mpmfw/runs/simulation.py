@@ -193,8 +193,9 @@ class Simulation:
             raise
         except SimulationError as error:
             raise SceneError(
-                f"bodies.{error.body}: the shape function '{self.shape.name}' reaches beyond the grid at the "
-                "start; expected grid.lower and grid.upper two cells farther out"
+                f"the shape function '{self.shape.name}' reaches beyond the grid at the start; expected "
+                "grid.lower and grid.upper two cells farther out",
+                key=f"bodies.{error.body}",
             ) from error
 
     # -- how it runs

@@ -87,8 +87,9 @@ def check_memory(scene: Scene) -> None:
         check_box_inside(scene, name, lower, upper, slack=cell)
         if not (least := float(np.subtract(upper, lower).min())) > THINNEST * cell:
             raise SceneError(
-                f"bodies.{name}.geometry: the body is {least:.3g} m across at its thinnest, less than "
-                f"{THINNEST:g} of a cell of {cell:g} m; expected a larger body, or smaller cells"
+                f"the body is {least:.3g} m across at its thinnest, less than {THINNEST:g} of a cell of "
+                f"{cell:g} m; expected a larger body, or smaller cells",
+                key=f"bodies.{name}.geometry",
             )
     sizes = {name: size_of(body, cell) for name, body in scene.bodies.items()}
     largest = max(sizes, key=lambda name: sizes[name].memory)
@@ -98,14 +99,16 @@ def check_memory(scene: Scene) -> None:
     if needed > limit:
         key, what = _greediest(scene.bodies[largest], size, cell, largest)
         raise SceneError(
-            f"{key}: the body '{largest}' of {box} m has {what}; the scene needs up to {shown_bytes(needed)} "
-            f"of memory, and the limit is {shown_bytes(limit)}, the memory of this machine; expected a "
-            f"larger {key}, or are lengths in millimetres?"
+            f"the body '{largest}' of {box} m has {what}; the scene needs up to {shown_bytes(needed)} of "
+            f"memory, and the limit is {shown_bytes(limit)}, the memory of this machine; expected a larger "
+            f"{key}, or are lengths in millimetres?",
+            key=key,
         )
     if sum(size.nodes for size in sizes.values()) > MOST_NODES:
         raise SceneError(
-            f"grid.cell_size: {sum(size.nodes for size in sizes.values()):.3g} nodes round the bodies are "
-            f"more than {MOST_NODES}, the most that can be counted; expected a larger grid.cell_size"
+            f"{sum(size.nodes for size in sizes.values()):.3g} nodes round the bodies are more than "
+            f"{MOST_NODES}, the most that can be counted; expected a larger grid.cell_size",
+            key="grid.cell_size",
         )
 
 
@@ -116,8 +119,9 @@ def check_box_inside(
     grid = scene.grid
     if (lower < np.array(grid.lower) - slack).any() or (upper > np.array(grid.upper) + slack).any():
         raise SceneError(
-            f"bodies.{name}: the body from {_point(lower)} to {_point(upper)} m is not inside the grid from "
-            f"{_point(grid.lower)} to {_point(grid.upper)} m; expected a larger grid.lower … grid.upper"
+            f"the body from {_point(lower)} to {_point(upper)} m is not inside the grid from "
+            f"{_point(grid.lower)} to {_point(grid.upper)} m; expected a larger grid.lower … grid.upper",
+            key=f"bodies.{name}",
         )
 
 

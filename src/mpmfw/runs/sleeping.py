@@ -67,7 +67,7 @@ def from_setup(setup: Setup) -> Acts:
     else:
         when = f"below {settings.strain:g} of the wave speed for {settings.crossings:g} crossings"
         return Acts(f"[sleep]: {when}")
-    raise SceneError(f"sleep: {problem}")
+    raise SceneError(problem, key="sleep")
 
 
 class Sleep:

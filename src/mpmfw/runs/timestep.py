@@ -92,7 +92,7 @@ class TimeStep:
         step: float = self._safety * min(limits)[0] if self._fixed is None else self._fixed
         if self._checked and (refusal := self._refusal(step, limits)) is not None:
             key = "time.safety" if self.scene.time.step is None else "time.step"
-            raise SceneError(f"{key}: {refusal}; expected a smaller {key}, or allow_unstable = true")
+            raise SceneError(f"{refusal}; expected a smaller {key}, or allow_unstable = true", key=key)
 
     def limits(self, hook: Any) -> list[tuple[float, str]]:
         """Return every stable time step [s] with its owner, before the safety factor; the bulk's comes first.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -197,30 +196,16 @@ def error_of(problems: Iterable[Problem], source: Source, overrides: Mapping[str
     return SceneError(problems=[origin.located(problem) for problem in ordered])
 
 
-#: A dotted key at the beginning of a message: ``time.step:``, ``bodies.a and bodies.b overlap``.
-_KEY = re.compile(r"[A-Za-z_][\w.\-\[\]]*(?=[:\s])")
-
-
 def located(error: SceneError, scene: Scene) -> SceneError:
-    """Return an error of a simulation's build with the file and line of the key that its message begins with.
+    """Return an error of a simulation's build with the file and line of its key, or the option that set it.
 
-    The option that set the key stands instead of the file. A message without a key comes back as it is."""
-    text = str(error)
-    found = _KEY.match(text)
-    if found is None:
+    An error without a key comes back as it is."""
+    problem, *others = error.problems
+    if others or problem.source or not problem.key:
         return error
     try:
-        path = parse_path(found.group())
+        path = parse_path(problem.key)
     except ValueError:
         return error
-    if path[0] not in Scene.model_fields or (scene.source.name and text.startswith(f"{scene.source.name}:")):
-        return error
-    (problem,) = error_of([Problem(path, text)], scene.source, scene.source.overrides).problems
-    key, rest = found.group(), text[found.end() :]
-    if key == problem.override:  # the option says it
-        key, text = "", rest.removeprefix(":").lstrip()
-    elif rest.startswith(":"):
-        text = rest[1:].lstrip()
-    else:
-        key = ""
-    return SceneError(problems=[replace(problem, key=key, message=text)])
+    origin = origin_of(scene.source, scene.source.overrides)
+    return SceneError(problems=[origin.located(Problem(path, problem.message))])

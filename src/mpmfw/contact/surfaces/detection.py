@@ -307,7 +307,7 @@ def _ranks(
     """
     if master is not None and master not in [body.name for body in bodies]:
         names = ", ".join(body.name for body in bodies)
-        raise SceneError(f"contact.{owner}.master: no body '{master}'; expected one of {names}")
+        raise SceneError(f"no body '{master}'; expected one of {names}", key=f"contact.{owner}.master")
     if not one_pass:
         return np.zeros(len(bodies), dtype=np.int64)
     ranks = stiffness_ranks(bodies) * len(bodies) + ranks_of(size)
