@@ -85,8 +85,8 @@ def flutters(
     state: Any = SimpleNamespace(
         arrays=records, pairs=[SimpleNamespace(first=0, second=1, mu=mu, label="a-b")], bodies=bodies,
         time=0.0,
-        particles=SimpleNamespace(mass=np.ones(2), position=position), grid=SimpleNamespace(dim=2,
-        cell_size=1.0),
+        centres_of_mass=position.copy(), pair_bodies=np.array([[0, 1]]),
+        grid=SimpleNamespace(dim=2, cell_size=1.0),
     )  # fmt: skip
     note = Flutter("law", 2)
     note.diagnostics(state, 0.0)
@@ -94,6 +94,7 @@ def flutters(
         normal = 1.0 + swing * (-1.0) ** (output // every)
         friction = share * mu * normal
         position[0, 0] += way
+        state.centres_of_mass = position.copy()
         state.time += interval
         records["law/friction_impulse"][0] += [-friction * interval, 0.0]
         records["law/impulse"][0] += [-friction * interval, normal * interval]

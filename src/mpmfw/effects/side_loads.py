@@ -46,9 +46,9 @@ def from_setup(setup: Setup) -> Acts:
     for body, side in setup.loaded_sides:
         normal, place = setup.face_of(body, side)
         own = surface.facets_of(body.index)
-        on_side = np.abs(surface.position @ normal - place) <= FLAT * setup.cell_size
-        on_side = np.asarray(on_side[surface.facets[own]].all(axis=1))
-        loaded = np.asarray(own.start + np.flatnonzero(on_side), dtype=np.int64)
+        at_side = np.abs(surface.position @ normal - place) <= FLAT * setup.cell_size
+        on_side = np.flatnonzero(at_side[surface.facets[own]].all(axis=1))
+        loaded = np.asarray(own.start + on_side, dtype=np.int64)
         if len(loaded) == 0:
             raise SceneError(
                 f"no surface facet lies on the side '{side.side}'", key=f"bodies.{body.name}.sides"
