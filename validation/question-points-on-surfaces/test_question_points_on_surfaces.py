@@ -16,7 +16,7 @@ from questions import BLOCK, STRESS, cost_of, points_of
 from rolling import NO_SLIP, SERIES_ONLY, measures, motion_of
 
 import mpmfw
-from mpmfw.errors import ResultsWarning
+from mpmfw.errors import ResultsWarning, SimulationError
 from mpmfw.validation import Case, Method
 
 FOLDER = Path(__file__).parents[1]
@@ -124,7 +124,12 @@ def _hertz(case: Case, method: Method, name: str) -> None:
 def _hard(case: Case, method: Method, name: str) -> None:
     """Record plain scenes of the suite ``hard``, with their limits of penetration."""
     for scene, mapping in sorted(SCENES.items()):
-        tree, deepest = _run(name, mapping), 0.2 if scene in SHARP else 0.1
+        deepest = 0.2 if scene in SHARP else 0.1
+        try:
+            tree = _run(name, mapping)
+        except SimulationError as error:
+            case.failed(method, str(error), False, scene)
+            continue
         for key, unit, measure, most in (
             ("penetration", "cells", penetration, deepest),
             ("energy", "%", energy, 0.5),

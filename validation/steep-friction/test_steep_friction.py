@@ -23,7 +23,7 @@ from eigenvalues import CONTACTS, VISCOSITY, check_modes, lowest, modes_of, name
 from measures import Measured, gravity_table, growth_of, of_elements, of_points, onset
 from slider_fem import incline, slide
 
-from mpmfw.validation import Case, Method, methods
+from mpmfw.validation import Case, Method, known_red, methods
 
 if TYPE_CHECKING:
     from slider_fem import Slide
@@ -40,6 +40,11 @@ ONCE = {"time.output_interval": 0.0005, "time.end": 0.2}
 SIZES = (0.1, 0.05)
 
 
+@known_red(
+    "penalty, cpdi",
+    "onset: least mu with an error above 1 %, 40 deg",
+    "0.75; 0.5 to 0.65 with finite elements, and 0.65 with kappa = 1: stiffer springs chatter later",
+)
 def test_steep_friction(case: Case) -> None:
     """Judge eigenvalues, growth of small motions, motion over friction and tilt, and cures."""
     sizes = SIZES[:1] if case.quick else SIZES
