@@ -89,6 +89,8 @@ def read_snapshot(path: str) -> tuple[dict[str, AnyArray], Facts | None]:
         with open(path, "rb") as file, np.load(file, allow_pickle=False) as archive:
             if sum(member.file_size for member in archive.zip.infolist()) > os.path.getsize(path):
                 raise ValueError("members are compressed or overlap")
+            if (wrong := archive.zip.testzip()) is not None:  # a damaged length may end the reading before it
+                raise ValueError(f"{wrong}: the checksum is wrong")
             saved = {place: archive[place] for place in archive.files}
         count, facts = json.loads(saved.pop(_FACTS).tobytes())
         if len(saved) != count or not all(array.dtype.str in TYPES for array in saved.values()):
