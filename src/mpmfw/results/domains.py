@@ -107,5 +107,5 @@ def _body(tree: xr.DataTree, body: str) -> tuple[Body, float] | None:
         if next(code_in(table), None):
             return None
         return Body.model_validate(table, context=context_of_cells(scene)), cell_size_of(scene)
-    except (KeyError, TypeError, ValueError):
+    except (KeyError, TypeError, ValueError, OSError, MpmfwError):
         return None
