@@ -169,5 +169,6 @@ def _print_cost(simulation: Simulation, found: Prediction, everything: bool) -> 
     if found.settle_steps:
         typer.echo(f"settling: at most {found.settle_steps} steps, {found.settle_time:.3g} s")
     missing = ["compilation", "contacts that come later"]
-    missing += ["plastic flow"] if any(m.dissipates for m in simulation.setup.materials.values()) else []
+    materials = simulation.setup.materials.values()
+    missing += ["plastic flow"] if any(m.dissipates and m.slices for m in materials) else []
     typer.echo(f"from a trial of {TIMED} steps, without {', '.join(missing[:-1])} and {missing[-1]}\n")

@@ -41,8 +41,8 @@ class StrainEnergies:
 
     @property
     def dissipates(self) -> bool:
-        """True if a material loses energy."""
-        return any(material.dissipates for material in self.materials)
+        """True if a material of a body loses energy."""
+        return any(material.dissipates for material in self.materials if material.slices)
 
     def dissipated(self, state: State) -> FloatArray:
         """Return the energy that every body's material has lost since time zero (body,) [J/m]."""
