@@ -189,7 +189,9 @@ class Cpdi2(PackedRows):
     def setup(self, setup: Setup) -> None:
         """Take the corners from the layout; x_p becomes Σ w_c x_c."""
         if setup.corners is None:
-            raise SceneError("shape 'cpdi2' needs four-cornered domains; a body's layout has none")
+            raise SceneError(
+                "'cpdi2' needs four-cornered domains; a body's layout has none", key="shape.method"
+            )
         super().setup(setup)
         self.corners = setup.allocate(self.name, CORNERS, corner=4)
         self.corners[:] = setup.corners

@@ -164,8 +164,9 @@ class Gimp(PackedRows):
         self.half_length[:] = 0.5 * setup.state.particles.initial_volume ** (1.0 / setup.dim)
         if self.half_length.max() > 0.5 * setup.cell_size * (1.0 + 1e-9):
             raise SceneError(
-                f"shape 'gimp': a particle of edge {2 * self.half_length.max():.4g} m is larger than the "
-                f"cell ({setup.cell_size:.4g} m); expected bodies.*.particles.size <= grid.cell_size"
+                f"'gimp' has a particle of edge {2 * self.half_length.max():.4g} m, larger than the cell "
+                f"({setup.cell_size:.4g} m); expected bodies.*.particles.size <= grid.cell_size",
+                key="shape.method",
             )
 
     @hookimpl

@@ -183,8 +183,7 @@ def test_a_pipe_gets_the_table_and_the_names_of_the_files(compared):
     assert "\x1b" not in result.stdout
     assert max(map(len, result.stdout.splitlines()[:-2])) <= 80
     lines = [line for line in result.stdout.splitlines() if line.startswith("penalty")]
-    # A status and the dissipation leave the costs no room: they are a second table.
-    assert [line.split()[1] for line in lines] == ["gimp", "cpdi"] * 2
+    assert [line.split()[1] for line in lines] == ["gimp", "cpdi"]
     assert (
         f"{folder / 'c.nc'}: all series and costs\n{folder / 'r.html'}: tables and figures\n" in result.stdout
     )

@@ -147,7 +147,7 @@ def test_initial_overlap_is_refused_unless_allowed():
     overlapping = impact(gap=-0.02)
     overlapping["contact"] = {"method": "penalty", "friction": 0.3}
     overlapping["time"] = {"end": 0.01, "output_interval": 0.01}
-    with pytest.raises(SceneError, match=r"bodies\.left and bodies\.right overlap.*allow_overlap"):
+    with pytest.raises(SceneError, match=r"bodies\.left: overlaps body .right.*allow_overlap"):
         run_scene(overlapping)
     result = run_scene({**overlapping, "allow_overlap": True})
     assert result.attrs["status"] == "ok"

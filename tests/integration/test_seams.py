@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import mpmfw
+from mpmfw.contact import nodes
 
 CELL, SPEED = 0.1, 2.0
 #: Where the floor begins, and how long a tile is [m]: seams lie off the grid lines.
@@ -99,6 +100,18 @@ def test_contact_at_nodes_says_that_it_feels_seams(contact: str, tiles: int, ove
     simulation = mpmfw.Simulation(floor_of_tiles(2, tiles), contact=contact)
     simulation.advance(1)
     assert any("a seam brakes" in text for text in simulation.concerns()) == over
+
+
+def test_contact_at_nodes_looks_for_seams_now_and_then() -> None:
+    """The block begins on one of two tiles, and slides over their seam."""
+    contact = "bardenhagen(criterion=position, normal=master)"
+    simulation = mpmfw.Simulation(floor_of_tiles(2, 2), contact=contact)
+    simulation.advance(1)
+    assert not simulation.contact.detection.seams
+    while not simulation.contact.detection.seams:
+        assert simulation.state.time < 0.2
+        simulation.advance(1)
+    assert simulation.state.steps % nodes.SEAMS_EVERY == 1  # found in the step after
 
 
 @pytest.mark.parametrize(("tiles", "listed"), [(1, False), (2, True)])

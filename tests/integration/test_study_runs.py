@@ -173,7 +173,7 @@ def test_requests_that_make_no_sense_are_refused(tmp_path):
         ({"repeats": 0}, "repeats: must be at least 1"),
         ({"under": 0.0}, "under: must be greater"),
         ({"timing": "alone"}, "timing: 'alone' is unknown"),
-        ({"jobs": 2, "scheduler": "tcp://127.0.0.1:1"}, "no effect with a scheduler"),
+        ({"jobs": 2, "executor": "tcp://127.0.0.1:1"}, "no effect with an executor"),
     ):
         with pytest.raises(SceneError, match=message):
             mpmfw.study(tiny_study(), output=tmp_path / "s.nc", **arguments)

@@ -39,22 +39,27 @@ def scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Scene:
 
 
 @pytest.mark.parametrize(
-    ("message", "said"),
+    ("key", "message", "said"),
     [
-        ("bodies.disc: outside", "s.toml:15: bodies.disc: outside"),
-        ("bodies.disc.rotation: 'exact' is not", "s.toml:15: bodies.disc.rotation: 'exact' is not"),
-        ("shape 'cpdi2' needs corners", "s.toml:8: shape 'cpdi2' needs corners"),
-        ("time.step: too long", "--set time.step: too long"),
-        ("s.toml:3: grid.lower: wrong", "s.toml:3: grid.lower: wrong"),
+        ("bodies.disc", "outside", "s.toml:15: bodies.disc: outside"),
+        ("bodies.disc.rotation", "'exact' is not", "s.toml:15: bodies.disc.rotation: 'exact' is not"),
+        ("shape.method", "'cpdi2' needs corners", "s.toml:9: shape.method: 'cpdi2' needs corners"),
+        ("time.step", "too long", "--set time.step: too long"),
+        ("", "grid.lower: wrong", "grid.lower: wrong"),
     ],
 )
-def test_located(scene: Scene, message: str, said: str) -> None:
-    assert str(located(SceneError(message), scene)) == said
+def test_located(scene: Scene, key: str, message: str, said: str) -> None:
+    assert str(located(SceneError(message, key=key), scene)) == said
+
+
+def test_a_located_error_keeps_its_place(scene: Scene) -> None:
+    error = located(SceneError("wrong", key="grid.lower"), scene)
+    assert str(located(error, scene)) == str(error) == "s.toml:3: grid.lower: wrong"
 
 
 def test_a_scene_without_a_file_has_no_place() -> None:
     shipped = load_scene("colliding-rings").to_mapping()
-    assert str(located(SceneError("time.end: x"), load_scene(shipped))) == "time.end: x"
+    assert str(located(SceneError("x", key="time.end"), load_scene(shipped))) == "time.end: x"
 
 
 def test_an_option_that_was_set_is_named_as_set(scene: Scene) -> None:

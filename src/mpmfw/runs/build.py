@@ -280,5 +280,6 @@ def _check_methods(scene: Scene, shape: ShapeFunction, contact: ContactStrategy 
             works = " and ".join(f"{d}D" for d in plugin.dimensions)
             note = f" ({plugin.dimensions_note})" if plugin.dimensions_note else ""
             raise SceneError(
-                f"{kind} '{plugin.name}' works in {works}{note}; the scene's grid is {scene.dim}D"
+                f"'{plugin.name}' works in {works}{note}; the scene's grid is {scene.dim}D",
+                key=f"{kind}.method",
             )

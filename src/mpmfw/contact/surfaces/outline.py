@@ -48,7 +48,7 @@ def tracked_surface(setup: Setup, owner: str) -> Surface:
         There are none.
     """
     if setup.state.surface is None:
-        raise SceneError(f"contact '{owner}' needs bodies with outlines")
+        raise SceneError(f"'{owner}' needs bodies with outlines", key="contact.method")
     return setup.state.surface
 
 
