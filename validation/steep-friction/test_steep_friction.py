@@ -45,6 +45,11 @@ SIZES = (0.1, 0.05)
     "onset: least mu with an error above 1 %, 40 deg",
     "0.75; 0.5 to 0.65 with finite elements, and 0.65 with kappa = 1: stiffer springs chatter later",
 )
+@known_red(
+    f"penalty, cpdi, {PIC_LABEL}, h = 0.05",
+    "error of the acceleration at mu = 0.9, 50 deg",
+    "-4.2 %; 0.6 % with kappa = 1",
+)
 def test_steep_friction(case: Case) -> None:
     """Judge eigenvalues, growth of small motions, motion over friction and tilt, and cures."""
     sizes = SIZES[:1] if case.quick else SIZES
@@ -204,9 +209,13 @@ def _scene(friction: float, tilt: float) -> dict[str, Any]:
 
 
 def _sized(contact: str, label: str, size: float, values: dict[str, Any]) -> Method:
-    """A method at a cell size; the size is part of the label unless it is the scene's."""
+    """Return a method at a cell size, bound by gates if it is penalty contact.
+
+    The size is part of the label unless it is the scene's.
+    """
     told = ", ".join(filter(None, (label, f"h = {size:g}" if size != 0.1 else "")))
-    return methods((contact,), settings={told: {**values, "grid.cell_size": size}})[0]
+    settings = {told: {**values, "grid.cell_size": size}}
+    return methods((contact,), settings=settings, bound=contact == "penalty")[0]
 
 
 def _error_at(one: Measured) -> str:
