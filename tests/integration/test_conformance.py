@@ -73,11 +73,13 @@ LACKS_NAIRN = {
 }
 LACKS_IMPULSE = {"relabelling": "a row that neither approaches nor parts takes part or not by rounding: 6e-9"}
 BUMPS = "spheres in the hollows of others: the surface is a row of bumps"
+RADII = "friction acts on the points, and leaves a moment of the radii"
 LACKS_PARTICLES = {
     "no-adhesion": f"{BUMPS}, which overlap where the bodies just touch, and push",
     "coulomb-cone": f"{BUMPS}, whose normals are not that of the face",
     "frictionless": f"{BUMPS}, which hold along the face",
-    "moment-balance": "friction acts on the points, and leaves a moment of the radii",
+    "moment-balance": RADII,
+    "three-dimensions": RADII,
     "sticking": "friction is that of the moment, also where it turns the slip round",
     "step-length": "the force is the overlap over the square of the step",
 }

@@ -64,7 +64,7 @@ def unequal(subject: Subject) -> None:
 
 
 @impacts(
-    "discs", turn=TURNS, gap=(0.0, 0.4, 5), friction=(0.0, 1.0, 3), heavier=(1.0, 9.0, 3),
+    "discs", turn=(45.0, 390.0, 24), gap=(0.0, 0.4, 5), friction=(0.0, 1.0, 3), heavier=(1.0, 9.0, 3),
     speed=(-1.0, -0.25, 4), steps=25,
 )  # fmt: skip
 def no_adhesion(impact: Impact, motion: Motion) -> None:
@@ -72,6 +72,7 @@ def no_adhesion(impact: Impact, motion: Motion) -> None:
     less than 1e-12 of their momentum in every step.
 
     They are without stress and part along the line between them, so that contact has nothing to transmit.
+    The first two touch along a diagonal of the grid, where their points are nearest to each other.
     """
     exchanged = np.linalg.norm(motion.impulse[:, 0], axis=1)
     step = int(exchanged.argmax())

@@ -96,6 +96,8 @@ class Placement:
         turn = 0.02 * (np.eye(self.dim) + np.diag(np.ones(self.dim - 1), 1))
         for when in ("before", "after"):
             try:
+                if when == "after":
+                    self.deform(turn, self.particles.position.mean(axis=0), steps=2)
                 tables = {"table": self.table()}
                 if self.dim == 2:
                     tables["surface table"] = self.surface_table(self.particles.position[-1:].copy())
@@ -106,8 +108,6 @@ class Placement:
                 for part in ("row", "nodes", "weight", "gradient"):
                     used = slice(None if part == "row" else int(table.row[-1]))
                     yield f"{part} of the {name} {when} the motion", getattr(table, part)[used]
-            if when == "before":
-                self.deform(turn, self.particles.position.mean(axis=0), steps=2)
 
     def save(self) -> dict[str, AnyArray]:
         """Return the history of shape function, points and grid."""
