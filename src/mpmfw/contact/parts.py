@@ -164,7 +164,7 @@ class ContactLaw(PlugIn):
 
     @classmethod
     def joined_with(cls, detection: type[Any]) -> type[Any]:
-        """Return the contact strategy of a class ``detection`` and this law, by :func:`joined`."""
+        """Return the contact strategy of a class ``detection`` and this law, by ``joined``."""
         return joined(detection, cls)
 
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:  # noqa: ARG002

@@ -175,7 +175,7 @@ def closest_facet(
     """Of the facets ``first:last`` that closest to a point, of equally close ones the first; −1 if none is
     near.
 
-    ``boxes`` are from row ``start`` on those of the facets' blocks (:func:`block_boxes`), ``within`` is the
+    ``boxes`` are from row ``start`` on those of the facets' blocks (``block_boxes``), ``within`` is the
     square of the distance from which on they are of no interest [m²]. Only blocks are looked through whose
     box is not farther than that, or than what was found; the block of ``guess`` is the first."""
     corners = scratch.matrix(spacing, spacing)
