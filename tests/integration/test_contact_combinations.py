@@ -197,3 +197,12 @@ def test_a_method_of_the_plane_says_why_it_refuses_space(name, why):
     scene = load_scene("rolling-sphere-slip", set={"grid.cell_size": 0.8})
     with pytest.raises(SceneError, match=f"'{name}' works in 2D .*{why}.*; the scene's grid is 3D"):
         Simulation(scene, contact=name)
+
+
+@pytest.mark.parametrize("contact", ["penalty", "adhesion"])
+@pytest.mark.parametrize(("scene", "kappa"), [("rolling-cylinder-slip", 4.0), ("rolling-sphere-slip", 1.0)])
+def test_springs_have_kappa_by_dimension_unless_one_is_given(contact, scene, kappa):
+    for name, expected in ((contact, kappa), (f"{contact}(kappa=2)", 2.0)):
+        law = Simulation(load_scene(scene), contact=name).contact.law
+        softest = min(body.p_wave_modulus for body in law.state.bodies)
+        assert law.modulus == pytest.approx(expected * softest / law.cell_size)
