@@ -92,7 +92,7 @@ def bucket_of(p: int, position: Floats, size: Float, moved_by: int, buckets: int
 
 @device
 def may_meet(p: int, position: Floats, lower: Floats, upper: Floats, body: int, reach: Float) -> bool:
-    """Whether point p lies within ``reach`` of a body's box."""
+    """Return True if point p lies within ``reach`` of a body's box."""
     for d in range(position.shape[1]):
         if position[p, d] < lower[body, d] - reach or position[p, d] > upper[body, d] + reach:
             return False

@@ -149,7 +149,7 @@ def sent(subject: Subject) -> None:
 
 
 def _alike(one: Any, other: Any, name: str) -> bool:
-    """Whether both have an attribute, and, of values that can be compared, the same."""
+    """Return True if both have an attribute, and the same value where values can be compared."""
     if not (hasattr(one, name) and hasattr(other, name)):
         return False
     first, second = getattr(one, name), getattr(other, name)

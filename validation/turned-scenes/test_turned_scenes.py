@@ -83,16 +83,6 @@ def judge(run, errors, limits, bound="penalty, cpdi", layout="*", **args):
         run.gate(f"{key}, error, {run.place.at}", value, 0.0, limit, "%", binds=binds)
 
 
-def show_worst(case, runs, errors, *keys, **args):
-    """Record the worst error of each method, of all six runs and of the three with fitted points."""
-    for method, same in runs.by_method():
-        fitted = [run for run in same if run.at("*, fitted, *")]
-        for key, (of, chosen) in itertools.product(keys, (("six", same), ("three, fitted", fitted))):
-            value = turning.worst(chosen, errors, key, **args)
-            quantity = f"{key}, error, worst of {of}, {same[0].runs}"
-            case.gate(quantity, value, 0.0, None, "%", method, binds=False)
-
-
 SLIP = {"errors": turning.rolls, "roll": rolling.SLIP}
 NO_SLIP = {"errors": turning.rolls, "roll": rolling.NO_SLIP}
 
@@ -132,43 +122,32 @@ def test_stress(run):
     judge(run, turning.presses, {"stress": 1.0}, "penalty, cpdi, segments*", "fitted")
 
 
-@full
-@together(block)
-def test_worst_block(case, runs):
-    show_worst(case, runs, turning.slides, "acceleration")
+#: Errors of each scene whose worst is shown: function, its arguments, and keys.
+SHOWN = {
+    block.name: (turning.slides, {}, ("acceleration",)),
+    **{
+        one.name: (turning.rolls, {"roll": rolling.SLIP}, ("displacement", "spin"))
+        for one in (slip, fine_slip)
+    },
+    **{
+        one.name: (turning.rolls, {"roll": rolling.NO_SLIP}, ("displacement", "spin"))
+        for one in (no_slip, fine_no_slip)
+    },
+    rings.name: (turning.collides, {}, ("impulse",)),
+    stress.name: (turning.presses, {}, ("stress",)),
+}
 
 
 @full
-@together(slip)
-def test_worst_slip(case, runs):
-    show_worst(case, runs, turning.rolls, "displacement", "spin", roll=rolling.SLIP)
-
-
-@full
-@together(no_slip)
-def test_worst_no_slip(case, runs):
-    show_worst(case, runs, turning.rolls, "displacement", "spin", roll=rolling.NO_SLIP)
-
-
-@full
-@together(fine_slip)
-def test_worst_fine_slip(case, runs):
-    show_worst(case, runs, turning.rolls, "displacement", "spin", roll=rolling.SLIP)
-
-
-@full
-@together(fine_no_slip)
-def test_worst_fine_no_slip(case, runs):
-    show_worst(case, runs, turning.rolls, "displacement", "spin", roll=rolling.NO_SLIP)
-
-
-@full
-@together(rings)
-def test_worst_rings(case, runs):
-    show_worst(case, runs, turning.collides, "impulse")
-
-
-@full
-@together(stress)
-def test_worst_stress(case, runs):
-    show_worst(case, runs, turning.presses, "stress")
+@together(block, slip, no_slip, fine_slip, fine_no_slip, rings, stress)
+def test_worst(case, runs):
+    """Record the worst error of each method, of all six runs and of the three with fitted points."""
+    for (name, (errors, args, keys)), (method, all_runs) in itertools.product(
+        SHOWN.items(), runs.by_method()
+    ):
+        same = [run for run in all_runs if run.runs == name]
+        fitted = [run for run in same if run.at("*, fitted, *")]
+        for key, (of, chosen) in itertools.product(keys, (("six", same), ("three, fitted", fitted))):
+            if chosen:
+                value = turning.worst(chosen, errors, key, **args)
+                case.show(f"{key}, error, worst of {of}, {name}", value, 0.0, unit="%", method=method)

@@ -10,6 +10,7 @@ from typing import Any, TypedDict
 from mpmfw.campaigns.executors import Executor, executor_of
 from mpmfw.campaigns.running import Progress
 from mpmfw.campaigns.store import Store, store_of
+from mpmfw.errors import SceneError
 
 
 class Running(TypedDict, total=False):
@@ -38,6 +39,11 @@ class Execution:
     force: bool = False  #: whether runs may be past the limits of steps and frames
     progress: Progress | None = None  #: called after every run
     run_progress: Callable[[float, int], None] | None = None  #: called within runs in this process
+
+    def __post_init__(self) -> None:
+        repeats: Any = self.repeats  # a caller may give anything
+        if repeats is not None and not (isinstance(repeats, int) and repeats >= 1):
+            raise SceneError(f"repeats: must be at least 1, not {repeats!r}")
 
     @classmethod
     def of(cls, running: Mapping[str, Any], **others: Any) -> Execution:

@@ -25,7 +25,7 @@ def entries(row: Ints, p: int) -> range:
 
 @device
 def is_apart(row: Ints, nodes: Indices, p: int, own_nodes: NodeRange) -> bool:
-    """Whether no node of point ``p`` is among ``own_nodes``; the nodes of a row ascend."""
+    """Return True if no node of point ``p`` is among ``own_nodes``; the nodes of a row ascend."""
     begin, end = np.uint64(row[p]), np.uint64(row[p + 1])
     return bool(begin == end or nodes[end - np.uint64(1)] < own_nodes[0] or nodes[begin] >= own_nodes[1])
 
@@ -146,7 +146,7 @@ def linear_weights(xi: Float, inverse_h: Float, d: int, base: Floats, weight: Fl
 
 @device
 def fits(base: Floats, width: int, shape: Ints, spacing: tuple[float, ...]) -> bool:
-    """Whether nodes ``base`` … ``base + width − 1`` lie in a window of ``shape`` nodes; false for NaN."""
+    """Return True if nodes ``base`` … ``base + width − 1`` lie in a window of ``shape`` nodes; NaN is not."""
     inside = True
     for d in range(len(spacing)):
         if not (base[d] >= 0.0 and base[d] + width <= shape[d]):

@@ -106,8 +106,6 @@ def _with(
     study: Study, repeats: int | None, under: float | str | None, about: Mapping[str, str] | None
 ) -> Study:
     """The study with the request's own values of some keys."""
-    if repeats is not None and repeats < 1:
-        raise SceneError(f"repeats: must be at least 1, not {repeats}")
     limit = None if under is None else relative_error(under)
     tables = study.tables
     cost = tables.cost if repeats is None else tables.cost.model_copy(update={"repeats": repeats})

@@ -62,8 +62,9 @@ SURELY = 1.5 * LEAST_COSINE
 
 @device
 def surely_opposes(s: int, m: int, outline: Outline, spacing: tuple[float, ...]) -> bool:
-    """Whether every facet of node s faces facet m: then so does the node's normal, a sum of theirs with
-    weights that need the angles, which cost more."""
+    """Return True if every facet of node s faces facet m.
+
+    Then so does the node's normal, a sum of theirs with weights that need the angles, which cost more."""
     area, own, sure = scratch.vector(spacing), scratch.vector(spacing), True
     area_of(m, outline, area, spacing)
     size = dot(area, area, spacing)
