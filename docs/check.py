@@ -55,7 +55,7 @@ def unknown_names(page: Path) -> Iterator[str]:
 
 
 def exists(name: str) -> bool:
-    """Whether a module, or what its attributes lead to, has this name."""
+    """Return True if a module, or an attribute below one, has this name."""
     parts = name.split(".")
     for length in range(len(parts), 0, -1):
         try:

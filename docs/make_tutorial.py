@@ -43,7 +43,7 @@ def run_page(folder: Path) -> list[tuple[str, str]]:
 
 
 def is_quoted(line: str, printed: str) -> bool:
-    """Whether a quoted line is a printed one, up to spaces and to ``…``."""
+    """Return True if a quoted line is a printed one, up to spaces and to ``…``."""
     quoted, cut, _ = " ".join(line.split()).partition(" …")
     lines = [" ".join(one.split()) for one in printed.splitlines()]
     return any(one.startswith(quoted) if cut else one == quoted for one in lines)

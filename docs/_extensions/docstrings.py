@@ -19,7 +19,7 @@ _kept: dict[tuple[str, str], list[str]] = {}
 
 
 def is_options(obj: Any) -> bool:
-    """Whether it is a model of options: its types are for pydantic, its descriptions for readers."""
+    """Return True if it is a model of options: its types are for pydantic, its descriptions for readers."""
     return isinstance(obj, type) and issubclass(obj, BaseModel)
 
 

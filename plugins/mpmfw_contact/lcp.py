@@ -61,7 +61,7 @@ class Lcp(ImpulseLaw):
         return {"compliance": 0, "allowed": 0, "velocity": 1, "before": 1, "direction": 1}
 
     def prepare(self, setup: Setup, owner: str) -> None:  # noqa: ARG002
-        """Whether the strain is taken from the projected momentum."""
+        """Allocate the multipliers; with usf the strain follows from the projected momentum."""
         self.strain_first = setup.scheme == "usf"
         self.velocity = np.zeros((0, setup.dim))
         self.identity, self.force = np.zeros(0, dtype=np.int64), np.zeros((0, setup.dim))

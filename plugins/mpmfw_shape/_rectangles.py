@@ -40,7 +40,7 @@ def corners_of_centres(surface: Surface) -> tuple[IntArray, IntArray]:
 
 
 def are_faces(rectangles: FloatArray, position: FloatArray, half_edges: FloatArray) -> AnyArray:
-    """Whether each rectangle (k, 4, 3) [m] is a face of a point's domain, (k,).
+    """Return True (k,) for each rectangle (k, 4, 3) [m] that is a face of a point's domain.
 
     ``position`` (n, 3) and ``half_edges`` (n, 3, 3) are the domains at the start [m].
     """

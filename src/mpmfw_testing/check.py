@@ -135,7 +135,7 @@ class Outcome:
 
     @property
     def wrong(self) -> bool:
-        """Whether the outcome is not what was expected."""
+        """Return True if the outcome was not expected."""
         return self.status in ("failed", "unexpectedly passed")
 
     @property

@@ -39,7 +39,7 @@ TIMED = ("time", "stage", "repeat", "load", "peak_memory", "wall")
 
 
 def same(a, b):
-    """Whether two datasets hold the same, costs apart."""
+    """Check that two datasets hold the same, costs apart."""
     names = [name for name in a.data_vars if not any(word in str(name) for word in TIMED)]
     assert {*names} == {name for name in b.data_vars if not any(word in str(name) for word in TIMED)}
     assert "centre_of_mass" in names

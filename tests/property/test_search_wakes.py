@@ -46,7 +46,7 @@ def signed_gaps(points: np.ndarray, outline: np.ndarray) -> np.ndarray:
 
 
 def faces(sim: Simulation, node: int, other: np.ndarray) -> bool:
-    """Whether the node looks towards the other disc: from its own centre it lies on the near side."""
+    """Return True if the node is on the side of its disc that is near the other one."""
     surface = sim.state.surface
     own = surface.position[surface.of(int(surface.body[node]))].mean(axis=0)
     return bool((surface.position[node] - own) @ (other.mean(axis=0) - own) > 0.0)

@@ -201,7 +201,7 @@ METHODS_IN_SPACE = [*(m for m in MUST_HOLD if m[1] != "cpdi2"), ("bardenhagen", 
 
 
 def applies(case: str, contact: str) -> bool:
-    """Whether a case is about this contact."""
+    """Return True if a case is about this contact."""
     return not CASES[case].springs or CONTACTS[contact][0] in ("penalty", "hamad2017")
 
 

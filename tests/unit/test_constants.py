@@ -39,7 +39,7 @@ def named(node: ast.Assign) -> list[tuple[str, ast.expr]]:
 
 
 def is_number(value: ast.expr) -> bool:
-    """Whether it is written as one, or as a sum or product of some."""
+    """Return True if it is a number, or a sum or product of some."""
     return re.fullmatch(r"[-+*/ 0-9.e]+", ast.unparse(value)) is not None
 
 

@@ -18,7 +18,7 @@ def facet_of(loops, first, second):
 
 
 def is_flush(loops, place, facet):
-    """Whether the node at a place, of a face to the right, lies on the facet."""
+    """Return True if the node at a place, of a face to the right, lies on the facet."""
     node = int(np.flatnonzero(np.isclose(loops.position, place).all(axis=1))[0])
     return njit(covering.is_flush.py_func)(node, facet, np.array([1.0, 0.0]), loops.outline, PLANE)
 

@@ -48,9 +48,7 @@ def outward(loops, s, e):
 
 
 def faces(loops, s, m):
-    """Whether the normals of a node, the sum of its two segments', and of a segment are against each
-    other.
-    """
+    """Return True if a node's normal, the sum of its two segments', opposes that of a segment."""
     node = outward(loops, loops.previous[s], s) + outward(loops, s, loops.following[s])
     return node @ outward(loops, m, loops.following[m]) < 0.0
 

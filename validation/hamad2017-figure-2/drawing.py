@@ -113,7 +113,7 @@ def _domains(axes: Any, method: Method, tree: xr.DataTree, frame: int, width: fl
 
 
 def _quarter(position: FloatArray) -> FloatArray:
-    """Whether points lie above and to the right of their centre."""
+    """Return True for points above and to the right of their centre."""
     away = position - position.mean(axis=0)
     return np.asarray((away > 0.0).all(axis=1))
 

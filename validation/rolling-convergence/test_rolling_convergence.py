@@ -81,7 +81,7 @@ def _record(case: Case, roll: Roll, method: Method, size: float, found: dict[str
 
 
 def _bound(roll: Roll, method: Method, size: float) -> bool:
-    """Whether the gate of the displacement binds: without slip, at the paper's cell size and half of it."""
+    """Return True if the displacement has a gate: without slip, at the paper's cell size and half of it."""
     return method.contact == "penalty" and roll is NO_SLIP and size in (PAPER, HALF)
 
 

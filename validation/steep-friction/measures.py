@@ -39,7 +39,7 @@ class Measured:
 
     @property
     def slides(self) -> bool:
-        """Whether the rigid block does."""
+        """Return True if the rigid block slides."""
         return self.exact > 0.0
 
     @property

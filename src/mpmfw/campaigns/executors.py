@@ -135,7 +135,7 @@ def _process() -> ProcessPoolExecutor:
 
 
 def _leaves(task: Any) -> bool:
-    """Whether a task can be sent to another process."""
+    """Return True if a task can be sent to another process."""
     try:
         pickle.dumps(task)
     except Exception:

@@ -177,7 +177,7 @@ def _of_contact(
 
 
 def has_option(kind: Any, method: Any, name: str) -> bool:
-    """Whether a plug-in, by name or as a strategy object, has an option of this name."""
+    """Return True if a plug-in, by name or as an object, has an option of this name."""
     plugin = load(kind, method) if isinstance(method, str) else type(method)
     return name in getattr(getattr(plugin, "Options", None), "model_fields", {})
 
@@ -227,7 +227,7 @@ def labels_of(values: list[Any]) -> list[Any]:
 
 
 def is_value(value: Any) -> bool:
-    """Whether a varied value is one of a scene's, and no strategy object."""
+    """Return True if a varied value is a scene's, and not a strategy object."""
     return (
         value is None
         or isinstance(value, bool | int | float | str | list | tuple | Mapping)

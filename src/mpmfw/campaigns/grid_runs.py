@@ -101,7 +101,7 @@ class GridRuns:
 
     @property
     def here(self) -> bool:
-        """Whether runs take place in this process."""
+        """Return True if runs take place in this process."""
         return isinstance(self.executor, InProcess)
 
     def complete(self, only: Collection[Index] | None = None, progress: Progress | None = None) -> None:
@@ -164,7 +164,7 @@ class GridRuns:
                 warnings.warn(f"{name}: {note}", ResultsWarning, stacklevel=3)
 
     def succeeded(self) -> dict[Index, bool]:
-        """Whether each point came to its end, suspect ones included."""
+        """Return True where a point came to its end, suspect ones included."""
         return {index: is_complete(status) for index, status in self.statuses().items()}
 
     def numbers(self, measure: Measure) -> xr.DataArray:

@@ -100,7 +100,7 @@ class Judge:
 
     @property
     def is_exact(self) -> bool:
-        """Whether errors are against a closed form or a reference, and not against other runs."""
+        """Return True if errors are against a closed form or a reference, not against other runs."""
         return self.table.kind != "finest"
 
     def _check_names(self) -> None:

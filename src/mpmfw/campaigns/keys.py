@@ -60,7 +60,7 @@ def _written(text: str) -> str:
 
 
 def is_numerical(key: str) -> bool:
-    """Whether the key changes the method alone, so that errors and costs under its values may be compared."""
+    """Return True if the key changes only the method: errors under its values may be compared."""
     full = full_key(key)
     of_friction_law = full.startswith("contact.") and full.split(".")[1] in available("friction")
     return _NUMERICAL.match(full) is not None and not of_friction_law

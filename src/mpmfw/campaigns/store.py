@@ -167,7 +167,7 @@ class Store:
 
 
 def _is_past(path: Path, known: set[str], keep: set[str]) -> bool:
-    """Whether a store's own file is of a run to be forgotten, or was left by a process that was killed."""
+    """Return True if a store's file is of a run to be forgotten, or of a process that was killed."""
     key = key_in(path, "json") or key_in(path, "nc")
     if key in known:
         return key not in keep

@@ -87,7 +87,7 @@ class MeshFile(PlaneGeometry):
 
     @property
     def is_connected(self) -> bool:
-        """Whether all elements hang together by edges."""
+        """Return True if all elements are connected by edges."""
         return isinstance(self.region, shapely.Polygon)
 
     def outlines(self, segment: float) -> tuple[FloatArray, ...]:

@@ -70,7 +70,7 @@ class PlaneGeometry(BodyGeometry):
 
     @property
     def is_connected(self) -> bool:
-        """Whether the body is of one piece."""
+        """Return True if the body is one piece."""
         return True
 
     def lattice(self, size: float, offset: tuple[float, ...]) -> Layout:

@@ -1,4 +1,4 @@
-"""Whether triangles read from a file are the closed surface of a body: what is wrong with them, and where."""
+"""Check that triangles read from a file are the closed surface of a body."""
 
 from __future__ import annotations
 
@@ -150,7 +150,7 @@ def _check_crossings(nodes: FloatArray, facets: IntArray) -> None:
 
 
 def _crosses(ends: FloatArray, corners: FloatArray) -> FloatArray:
-    """Whether segments (n, 2, 3) pass through triangles (n, 3, 3), both within their rims."""
+    """Return True where segments (n, 2, 3) cross triangles (n, 3, 3), both within their rims."""
     along = ends[:, 1] - ends[:, 0]
     u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     away = ends[:, 0] - corners[:, 0]

@@ -66,7 +66,7 @@ class SurfaceMesh(TurnedSolid):
 
     @property
     def is_connected(self) -> bool:  # type: ignore[override]
-        """Whether the body is of one piece: it has one surface that is no cavity's."""
+        """Return True if the body is one piece: one surface is not that of a cavity."""
         nodes, facets = self.fine_surface
         return sum(volume_of(nodes, facets[shell]) > 0.0 for shell in self.shells) == 1
 

@@ -66,7 +66,7 @@ def _inner_nodes(region: object, edge: float) -> FloatArray:
 
 
 def _has_outline(loops: tuple[FloatArray, ...], triangles: IntArray) -> bool:
-    """Whether every segment of the loops is a side of exactly one triangle, run in its direction."""
+    """Return True if every segment of the loops is a side of one triangle, in its direction."""
     sides = np.concatenate([triangles[:, [a, (a + 1) % 3]] for a in range(3)])
     key = sides[:, 0] * (triangles.max() + 1) + sides[:, 1]
     first, wanted = 0, []

@@ -191,9 +191,7 @@ def closest_point(x: Floats, corners: Floats, share: Floats, spacing: tuple[floa
 
 @device
 def at_rim(share: Floats, spacing: tuple[float, ...]) -> bool:
-    """Whether a point of a facet lies on its rim: on an end of a segment, on an edge or a corner of a
-    triangle.
-    """
+    """Return True if a point lies on an end of a segment, or on an edge of a triangle."""
     rim = False
     for a in range(len(spacing)):
         if share[a] == 0.0:

@@ -23,7 +23,7 @@ FACING, THROUGH = -0.7, 0.8
 
 @device
 def apart(a: int, b: int, margin: Float, lower: Floats, upper: Floats, spacing: tuple[float, ...]) -> bool:
-    """Whether two boxes are farther apart than a margin [m] along an axis."""
+    """Return True if two boxes are farther apart than a margin [m] along an axis."""
     found = False
     for d in range(len(spacing)):
         found = found or lower[a, d] > upper[b, d] + margin or lower[b, d] > upper[a, d] + margin

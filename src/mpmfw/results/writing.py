@@ -151,9 +151,7 @@ class RunWriter:
         return found
 
     def is_due(self, now: float) -> bool:
-        """Whether frames have waited long enough at a wall time [s]; those in memory, which nobody else
-        reads, never have.
-        """
+        """Return True if frames have waited long enough at a wall time [s]; in memory they never have."""
         wait = WRITTEN_EVERY * max(1.0, self._took / QUICK)
         return self.path is not None and self._outputs.waits > 0 and now - self._written >= wait
 

@@ -28,7 +28,7 @@ class ConstantGravity(Table):
 
     @property
     def is_constant(self) -> bool:
-        """Whether it is the same at all times."""
+        """Return True if it is the same at all times."""
         return True
 
 
@@ -46,5 +46,5 @@ class Gravity(ConstantGravity):
 
     @property
     def is_constant(self) -> bool:
-        """Whether it is the same at all times."""
+        """Return True if it is the same at all times."""
         return self.table is None

@@ -51,7 +51,7 @@ class Scene(Tables):
 
     @property
     def has_coulomb_friction(self) -> bool:
-        """Whether friction is Coulomb's, with the μ of :attr:`pairs`."""
+        """Return True if friction is Coulomb's, with the μ of :attr:`pairs`."""
         if self.contact is None or self.contact.friction_law is None:
             return True
         from mpmfw.plugin.discovery import load

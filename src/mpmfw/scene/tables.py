@@ -135,12 +135,12 @@ class Side(Table):
 
     @property
     def is_loaded(self) -> bool:
-        """Whether the side has a load, and not a prescribed motion."""
+        """Return True if the side has a load, and no prescribed motion."""
         return self.pressure is not None or self.traction is not None or self.force is not None
 
     @property
     def is_constant(self) -> bool:
-        """Whether it does not move, and its loads are the same at all times."""
+        """Return True if it does not move and its loads are the same at all times."""
         loads = (self.pressure, self.traction, self.force)
         changing = any(isinstance(load, tuple) and isinstance(load[0], tuple) for load in loads)
         return self.velocity is None and not changing

@@ -45,7 +45,7 @@ class Sound(ShapeFunction):
         return np.stack([t - 1.5, -2.0 * (t - 1.0), t - 0.5], axis=-1)
 
     def inside(self, base: FloatArray, shape: IntArray) -> FloatArray:
-        """Whether each point's nodes lie in its window, (n,)."""
+        """Return True for each point whose nodes lie in its window, (n,)."""
         return ((base >= 0.0) & (base + WIDTH <= shape)).all(axis=1)
 
     def reported(self, index: int) -> int:

@@ -52,7 +52,7 @@ def closest(points: Floats, nodes: Integers, x: float, y: float) -> tuple[int, f
 
 @compiled
 def inside(points: Floats, nodes: Integers, k: int, xi: float, dx: float, dy: float) -> bool:
-    """Whether a point that is (dx, dy) away from its closest point on segment k is inside the outline."""
+    """Return True if a point at (dx, dy) from its closest point on segment k is inside the outline."""
     outward = side(points, nodes, k, dx, dy)
     if xi == 0.0:  # a corner: one segment alone may see the point on its wrong side
         outward += side(points, nodes, k - 1, dx, dy)

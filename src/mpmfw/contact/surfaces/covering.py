@@ -81,8 +81,7 @@ def list_within(
 
 @device
 def is_flush(p: int, m: int, normal: Floats, outline: Outline, spacing: tuple[float, ...]) -> bool:
-    """Whether surface node p, at the corner of a facet with the unit ``normal``, lies on facet m of another
-    body.
+    """Return True if surface node p, on a facet with the unit ``normal``, lies on facet m of another body.
 
     The node may be away from it along the normal, and beyond its rim along the normals of other facets at the
     node, which turn away from this one: seams are never level.
@@ -118,8 +117,7 @@ def is_flush(p: int, m: int, normal: Floats, outline: Outline, spacing: tuple[fl
 def is_covered(
     m: int, listed: Indices, begin: int, end: int, outline: Outline, spacing: tuple[float, ...]
 ) -> bool:
-    """Whether every corner of facet m is flush with one of the facets ``listed[begin:end]`` that is opposite
-    to it."""
+    """Return True if opposite facets ``listed[begin:end]`` are flush with every corner of facet m."""
     normal, other = scratch.vector(spacing), scratch.vector(spacing)
     area_of(m, outline, normal, spacing)
     size = length_of(normal, spacing)
@@ -165,8 +163,7 @@ def find_covered(
 def past_a_seam(
     s: int, m: int, share: Floats, normal: Floats, outline: Outline, spacing: tuple[float, ...]
 ) -> bool:  # fmt: skip
-    """Whether node s is past a rim of facet m beyond which the surface is another body's: that body has the
-    node's foot.
+    """Return True if node s is past a rim of facet m where another body's surface goes on.
 
     ``share`` and ``normal`` are those of :func:`.outline.distance_to`.
     """

@@ -94,7 +94,7 @@ class Surfaces(Detection):
 
     @property
     def tilts(self) -> bool:
-        """Whether the normal is varied with the facet (eq. 7)."""
+        """Return True if the normal varies along the facet (eq. 7)."""
         return getattr(self.options, "normal_variation", "hamad2017") == "hamad2017"
 
     def parts(self, contact: Any) -> list[Any]:  # noqa: ARG002

@@ -104,7 +104,7 @@ def square_of(s: int, m: int, outline: Outline, spacing: tuple[float, ...]) -> F
 
 @device
 def hidden(m: int, body: int, outline: Outline) -> bool:
-    """Whether a third body covers facet m, so that ``body`` cannot touch it."""
+    """Return True if a third body covers facet m, so that ``body`` cannot touch it."""
     return len(outline.covered) > 0 and outline.covered[m] >= 0 and outline.covered[m] != body
 
 
