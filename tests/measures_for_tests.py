@@ -9,6 +9,7 @@ import numpy as np
 
 from mpmfw.api import FloatArray, Grid, Particles, State, Stencil, hookimpl
 from mpmfw.runs.simulation import Simulation
+from mpmfw.step.operations import interpolate, project
 
 
 def cross(a: FloatArray, b: FloatArray) -> FloatArray:
@@ -101,3 +102,11 @@ def turn_under(sim: Simulation, torque: Torque, end: float) -> tuple[FloatArray,
             rows.append((torque.impulse, angular_velocity(sim)))
     impulse, spin = zip(*rows, strict=True)
     return np.array(impulse), np.array(spin)
+
+
+def detect(simulation: Simulation) -> None:
+    """Detect the contacts where the bodies are now, without a step."""
+    state = simulation.state
+    phi = interpolate(state, simulation.hook, simulation.clock)
+    project(state.particles, phi, state.grid)
+    simulation.hook.detect(grid=state.grid, phi=phi, particles=state.particles)

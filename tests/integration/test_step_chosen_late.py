@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from contact_scenes import disc, impact, scene
+from measures_for_tests import detect
 from mpmfw.runs.simulation import Simulation
 
 
@@ -50,7 +51,7 @@ def test_to_detect_again_changes_nothing(contact):
         simulation.start()
         for _ in range(40):
             for _ in range(again):
-                simulation.detect()
+                detect(simulation)
             simulation.step()
         p = simulation.state.particles
         return p.position, p.velocity, p.stress

@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from measures_for_tests import detect
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import block, box
 
@@ -67,7 +68,7 @@ def test_friction_is_that_of_the_moment_however_slow_the_slip(slide):
 
 def test_the_step_has_no_limit_but_the_bulk_s():
     simulation = overlapping(2)
-    simulation.detect()
+    detect(simulation)
     assert [owner for _, owner in simulation.limits()] == ["bulk wave speed (h / c)"]
 
 

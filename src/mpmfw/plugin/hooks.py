@@ -162,7 +162,8 @@ def _written_out(
     for index, impl in enumerate(calls):
         names[f"call_{index}"], names[f"plugin_{index}"] = impl.function, impl.plugin
         own = [f"result = call_{index}({', '.join(impl.argnames)})"]
-        if (stage := getattr(impl.plugin, "stage", None)) is not None:
+        stage = getattr(impl.plugin, "stage", None)
+        if stage is not None and name not in BEFORE_THE_RUN:
             names[f"stage_{index}"] = stage
             own = [
                 f"previous = clock(stage_{index})",

@@ -96,15 +96,17 @@ def _modulus(name: str, material: Material) -> float:
     return float(value)
 
 
-def check_inside(scene: Scene, layouts: tuple[Layout, ...], bodies: tuple[Body, ...]) -> None:
-    """Refuse bodies that the grid does not hold."""
+def check_bodies(scene: Scene, layouts: tuple[Layout, ...], bodies: tuple[Body, ...]) -> None:
+    """Refuse bodies that the grid does not hold, or that overlap unless the scene allows it."""
     for body, layout in zip(bodies, layouts, strict=True):
         low = np.minimum(layout.position.min(axis=0), body.lower)
         high = np.maximum(layout.position.max(axis=0), body.upper)
         check_box_inside(scene, body.name, low, high)
+    if not scene.allow_overlap:
+        _check_overlap(bodies)
 
 
-def check_overlap(bodies: tuple[Body, ...]) -> None:
+def _check_overlap(bodies: tuple[Body, ...]) -> None:
     """Refuse bodies whose surfaces overlap by more than rounding."""
     if len(bodies) < 2 or any(not body.outlines for body in bodies):
         return

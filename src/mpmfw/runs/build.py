@@ -22,7 +22,7 @@ from mpmfw.plugin.named import NamedPlugIn
 from mpmfw.plugin.output_series import OutputSeries
 from mpmfw.plugin.setup import Setup
 from mpmfw.plugin.shape_function import ShapeFunction
-from mpmfw.runs.bodies import check_inside, check_overlap, lay_out, make_bodies, make_particles
+from mpmfw.runs.bodies import check_bodies, lay_out, make_bodies, make_particles
 from mpmfw.runs.sizing import check_memory
 from mpmfw.runs.timestep import stable_length
 from mpmfw.scene.options import NAMED
@@ -33,6 +33,14 @@ from mpmfw.step.transfer import make_transfer
 
 if TYPE_CHECKING:
     from mpmfw.scene import Scene
+
+#: Base classes of what a scene names.
+BASES: dict[Kind, type[Any]] = {
+    "contact": ContactStrategy, "friction": FrictionLaw, "shape": ShapeFunction, "material": Material,
+    "load": Load,
+    "boundary": Boundary, "output": OutputSeries, "geometry": BodyGeometry, "measure": Measure,
+    "reference": Reference,
+}  # fmt: skip
 
 
 def build(
@@ -46,25 +54,24 @@ def build(
     Objects replace the scene's methods, and ``loads`` come on top. Raise SceneError if bodies overlap or
     leave the grid, or if a method cannot run this scene."""
     chosen_shape = shape or _plugin("shape", scene.shape.method, scene.shape.options)
+    _check_dimensions(scene, chosen_shape, "shape.method")
     chosen_contact = contact
-    if chosen_contact is None and scene.contact is not None:
-        chosen_contact = _plugin("contact", scene.contact.method, scene.contact.options)
     if len(scene.bodies) == 1:
         _check_unused_contact(scene, contact)
         chosen_contact = None
-    _check_methods(scene, chosen_shape, chosen_contact)
+    elif contact is None and scene.contact is not None:
+        chosen_contact = _plugin("contact", scene.contact.method, scene.contact.options)
+    if chosen_contact is not None:
+        _check_dimensions(scene, chosen_contact, "contact.method")
     check_memory(scene)
     layouts = lay_out(scene)
     materials = {
         name: _plugin("material", scene.materials[name].model, scene.materials[name].options)
         for name in dict.fromkeys(body.material for body in scene.bodies.values())
     }
-    per_body = chosen_contact is not None and chosen_contact.velocity_fields == "per_body"
-    bodies = make_bodies(scene, layouts, materials, per_body=per_body)
-    check_inside(scene, layouts, bodies)
-    if not scene.allow_overlap:
-        check_overlap(bodies)
-    return _put_together(scene, layouts, bodies, chosen_shape, chosen_contact, materials, loads or {})
+    setup = _put_together(scene, layouts, chosen_shape, chosen_contact, materials, loads or {})
+    check_bodies(scene, layouts, setup.bodies)
+    return setup
 
 
 def build_some(whole: Setup, which: Sequence[int]) -> Setup:
@@ -82,22 +89,22 @@ def build_some(whole: Setup, which: Sequence[int]) -> Setup:
     shape, contact = again(whole.shape_function), again(whole.contact) if len(names) > 1 else None
     materials = {name: again(whole.materials[name]) for name in used}
     layouts = tuple(whole.layouts[index] for index in which)
-    bodies = make_bodies(scene, layouts, materials, per_body=True)
-    return _put_together(scene, layouts, bodies, shape, contact, materials, {}, whole)
+    return _put_together(scene, layouts, shape, contact, materials, {}, whole)
 
 
 def _put_together(
     scene: Scene,
     layouts: tuple[Layout, ...],
-    bodies: tuple[Body, ...],
     shape: ShapeFunction,
     contact: ContactStrategy | None,
     materials: dict[str, Material],
     loads: Mapping[str, Load],
     whole: Setup | None = None,
 ) -> Setup:
-    """Make the state of the bodies, and what moves them, of methods that are made."""
-    per_body = contact is not None and contact.velocity_fields == "per_body"
+    """Make the bodies and their state, of methods that are made; ``whole`` has all bodies if these are
+    some."""
+    per_body = whole is not None or (contact is not None and contact.velocity_fields == "per_body")
+    bodies = make_bodies(scene, layouts, materials, per_body=per_body)
     scheme, name = scene.stepping.chosen(shape)
     transfer = make_transfer(
         name,
@@ -111,6 +118,8 @@ def _put_together(
     for body in bodies:
         material = materials[scene.bodies[body.name].material]
         material.slices = joined(material.slices, body.particles)
+    cell, of = scene.grid.cell_size, scene.bodies
+    frequencies = [2.0 * b.wave_speed / stable_length(cell, of[b.name].geometry.width) for b in bodies]
     setup = Setup(
         State(particles, grid, bodies, ()),
         layouts,
@@ -119,7 +128,7 @@ def _put_together(
         scheme=scheme,
         transfer=transfer.name,
         flip=transfer.flip,
-        bulk_frequency=_bulk_frequency(scene, bodies) if whole is None else whole.bulk_frequency,
+        bulk_frequency=max(frequencies) if whole is None else whole.bulk_frequency,
         safety=scene.time.safety,
         allow_unstable=scene.allow_unstable,
         friction_law=_friction_law(scene, contact),
@@ -133,48 +142,21 @@ def _put_together(
         plugins=[*materials.values(), shape],
     )
     _list_pairs(scene, setup.state, contact, setup.friction_law)
-    _note_methods(setup)
     return setup
-
-
-def _bulk_frequency(scene: Scene, bodies: tuple[Body, ...]) -> float:
-    """Return the largest of 2 c / h over the bodies, of thin ones 2 c / √(h w) [1/s]."""
-    cell, of = scene.grid.cell_size, scene.bodies
-    return max(2.0 * b.wave_speed / stable_length(cell, of[b.name].geometry.width) for b in bodies)
-
-
-def _note_methods(setup: Setup) -> None:
-    """Note effects that are part of the transfer and of the shape function."""
-    transfer, stored = setup.exchange, setup.exchange.affine == "moment"
-    affine, moves = transfer.affine is not None, hasattr(setup.shape_function, "update_particle_domains")
-    chosen = "as auto for" if setup.scene.stepping.transfer == "auto" else "given, with"
-    setup.note("affine field", affine, f"transfer {transfer.name}, {chosen} shape {setup.shape}")
-    if affine:
-        how = "C is carried along with the motion" if transfer.transported else "C stays as gathered"
-        setup.note("transported affine gradient", transfer.transported, how)
-    how = "stores B, D⁻¹ comes at the next projection" if stored else "does not store B"
-    setup.note("affine moments", stored, f"transfer {transfer.name} {how}")
-    how = "moves its domains in every step" if moves else "has no domains that it would move"
-    setup.note("domain tracking", moves, f"shape {setup.shape} {how}")
 
 
 def _named(
     scene: Scene, bodies: tuple[Body, ...], loads: Mapping[str, Load]
 ) -> dict[str, dict[str, NamedPlugIn]]:
-    """The plug-ins with tables that the scene names, told what they are called and which bodies they
-    concern.
+    """Return the plug-ins with tables that the scene names, by table and name; each gets its title and its
+    bodies.
     """
     made: dict[str, dict[str, NamedPlugIn]] = {}
     for group in ("loads", "boundaries", "outputs"):
         made[group] = {}
         for name, table in getattr(scene, group).items():
             plugin: NamedPlugIn = _plugin(NAMED[group], table.model, table.options)
-            if scene.dim not in plugin.dimensions:
-                works = " and ".join(f"{d}D" for d in plugin.dimensions)
-                raise SceneError(
-                    f"{plugin.name} works in {works}; the scene's grid is {scene.dim}D",
-                    key=f"{group}.{name}",
-                )
+            _check_dimensions(scene, plugin, f"{group}.{name}")
             plugin.title = name
             plugin.bodies = tuple(b for b in bodies if table.bodies is None or b.name in table.bodies)
             made[group][name] = plugin
@@ -185,7 +167,7 @@ def _named(
 
 
 def _friction_law(scene: Scene, contact: ContactStrategy | None) -> FrictionLaw | None:
-    """The scene's, if contact takes any."""
+    """Return the scene's, if contact takes any."""
     given = scene.contact
     if given is None or given.friction_law is None or contact is None or not contact.takes_friction_law:
         return None
@@ -202,25 +184,17 @@ def _plugin(kind: Any, name: str, options: Any) -> Any:
         return plugin.from_options(options) if given else plugin()
 
 
-#: Base classes of what a scene names.
-BASES: dict[Kind, type[Any]] = {
-    "contact": ContactStrategy, "friction": FrictionLaw, "shape": ShapeFunction, "material": Material,
-    "load": Load,
-    "boundary": Boundary, "output": OutputSeries, "geometry": BodyGeometry, "measure": Measure,
-    "reference": Reference,
-}  # fmt: skip
-
-
 def strategy(kind: Kind, given: Any) -> Any:
     """Return a method as it was given: None, a name, or a strategy object, which a class is made into."""
-    if given is None or isinstance(given, (str, BASES[kind])):
+    if given is None or isinstance(given, str):
         return given
-    if not isinstance(given, type):
+    if not isinstance(given, (type, BASES[kind])):
         raise SceneError(
             f"{kind}: found {given!r}; expected a name, module:Class, or a class derived from "
             f"mpmfw.api.{BASES[kind].__name__} or an object of one"
         )
-    _check_base(kind, given)
+    _check_base(kind, given if isinstance(given, type) else type(given))
+    refuse_nameless(given if isinstance(given, type) else type(given))
     return object_of(given)
 
 
@@ -232,6 +206,14 @@ def _check_base(kind: Kind, plugin: type[Any]) -> None:
             f"{kind} plug-in {full_name(plugin)} of {distribution_text(plugin)}: expected a class derived "
             f"from mpmfw.api.{base.__name__}"
         )
+
+
+def _check_dimensions(scene: Scene, plugin: Any, key: str) -> None:
+    """Refuse a plug-in that does not work in the scene's dimensions."""
+    if scene.dim not in plugin.dimensions:
+        works = " and ".join(f"{d}D" for d in plugin.dimensions)
+        note = f" ({plugin.dimensions_note})" if plugin.dimensions_note else ""
+        raise SceneError(f"'{plugin.name}' works in {works}{note}; the scene's grid is {scene.dim}D", key=key)
 
 
 def _list_pairs(scene: Scene, state: State, contact: ContactStrategy | None, law: FrictionLaw | None) -> None:
@@ -267,19 +249,3 @@ def _check_unused_contact(scene: Scene, contact: ContactStrategy | None) -> None
         keys.append("friction_law")
     if keys:
         raise SceneError("has no effect, since the scene has one body only", key=f"contact.{keys[0]}")
-
-
-def _check_methods(scene: Scene, shape: ShapeFunction, contact: ContactStrategy | None) -> None:
-    chosen: dict[Kind, Any] = {"shape": shape}
-    if contact is not None:
-        chosen["contact"] = contact
-    for kind, plugin in chosen.items():
-        _check_base(kind, type(plugin))
-        refuse_nameless(type(plugin))
-        if scene.dim not in plugin.dimensions:
-            works = " and ".join(f"{d}D" for d in plugin.dimensions)
-            note = f" ({plugin.dimensions_note})" if plugin.dimensions_note else ""
-            raise SceneError(
-                f"'{plugin.name}' works in {works}{note}; the scene's grid is {scene.dim}D",
-                key=f"{kind}.method",
-            )

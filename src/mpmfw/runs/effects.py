@@ -1,118 +1,79 @@
-"""All effects, in the order in which their hooks are called and ``mpmfw explain`` lists them.
-
-Each decides in its own file: ``from_setup(setup)`` returns what acts, or the reason why nothing does. That
-file is imported only if the scene calls for the effect.
-"""
+"""All effects, in the order in which their hooks are called and ``mpmfw explain`` lists them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Iterator
 from pkgutil import resolve_name
 
 from mpmfw.plugin.setup import Acts, Effect, Setup
 
 
-@dataclass(frozen=True)
-class Entry:
-    """One effect, and the function that decides on it."""
-
-    name: str  #: in ``explain``; empty where every run has the effect, or it lists its lines by itself
-    decides: str  #: ``module:function``, which returns :class:`mpmfw.plugin.setup.Acts` or why not
-    #: why the scene does not call for the effect; empty if it does
-    absent: Callable[[Setup], str] = lambda setup: ""  # noqa: ARG005
-
-
-def _no_gap(setup: Setup) -> str:
-    return (
-        "output.gap = false" if not setup.scene.output.gap else "one body" if len(setup.bodies) == 1 else ""
-    )
-
-
-def _no_gravity(setup: Setup) -> str:
-    settle = setup.scene.settle
-    settles = settle is not None and settle.gravity is not None
-    return "" if setup.scene.gravity is not None or settles else "no [gravity]"
-
-
-EFFECTS = (
-    Entry("contact", "mpmfw.contact.planning:from_setup"),
-    Entry("least gap", "mpmfw.effects.surface:GapDiagnostic.from_setup", _no_gap),
-    Entry(
-        "surfaces",
-        "mpmfw.effects.surface:SurfaceTracker.from_setup",
-        lambda setup: "" if setup.surface_users else "nothing needs outlines",
-    ),
-    Entry("gravity", "mpmfw.effects.gravity:Gravity.from_setup", _no_gravity),
-    Entry(
-        "settling",
-        "mpmfw.effects.settling:from_setup",
-        lambda setup: "" if setup.scene.settle is not None else "no [settle]",
-    ),
-    Entry(
-        "prescribed sides",
-        "mpmfw.effects.constraint:Constraint.from_setup",
-        lambda setup: "" if setup.held_sides else "no fixed or moving side",
-    ),
-    Entry(
-        "loads on sides",
-        "mpmfw.effects.side_loads:from_setup",
-        lambda setup: "" if setup.loaded_sides else "no side has a pressure, traction or force",
-    ),
-    Entry("", "mpmfw.plugin.named:from_setup"),
-    Entry("", "mpmfw.effects.rotation:from_setup"),
-    Entry("", "mpmfw.effects.series:BodySeries.from_setup"),
-    Entry(
-        "",
-        "mpmfw.effects.verdict:Verdict.from_setup",
-        lambda setup: "" if setup.whole is None else "all bodies are judged together",
-    ),
-    Entry(
-        "",
-        "mpmfw.effects.flutter:Flutter.from_setup",
-        lambda setup: "" if setup.records_friction else "no friction force is recorded",
-    ),
-    Entry(
-        "contact moment",
-        "mpmfw.effects.contact_moment:ContactMoment.from_setup",
-        lambda setup: "no output.contact_moment" if setup.scene.output.contact_moment is None else "",
-    ),
-    Entry(
-        "energy ledger",
-        "mpmfw.effects.ledger:EnergyLedger.from_setup",
-        lambda setup: "" if setup.scene.output.ledger else "output.ledger = false",
-    ),
-    Entry(
-        "stability series",
-        "mpmfw.effects.time_step_series:TimeStepSeries.from_setup",
-        lambda setup: "" if setup.scene.output.stability else "output.stability = false",
-    ),
-    Entry(
-        "von Mises stress",
-        "mpmfw.effects.series:VonMises.from_setup",
-        lambda setup: "" if setup.scene.output.particles else "output.particles = false",
-    ),
-    Entry(
-        "surface frames",
-        "mpmfw.runs.frames:surface_frames",
-        lambda setup: "" if setup.scene.output.surface else "output.surface = false",
-    ),
-    Entry(
-        "sleep",
-        "mpmfw.runs.sleeping:from_setup",
-        lambda setup: "no [sleep]" if setup.scene.sleep is None else "",
-    ),
-)
-
-
 def decide(setup: Setup) -> None:
-    """Ask every effect that the scene calls for whether it acts, and note what it answers."""
-    for entry in EFFECTS:
+    """Decide which effects act, and note why.
+
+    Each decides in its own file, by a function that returns :class:`mpmfw.plugin.setup.Acts`, or the reason
+    why nothing acts. The file is imported only if the scene calls for the effect."""
+    _note_methods(setup)
+    for name, decides, absent in _effects(setup):
         place = len(setup.effects)
-        answer: Acts | str = entry.absent(setup) or resolve_name(entry.decides)(setup)
+        answer: Acts | str = absent or resolve_name(f"mpmfw.{decides}")(setup)
+        acts = not isinstance(answer, str)
         if isinstance(answer, Acts):
             setup.plugins += answer.plugins
-        if entry.name:
-            reason = answer if isinstance(answer, str) else answer.reason
-            effect = Effect(entry.name, isinstance(answer, Acts), reason)
-            setup.effects.insert(place, effect)  # before lines that it noted itself
+        if name:  # before lines that it noted itself
+            setup.effects.insert(place, Effect(name, acts, answer.reason if acts else answer))
+
+
+def _effects(setup: Setup) -> Iterator[tuple[str, str, str]]:
+    """Yield name, ``module:function`` that decides, and why the scene does not call for it, empty if it does.
+
+    The name is empty of effects that every run has, and of those that note their lines by themselves."""
+    scene, output, settle = setup.scene, setup.scene.output, setup.scene.settle
+    gravity = scene.gravity is not None or (settle is not None and settle.gravity is not None)
+    whole = setup.whole is not None
+
+    def unless(called_for: object, reason: str) -> str:
+        return "" if called_for else reason
+
+    no_gap = unless(output.gap, "output.gap = false") or unless(len(setup.bodies) > 1, "one body")
+    surfaces = unless(setup.surface_users, "nothing needs outlines")
+    held = unless(setup.held_sides, "no fixed or moving side")
+    loaded = unless(setup.loaded_sides, "no side has a pressure, traction or force")
+    moment = unless(output.contact_moment is not None, "no output.contact_moment")
+    yield "contact", "contact.planning:from_setup", ""
+    yield "least gap", "effects.surface:GapDiagnostic.from_setup", no_gap
+    yield "surfaces", "effects.surface:SurfaceTracker.from_setup", surfaces
+    yield "gravity", "effects.gravity:Gravity.from_setup", unless(gravity, "no [gravity]")
+    yield "settling", "effects.settling:from_setup", unless(settle is not None, "no [settle]")
+    yield "prescribed sides", "effects.constraint:Constraint.from_setup", held
+    yield "loads on sides", "effects.side_loads:from_setup", loaded
+    yield "", "plugin.named:from_setup", ""
+    yield "", "effects.rotation:from_setup", ""
+    yield "", "effects.series:BodySeries.from_setup", ""
+    yield "", "effects.verdict:Verdict.from_setup", unless(not whole, "all are judged together")
+    yield "", "effects.flutter:Flutter.from_setup", unless(setup.records_friction, "no friction")
+    yield "contact moment", "effects.contact_moment:ContactMoment.from_setup", moment
+    for name, decides, key in (
+        ("energy ledger", "effects.ledger:EnergyLedger.from_setup", "ledger"),
+        ("stability series", "effects.time_step_series:TimeStepSeries.from_setup", "stability"),
+        ("von Mises stress", "effects.series:VonMises.from_setup", "particles"),
+        ("surface frames", "runs.frames:surface_frames", "surface"),
+    ):
+        yield name, decides, unless(getattr(output, key), f"output.{key} = false")
+    yield "sleep", "runs.sleeping:from_setup", unless(scene.sleep is not None, "no [sleep]")
+
+
+def _note_methods(setup: Setup) -> None:
+    """Note effects that are part of the transfer and of the shape function."""
+    transfer, shape = setup.exchange, setup.shape
+    affine, stored = transfer.affine is not None, transfer.affine == "moment"
+    moves = hasattr(setup.shape_function, "update_particle_domains")
+    chosen = "as auto for" if setup.scene.stepping.transfer == "auto" else "given, with"
+    how = "C is carried along with the motion" if transfer.transported else "C stays as gathered"
+    stores = "stores B, D⁻¹ comes at the next projection" if stored else "does not store B"
+    tracks = "moves its domains in every step" if moves else "has no domains that it would move"
+    setup.note("affine field", affine, f"transfer {transfer.name}, {chosen} shape {shape}")
+    if affine:
+        setup.note("transported affine gradient", transfer.transported, how)
+    setup.note("affine moments", stored, f"transfer {transfer.name} {stores}")
+    setup.note("domain tracking", moves, f"shape {shape} {tracks}")

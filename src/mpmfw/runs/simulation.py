@@ -27,18 +27,13 @@ from mpmfw.state.clock import STAGES, STEP_STAGES, Clock
 from mpmfw.state.fields import AnyArray, Field
 from mpmfw.state.history import NotSaved, put, take
 from mpmfw.state.pairs import update_pairs
-from mpmfw.state.structs import State
 from mpmfw.state.windows import fit_windows, is_cut_off, set_windows
 from mpmfw.step import SCHEMES
-from mpmfw.step.operations import interpolate, project
-from mpmfw.step.transfer import Transfer
+from mpmfw.step.operations import interpolate
 
 if TYPE_CHECKING:
     from mpmfw.runs.sleeping import Sleep
     from mpmfw.scene import Scene
-
-#: One time step: state, hooks, transfer, clock, and what is asked for its length.
-Step = Callable[[State, Any, Transfer, Clock, Callable[[], float]], float]
 
 #: Steps between two reports of progress.
 REPORT_EVERY = 50
@@ -82,12 +77,8 @@ class Simulation:
     ) -> None:
         import_numba_without_scipy()
         contact, shape = strategy("contact", contact), strategy("shape", shape)
-        setup = build(
-            _with_methods(scene, contact, shape),
-            contact=None if contact is None or isinstance(contact, str) else contact,
-            shape=None if shape is None or isinstance(shape, str) else shape,
-            loads=loads or {},
-        )
+        objects = [None if isinstance(each, str) else each for each in (contact, shape)]
+        setup = build(_with_methods(scene, contact, shape), *objects, loads)
         self._assemble(setup, Clock(), setup.scene.threads if threads is None else checked_threads(threads))
 
     @classmethod
@@ -98,57 +89,47 @@ class Simulation:
         return simulation
 
     def _assemble(self, setup: Setup, clock: Clock, threads: int) -> None:
-        """Decide the effects, and set up all that acts."""
+        """Decide the effects, and register all that acts."""
         self.setup, self.clock, self.threads = setup, clock, threads
         setup.limits = self.limits
         decide(setup)
         self.scene, self.state, self.contact = setup.scene, setup.state, setup.contact
         self.shape, self.scheme, self.transfer = setup.shape_function, setup.scheme, setup.exchange
         self.effects: tuple[Effect, ...] = tuple(setup.effects)
-        self.rotations = setup.rotations  #: how every body's rotational inertia is treated
         if threads > 1:
             from mpmfw.state.threads import Threads
 
             particles = self.state.particles
-            count = min(threads, particles.count)
-            particles.threads = Threads(count, rows_ascend=self.shape.rows_ascend)
+            particles.threads = Threads(min(threads, particles.count), rows_ascend=self.shape.rows_ascend)
         self.manager = make_manager()
         groups: list[Mapping[str, Any]] = [setup.materials, *setup.named.values()]
         named = {id(plugin): f"{plugin.name} {name}" for group in groups for name, plugin in group.items()}
         for plugin in reversed(setup.plugins):  # pluggy calls the last registered first
             register(self.manager, plugin, named.get(id(plugin), str(plugin.name)))
         self._bind_hooks()
-        self._set_up(setup)
+        self._set_up()
 
-    def _set_up(self, setup: Setup) -> None:
+    def _set_up(self) -> None:
         """Call the plug-ins' setup, and lay the grid round the bodies."""
+        setup, state = self.setup, self.state
         answers = self.hook.declare_fields() or []
-        self.fields: tuple[Field, ...] = declared_fields(
-            zip(self._callers("declare_fields"), answers, strict=True)
-        )
+        declared = zip(self._callers("declare_fields"), answers, strict=True)
+        self.fields: tuple[Field, ...] = declared_fields(declared)
         self.hook.setup(setup=setup)
-        reach = self.hook.particle_reach(particles=self.state.particles)
-        fit_windows(self.state.grid, self.state.particles, reach, self.state.surface)
-        update_pairs(self.state, self.hook)
+        reach = self.hook.particle_reach(particles=state.particles)
+        fit_windows(state.grid, state.particles, reach, state.surface)
+        update_pairs(state, self.hook)
         self._check_supports()
-        self._step: Step = SCHEMES[self.scheme]
-        self._sleep: Sleep | None = None
-        self._time_step = TimeStep(
-            self.scene,
-            self.state,
-            2.0 / setup.bulk_frequency,
-            self.shape.courant,
-            self._callers("stable_timestep"),
-        )
-        self._recorder = Recorder(
-            self.scene, self.state, self.fields, self.hook, self._callers("diagnostics")
-        )
+        self._step: Any = SCHEMES[self.scheme]
+        self._time_step = TimeStep(setup, self._callers("stable_timestep"))
+        self._recorder = Recorder(self.scene, state, self.fields, self.hook, self._callers("diagnostics"))
         self.started = False
         self._settling: Settling | None = None
         self._settled: dict[str, float] = {}
         self._next_output, self._last_output = 0, 0.0  #: number of the next output, and time of the last [s]
         self.compile_time = 0.0
         self._time_step.check(self.hook)
+        self._sleep: Sleep | None = None
         if self.scene.sleep is not None:
             from mpmfw.runs.sleeping import Sleep
 
@@ -162,25 +143,6 @@ class Simulation:
     def _callers(self, hook: str) -> list[Any]:
         """Plug-ins that implement a hook, in the order of the calls."""
         return [impl.plugin for impl in reversed(getattr(self.manager.hook, hook).get_hookimpls())]
-
-    # -- what it is
-
-    def hook_callers(self) -> dict[str, list[str]]:
-        """Names of the plug-ins that implement each hook, in the order of the calls."""
-        return {
-            name: [impl.plugin_name for impl in reversed(getattr(self.manager.hook, name).get_hookimpls())]
-            for name in HOOKS
-        }
-
-    def limits(self) -> list[tuple[float, str]]:
-        """Every stable time step [s] with its owner, before the safety factor."""
-        return self._time_step.limits(self.hook)
-
-    def stable_step(self) -> float:
-        """Length of a step as the limits are [s], with the contacts that were detected last; before the first
-        step, with those that contact takes for granted. See :meth:`mpmfw.runs.timestep.TimeStep.next`."""
-        running = self if self._sleep is None else self._sleep.running
-        return running._time_step.next(running.hook)
 
     def _check_supports(self) -> None:
         """Refuse a body whose shape functions reach beyond the grid before it has moved; the bundled ones
@@ -198,13 +160,45 @@ class Simulation:
                 key=f"bodies.{error.body}",
             ) from error
 
+    def hook_callers(self) -> dict[str, list[str]]:
+        """Names of the plug-ins that implement each hook, in the order of the calls."""
+        names = {id(plugin): name for name, plugin in self.manager.list_name_plugin()}
+        return {hook: [names[id(plugin)] for plugin in self._callers(hook)] for hook in HOOKS}
+
     # -- how it runs
+
+    def limits(self) -> list[tuple[float, str]]:
+        """Every stable time step [s] with its owner, before the safety factor."""
+        return self._time_step.limits(self.hook)
+
+    def stable_step(self) -> float:
+        """Length of a step as the limits are [s], with the contacts that were detected last; before the first
+        step, with those that contact takes for granted. See :meth:`mpmfw.runs.timestep.TimeStep.next`."""
+        running = self if self._sleep is None else self._sleep.running
+        return running._time_step.next(running.hook)
 
     def step(self, dt: float | None = None) -> None:
         """One time step of length ``dt`` [s]; without it the stable one, chosen when the step's contacts are
         detected.
         """
         self._take_step(self.stable_step if dt is None else lambda: dt)
+
+    def step_towards(self, target: float) -> None:
+        """Take one of the equal steps that lead to ``target`` [s] if the limit stays as it is; the last ends
+        there exactly.
+        """
+        state, last = self.state, False
+
+        def length() -> float:
+            nonlocal last
+            remaining = target - state.time
+            steps = max(1, math.ceil(remaining / self.stable_step() - 1e-9))
+            last = steps == 1
+            return remaining / steps
+
+        self._take_step(length)
+        if last:
+            state.time = target
 
     def _take_step(self, length: Callable[[], float]) -> None:
         """One time step; ``length`` is asked for it when the limits are known."""
@@ -215,15 +209,6 @@ class Simulation:
         except Diverged as error:
             raise error.with_advice("; ".join(self.setup.remedies.values())) from None
         state.time, state.steps = time + state.dt, steps + 1
-
-    def detect(self) -> None:
-        """Detect the contacts where the bodies are now, without a step: :meth:`limits` speaks of them
-        then.
-        """
-        phi = interpolate(self.state, self.hook, self.clock)
-        particles, grid = self.state.particles, self.state.grid
-        project(particles, phi, grid)
-        self.hook.detect(grid=grid, phi=phi, particles=particles)
 
     @contextlib.contextmanager
     def extra_plugin(self, plugin: Any) -> Iterator[None]:
@@ -265,9 +250,8 @@ class Simulation:
         if self.contact is not None:
             self.contact.restart()
         self.state.time, self.state.steps = 0.0, 0
-        cpu = {stage: self.clock.cpu[stage] for stage in STEP_STAGES}
-        self._settled["settle_time"] = sum(cpu.values())
-        self._settled |= {f"settle_cpu_{stage}": seconds for stage, seconds in cpu.items()}
+        cpu = {f"settle_cpu_{stage}": self.clock.cpu[stage] for stage in STEP_STAGES}
+        self._settled |= {"settle_time": sum(cpu.values()), **cpu}
 
     def advance(self, steps: int, write: Callable[[Frame], None] | None = None) -> None:
         """Run a number of stable steps; hand a frame to ``write``, if there is one, at first and after every
@@ -295,13 +279,6 @@ class Simulation:
         A simulation that was loaded goes on from where it was saved. ``after_step`` is called when a step is
         complete, those of settling as well: there, and before the run, it may be saved. If the run fails by a
         SimulationError, the frames so far are complete."""
-
-        def watch() -> None:
-            if progress is not None and self.state.steps % REPORT_EVERY == 0:
-                progress(self.state.time, self.state.steps)
-            if after_step is not None:
-                after_step()
-
         before = self.compile_time
         with CompileTimer(self.clock) as compiling:
             try:
@@ -309,61 +286,45 @@ class Simulation:
                     self.start(after_step)
                     self._output(write, 0.0)
                     self._next_output = 1
-                self._run_to_the_end(write, watch)
+                while self._next_output <= _outputs(self.scene):
+                    for _ in self._steps_to_output():
+                        if progress is not None and self.state.steps % REPORT_EVERY == 0:
+                            progress(self.state.time, self.state.steps)
+                        if after_step is not None:
+                            after_step()
+                    self._reach_output(write)
             finally:
                 self.compile_time = before + compiling.seconds
                 self.clock.flush()
 
-    def _run_to_the_end(self, write: Callable[[Frame], None] | None, watch: Callable[[], None]) -> None:
-        """Steps and outputs after the first."""
-        state, time = self.state, self.scene.time
-        last = _outputs(time.end, time.output_interval)
-        exact = time.outputs == "exact"
-        while self._next_output <= last:
-            output = self._next_output
-            due = time.end if output == last else output * time.output_interval
-            if exact or output == last:
-                self._advance_to(due, watch)
-            else:
-                self._advance_near(due, watch)
-            self._next_output += 1
-            if (exact or output == last) or state.time not in (self._last_output, time.end):
-                # else the step is nearest to another output as well, which records it
-                points = output == last or self._recorder.points_are_due(due)
-                self._output(write, state.time - self._last_output, points=points)
-                self._last_output = state.time
+    def _steps_to_output(self) -> Iterator[None]:
+        """Step to the next output, which the last step ends at exactly.
 
-    def _advance_to(self, target: float, watch: Callable[[], None]) -> None:
-        """Step to ``target`` [s] exactly, with steps of about equal length."""
-        while self.state.time < target:
-            self.step_towards(target)
-            watch()
+        With ``time.outputs = "nearest"`` outputs before the last shorten no step: the steps end where no end
+        of a step is nearer, if the next step is as long as the last."""
+        state, time, due = self.state, self.scene.time, self._due
+        exact = time.outputs == "exact" or due == time.end
+        while state.time < (due if exact else time.end) and (exact or state.time + 0.5 * state.dt <= due):
+            self.step_towards(due if exact else time.end)
+            yield
 
-    def _advance_near(self, target: float, watch: Callable[[], None]) -> None:
-        """Step until no end of a step is nearer to ``target`` [s], if the next step is as long as the last,
-        or to the end.
-        """
-        state, end = self.state, self.scene.time.end
-        while state.time + 0.5 * state.dt <= target and state.time < end:
-            self.step_towards(end)
-            watch()
+    def _reach_output(self, write: Callable[[Frame], None] | None) -> None:
+        """Write the output that is due, unless the step that is nearest to it is the last output's or the
+        end's."""
+        now, time, due = self.state.time, self.scene.time, self._due
+        last = self._next_output == _outputs(self.scene)
+        self._next_output += 1
+        if time.outputs == "exact" or last or now not in (self._last_output, time.end):
+            points = last or self._recorder.points_are_due(due)
+            self._output(write, now - self._last_output, points=points)
+            self._last_output = now
 
-    def step_towards(self, target: float) -> None:
-        """Take one of the equal steps that lead to ``target`` [s] if the limit stays as it is; the last ends
-        there exactly.
-        """
-        state, last = self.state, False
-
-        def length() -> float:
-            nonlocal last
-            remaining = target - state.time
-            steps = max(1, math.ceil(remaining / self.stable_step() - 1e-9))
-            last = steps == 1
-            return remaining / steps
-
-        self._take_step(length)
-        if last:
-            state.time = target
+    @property
+    def _due(self) -> float:
+        """Time of the next output [s]."""
+        time = self.scene.time
+        last = self._next_output == _outputs(self.scene)
+        return time.end if last else self._next_output * time.output_interval
 
     def frame(self) -> Frame:
         """Return the arrays of this moment, as an output would have them."""
@@ -411,9 +372,10 @@ class Simulation:
 
     def restored(self) -> None:
         """Raise NotSaved for values with which the run would not come to its end."""
-        state, time = self.state, self.scene.time
-        most = _outputs(time.end, time.output_interval) + 1
-        if not (0.0 <= state.time <= time.end and state.dt >= 0.0 and 0 <= self._next_output <= most):
+        state, most = self.state, _outputs(self.scene) + 1
+        if not (
+            0.0 <= state.time <= self.scene.time.end and state.dt >= 0.0 and 0 <= self._next_output <= most
+        ):
             raise NotSaved(f"time {state.time:g} s and output {self._next_output} are not within the run")
         try:
             check_state_finite(state)
@@ -434,18 +396,14 @@ class Simulation:
     def _parts(self) -> dict[str, Any]:
         """Everything that has values, by its name in messages: the plug-ins and what is between them."""
         damping = None if self._settling is None else self._settling.damping  # registered while it steps
-        plugins = {
-            f"plug-in '{name}'": plugin
-            for name, plugin in self.manager.list_name_plugin()
-            if plugin is not damping
-        }
-        return {"state": self.state, **plugins, "simulation": self}
+        plugins = dict(self.manager.list_name_plugin())
+        kept = {f"plug-in '{name}'": each for name, each in plugins.items() if each is not damping}
+        return {"state": self.state, **kept, "simulation": self}
 
     # -- what it leaves
 
     def header(self, attributes: Mapping[str, Any] | None = None) -> RunHeader:
         """Return the header of the results' file, with ``attributes`` beside its own."""
-        plugins = {name: type(plugin).__module__ for name, plugin in self.manager.list_name_plugin()}
         return self._recorder.header(
             {
                 "title": self.scene.title or self.scene.name,
@@ -455,24 +413,20 @@ class Simulation:
                 "scheme": self.scheme,
                 "transfer": self.transfer.name,
                 "transported": int(self.transfer.transported),
-                "rotation": self.rotations,
+                "rotation": self.setup.rotations,
                 "cell_size": self.state.grid.cell_size,
                 "outputs": self.scene.time.outputs,
                 "output_interval": self.scene.time.output_interval,
                 "effects": [{"name": e.name, "on": e.on, "reason": e.reason} for e in self.effects],
-                "plugins": plugins,
+                "plugins": {name: type(each).__module__ for name, each in self.manager.list_name_plugin()},
                 **(attributes or {}),
             }
         )
 
     def concerns(self) -> list[str]:
         """Return warnings for a reader of the results, a sentence each; complete after the last step."""
-        answers = self.hook.concerns() or []
-        return [
-            *warnings_about(self.scene),
-            *concern(self._settled),
-            *(text for answer in answers for text in answer),
-        ]
+        of_plugins = [text for answer in self.hook.concerns() or [] for text in answer]
+        return [*warnings_about(self.scene), *concern(self._settled), *of_plugins]
 
     @property
     def status(self) -> str:
@@ -490,11 +444,11 @@ class Simulation:
         """Steps, material points, and seconds in all and by stage, of the steps after time zero and of
         settling.
         """
-        clock = self.clock
+        clock, surface = self.clock, self.state.surface
         return {
             "steps": self.state.steps,
             "material_points": self.state.particles.count,
-            "surface_nodes": 0 if self.state.surface is None else self.state.surface.count,
+            "surface_nodes": 0 if surface is None else surface.count,
             "cpu_time": sum(clock.cpu[stage] for stage in STEP_STAGES),
             "wall_time": sum(clock.wall[stage] for stage in STEP_STAGES),
             "gap_time": clock.cpu["gap"],
@@ -507,8 +461,9 @@ class Simulation:
         }
 
 
-def _outputs(end: float, interval: float) -> int:
-    return max(1, math.ceil(end / interval - 1e-9))
+def _outputs(scene: Scene) -> int:
+    """Number of the outputs after time zero."""
+    return max(1, math.ceil(scene.time.end / scene.time.output_interval - 1e-9))
 
 
 def checked_threads(threads: Any) -> int:

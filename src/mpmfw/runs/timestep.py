@@ -1,21 +1,16 @@
-"""The length of a time step: a fraction of the least stability limit, or fixed, and never silently past a
-limit.
-"""
+"""The length of a time step: a fraction of the least stability limit, or fixed; refused past a limit."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from pydantic import BaseModel
 
 from mpmfw.contact.strategy import ContactStrategy
 from mpmfw.errors import PastStabilityLimit, PluginError, SceneError, SimulationError
-from mpmfw.state.structs import State
-
-if TYPE_CHECKING:
-    from mpmfw.scene import Scene
+from mpmfw.plugin.setup import Setup
 
 #: Share of the bulk's limit below which a time step is taken for a failure: such a run would never end.
 COLLAPSED = 1e-4
@@ -36,25 +31,21 @@ class TimeStep:
     """Chooses the length of every step.
 
     ``bulk_limit`` [s] is h / c of the fastest body, √(h w) / c of one thinner than a cell. A step past the
-    share ``courant`` of it is refused. ``limiting`` plug-ins implement ``stable_timestep``, in the order of
-    the calls."""
+    shape function's share of it is refused. ``limiting`` plug-ins implement ``stable_timestep``."""
 
-    def __init__(
-        self, scene: Scene, state: State, bulk_limit: float, courant: float, limiting: Sequence[Any]
-    ) -> None:
-        self.limiting = limiting
-        self.scene, self.state, self.bulk_limit = scene, state, bulk_limit
-        # Looked up once: between two steps of many points the interpreter's own data has left the caches, and
-        # whatever is asked anew in every step is waited for.
-        cell = state.grid.cell_size
-        thin = all(bulk_limit < (1.0 - 1e-9) * cell / body.wave_speed for body in state.bodies)
-        length = "√(h w)" if thin else "h"
-        self._bulk = (bulk_limit, f"bulk wave speed ({length} / c)")
-        self._least_refused = (courant * bulk_limit, f"the bulk ({courant:g} {length} / c)")
-        self._safety, self._fixed = scene.time.safety, scene.time.step
+    def __init__(self, setup: Setup, limiting: Sequence[Any]) -> None:
+        time, self.state, self.limiting = setup.scene.time, setup.state, limiting
+        self.bulk_limit = 2.0 / setup.bulk_frequency
+        # Looked up once: between two steps of many points the interpreter's own data has left the caches.
+        thinner = (1.0 - 1e-9) * setup.cell_size
+        thin = all(self.bulk_limit < thinner / body.wave_speed for body in setup.bodies)
+        length, courant = "√(h w)" if thin else "h", setup.shape_function.courant
+        self._bulk = (self.bulk_limit, f"bulk wave speed ({length} / c)")
+        self._least_refused = (courant * self.bulk_limit, f"the bulk ({courant:g} {length} / c)")
+        self._safety, self._fixed = time.safety, time.step
         # A share of the least limit of at most that is below all of them.
         may_exceed = self._fixed is not None or self._safety > courant
-        self._checked = may_exceed and not scene.allow_unstable
+        self._checked = may_exceed and not setup.allow_unstable
 
     def next(self, hook: Any) -> float:
         """Return the length of the next step [s]: safety times the least limit, or the scene's fixed step.
@@ -91,7 +82,7 @@ class TimeStep:
         limits = self.limits(hook)
         step: float = self._safety * min(limits)[0] if self._fixed is None else self._fixed
         if self._checked and (refusal := self._refusal(step, limits)) is not None:
-            key = "time.safety" if self.scene.time.step is None else "time.step"
+            key = "time.safety" if self._fixed is None else "time.step"
             raise SceneError(f"{refusal}; expected a smaller {key}, or allow_unstable = true", key=key)
 
     def limits(self, hook: Any) -> list[tuple[float, str]]:
