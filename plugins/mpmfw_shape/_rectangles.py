@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 from mpmfw.api.types import AnyArray, FloatArray, IntArray, Particles, Stencil, Surface
 from mpmfw.kernels import kernel
 from mpmfw.kernels.stencil import entries
-from mpmfw.kernels.types import Floats, Indices, Ints
+from mpmfw.kernels.types import Indices, Ints, Table
 
 #: Distance over a rectangle's size within which a node is its centre, or its corners are those of a point's
 #: face.
@@ -53,45 +53,38 @@ def are_faces(rectangles: FloatArray, position: FloatArray, half_edges: FloatArr
         across = half[:, np.newaxis, :, b] * SIGNS[:, :1] + half[:, np.newaxis, :, c] * SIGNS[:, 1:]
         for side in (-1.0, 1.0):
             face = (middle + side * half[:, :, a])[:, np.newaxis] + across
-            apart = (
-                np.linalg.norm(rectangles[:, :, np.newaxis] - face[:, np.newaxis], axis=-1)
-                .min(axis=2)
-                .max(axis=1)
-            )
-            found |= apart <= CENTRED * np.linalg.norm(across[:, 0], axis=1)
+            distance = np.linalg.norm(rectangles[:, :, np.newaxis] - face[:, np.newaxis], axis=-1)
+            found |= distance.min(axis=2).max(axis=1) <= CENTRED * np.linalg.norm(across[:, 0], axis=1)
     return found
 
 
 @kernel
-def mean_rows(
-    index: Ints, corners: Ints, row: Ints, nodes: Indices, weight: Floats, place: Indices, out_row: Ints,
-    out_nodes: Indices,
-    out_weight: Floats,
-) -> None:  # fmt: skip
-    """Copy a table of surface nodes; where ``index`` (n_s,) is that of a rectangle, and not −1, the row is
-    the mean of its corners' (k, 4).
+def mean_rows(index: Ints, corners: Ints, plain: Table, place: Indices, table: Table) -> None:
+    """Copy the table ``plain`` of surface nodes to ``table``; where ``index`` (n_s,) is that of a rectangle,
+    and not −1, the row is the mean of its corners' (k, 4).
 
     ``place`` (n_nodes,) is scratch, of any content within 0 … the table's length: the entry that a grid node
     was given last.
     """
+    nodes, weight, out_nodes, out_weight = plain.nodes, plain.weight, table.nodes, table.weight
     top = 0
-    out_row[0] = 0
+    table.row[0] = 0
     for s in range(len(index)):
         if index[s] < 0:
-            for j in entries(row, s):
+            for j in entries(plain.row, s):
                 out_nodes[top], out_weight[top] = nodes[j], weight[j]
                 top += 1
         else:
             start = top
             for a in range(4):
-                for j in entries(row, corners[index[s], a]):
+                for j in entries(plain.row, corners[index[s], a]):
                     entry = place[nodes[j]]
                     if entry < start or entry >= top or out_nodes[entry] != nodes[j]:
                         entry = place[nodes[j]] = top
                         out_nodes[top], out_weight[top] = nodes[j], 0.0
                         top += 1
                     out_weight[entry] += 0.25 * weight[j]
-        out_row[s + 1] = top
+        table.row[s + 1] = top
 
 
 class Rectangles:
@@ -130,10 +123,7 @@ class Rectangles:
 
         ``grid_nodes`` is the number of nodes of the grid, those of all fields counted.
         """
-        row, nodes, weight, _ = self.table.room
         if len(self.place) < grid_nodes:
             self.place = np.zeros(grid_nodes, dtype=np.int32)
-        mean_rows(
-            self.index, self.corners, plain.row, plain.nodes, plain.weight, self.place, row, nodes, weight
-        )
-        return self.table.show(row[-1])
+        mean_rows(self.index, self.corners, plain, self.place, self.table)
+        return self.table.show(self.table.row[-1])

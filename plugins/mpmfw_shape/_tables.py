@@ -15,52 +15,49 @@ from mpmfw.api.types import FloatArray, Grid, IntArray, Particles, Setup, Stenci
 from mpmfw.kernels import FULL
 from mpmfw.kernels.stencil import fill_linear
 
-#: A kernel that fills a table, and the number of its functions along an axis.
-Functions = tuple[Callable[..., int], int]
-
-
-def fill_at(
-    fill: Callable[..., int], position: FloatArray, first: IntArray, grid: Grid, table: Stencil,
-    threads: Any = None
-) -> Stencil:  # fmt: skip
-    """Fill a ``table`` by the functions at points of ``position`` (n, dim) [m]; those of field f are
-    ``first[f]:first[f + 1]``.
-
-    ``threads`` are those that share the points, None if one thread fills the table.
-
-    Raises
-    ------
-    OutsideGrid
-        A point is outside its window.
-    """
-    rest = (*grid.windows, table.nodes, table.weight, table.gradient, grid.spacing)
-    if threads is None:
-        check_inside(fill(position, first, *rest))
-    else:
-        firsts = threads.firsts(first)
-        for code in threads.each(lambda t: fill(position, firsts[t], *rest)):
-            check_inside(code)
-    return table
-
 
 class LinearSurface(ShapeFunction):
     """Mix-in of ``interpolate_surface`` with linear functions, the trace of Σ V ∇S = ∮ N n dS for CPDI."""
 
     rows_ascend = True
-    #: The surface's basis.
-    functions: ClassVar[Functions] = (fill_linear, 2)
+    #: A kernel that fills the surface's table, and the number of its functions along an axis.
+    functions: ClassVar[tuple[Callable[..., int], int]] = (fill_linear, 2)
     _surface: Stencil | None = None
 
     def entries(self, dim: int) -> int:
         """Number of nodes that the functions of a point on the surface touch."""
         return int(self.functions[1] ** dim)
 
+    @property
+    def choices(self) -> tuple[Any, ...]:
+        """Further arguments of the kernel."""
+        return ()
+
+    def fill_at(
+        self, position: FloatArray, first: IntArray, grid: Grid, table: Stencil, threads: Any = None
+    ) -> Stencil:
+        """Fill a ``table`` by the functions at points of ``position`` (n, dim) [m].
+
+        Those of field f are ``first[f]:first[f + 1]``. Raise OutsideGrid for a point outside its window.
+        """
+
+        def fill(first: IntArray) -> int:
+            return self.functions[0](position, first, grid, table, grid.spacing, *self.choices)
+
+        if threads is None:
+            check_inside(fill(first))
+        else:
+            firsts = threads.firsts(first)
+            for code in threads.each(lambda t: fill(firsts[t])):
+                check_inside(code)
+        return table
+
     @hookimpl
     def interpolate_surface(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
         """N_i(x_s) of the basis."""
         if self._surface is None:
             self._surface = empty_stencil(len(position), self.entries(grid.dim), grid.dim, gradient=False)
-        return fill_at(self.functions[0], position, first, grid, self._surface)
+        return self.fill_at(position, first, grid, self._surface)
 
 
 class AtPoints(LinearSurface):
@@ -79,8 +76,7 @@ class AtPoints(LinearSurface):
     @hookimpl
     def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
         """φ_i(x_p) and ∇φ_i(x_p)."""
-        fill, threads = self.functions[0], particles.threads
-        return fill_at(fill, particles.position, particles.first, grid, self.table, threads)
+        return self.fill_at(particles.position, particles.first, grid, self.table, particles.threads)
 
 
 #: Entries a point to begin with: a domain of half a cell has 6.25 (2D) or 15.6 (3D) nodes in its box on
@@ -91,8 +87,8 @@ ENTRIES = {2: 7, 3: 18}
 class PackedRows(LinearSurface):
     """Base of shape functions of points with a domain; the boundary's basis is linear."""
 
-    #: A kernel, called as ``fill(first, *domains, *windows, k, row, nodes, weight, gradient, spacing)``: it
-    #: fills rows from entry k on, and returns the first point outside its window, −1, or ``FULL``.
+    #: A kernel, called as ``fill(first, *domains, grid, k, end, table, spacing)``: it fills rows with the
+    #: entries k to ``end``, and returns the first point outside its window, −1, or ``FULL``.
     fill: ClassVar[Callable[..., int]]
 
     def domains(self, particles: Particles) -> tuple[Any, ...]:
@@ -103,28 +99,30 @@ class PackedRows(LinearSurface):
     def setup(self, setup: Setup) -> None:
         """Make a table with room for the usual number of entries, and for one whole row of 4**dim."""
         points, dim = setup.state.particles.count, setup.dim
-        self.room = _with_room(points, points * ENTRIES[dim] + 4**dim, dim)
+        self.table = _with_room(points, points * ENTRIES[dim] + 4**dim, dim)
 
     @hookimpl
     def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
-        """φ_ip and ∇φ_ip of the domains; the room is lengthened if it is too short."""
-        threads, first = particles.threads, particles.first
-        where = (*self.domains(particles), *grid.windows)
+        """φ_ip and ∇φ_ip of the domains; a table that is too short is replaced by a longer one."""
+        threads, first, domains = particles.threads, particles.first, self.domains(particles)
 
-        def fill(first: Any, *table: Any) -> int:
-            return type(self).fill(first, *where, *table, grid.spacing)
+        def fill(first: IntArray, k: int, end: int) -> int:
+            return type(self).fill(first, *domains, grid, k, end, self.table, grid.spacing)
 
-        while True:
-            room = self.room.room
-            code = fill(first, 0, *room) if threads is None else threads.fill_rows(fill, first, room)
-            if code != FULL:
-                break
-            self.room = _with_room(particles.count, 3 * len(room[1]) // 2, grid.dim)
+        code = FULL
+        while code == FULL:
+            room = self.table.room
+            code = fill(first, 0, room) if threads is None else threads.fill_rows(fill, first, self.table)
+            if code == FULL:
+                self.table = _with_room(particles.count, 3 * room // 2, grid.dim)
         check_inside(code)
-        return self.room.show(self.room.row[-1])
+        return self.table.show(self.table.row[-1])
 
 
 def _with_room(points: int, entries: int, dim: int) -> Stencil:
-    room = empty_stencil(1, entries, dim)
-    room.row = empty_stencil(points, 0, dim).row
-    return room
+    return Stencil(
+        row=np.zeros(points + 1, dtype=np.int64),
+        nodes=np.zeros(entries, dtype=np.int32),
+        weight=np.zeros(entries),
+        gradient=np.zeros((entries, dim)),
+    )

@@ -6,7 +6,7 @@ import math
 
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.stencil import fill_tensor_product, fits, read_window
-from mpmfw.kernels.types import Float, Floats, Indices, Ints
+from mpmfw.kernels.types import Float, Floats, Ints, Nodes, Table
 from mpmfw_shape._tables import AtPoints
 
 WIDTH = 3
@@ -29,38 +29,21 @@ def quadratic_weights(
 
 @kernel
 def fill_quadratic(
-    position: Floats,
-    first: Ints,
-    lower: Floats,
-    window_lower: Ints,
-    window_shape: Ints,
-    offset: Ints,
-    nodes: Indices,
-    weight: Floats,
-    gradient: Floats,
-    spacing: tuple[float, ...],
+    position: Floats, first: Ints, grid: Nodes, table: Table, spacing: tuple[float, ...]
 ) -> int:
     """Quadratic B-splines at points; 3**dim entries each. Return the first point outside its window, or
     −1."""
-    dim = len(spacing)
-    inverse_h = 1.0 / spacing[0]
-    origin = scratch.vector(spacing)
-    shape = scratch.integers(spacing)
-    base = scratch.vector(spacing)
-    w = scratch.matrix(spacing, (0.0, 0.0, 0.0))
-    s = scratch.matrix(spacing, (0.0, 0.0, 0.0))
+    dim, inverse_h = len(spacing), 1.0 / spacing[0]
+    origin, shape, base = scratch.vector(spacing), scratch.integers(spacing), scratch.vector(spacing)
+    w, s = scratch.matrix(spacing, (0.0, 0.0, 0.0)), scratch.matrix(spacing, (0.0, 0.0, 0.0))
     for f in range(len(first) - 1):
-        read_window(lower, window_lower, window_shape, f, origin, shape, spacing)
-        start = offset[f]
+        read_window(grid, f, origin, shape, spacing)
         for p in range(first[f], first[f + 1]):
             for d in range(dim):
-                xi = (position[p, d] - origin[d]) * inverse_h
-                quadratic_weights(xi, inverse_h, d, base, w, s)
+                quadratic_weights((position[p, d] - origin[d]) * inverse_h, inverse_h, d, base, w, s)
             if not fits(base, WIDTH, shape, spacing):
                 return p
-            fill_tensor_product(
-                p * WIDTH**dim, WIDTH, base, w, s, shape, start, nodes, weight, gradient, spacing
-            )
+            fill_tensor_product(p * WIDTH**dim, WIDTH, base, w, s, shape, grid.offset[f], table, spacing)
     return -1
 
 

@@ -17,7 +17,7 @@ import math
 
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.stencil import fits, read_window
-from mpmfw.kernels.types import Float, Floats, Indices, Ints
+from mpmfw.kernels.types import Float, Floats, Ints, Nodes, Table
 from mpmfw_shape._tables import AtPoints
 
 #: Nodes along each axis whose kernels hold a point, two of each grid.
@@ -44,9 +44,8 @@ def compact_weights(xi: Float, inverse_h: Float, d: int, base: Floats, weight: F
 
 @device
 def fill_grids(
-    k: int, base: Floats, even: Ints, weight: Floats, slope: Floats, shape: Ints, offset: int,
-    nodes: Indices, values: Floats,
-    gradients: Floats, spacing: tuple[float, ...],
+    k: int, base: Floats, even: Ints, weight: Floats, slope: Floats, shape: Ints, offset: int, table: Table,
+    spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """Write the 2 · 2**dim entries of one point from ``k`` on, their nodes ascending.
 
@@ -54,15 +53,13 @@ def fill_grids(
     of the same parity along all axes a node belongs to a grid. As
     :func:`mpmfw.kernels.stencil.fill_tensor_product` else.
     """
+    nodes, values, gradients = table.nodes, table.weight, table.gradient
     for a in range(WIDTH):
         odd = (a + even[0]) % 2
         for b in range((even[1] + odd) % 2, WIDTH, 2):
             line = (int(base[0]) + a) * shape[1] + int(base[1]) + b
-            w, s_a, s_b = (
-                0.5 * weight[0, a] * weight[1, b],
-                slope[0, a] * weight[1, b],
-                weight[0, a] * slope[1, b],
-            )
+            w = 0.5 * weight[0, a] * weight[1, b]
+            s_a, s_b = slope[0, a] * weight[1, b], weight[0, a] * slope[1, b]
             if len(spacing) == 2:
                 nodes[k], values[k] = offset + line, w
                 if len(gradients) > 0:
@@ -79,31 +76,24 @@ def fill_grids(
 
 
 @kernel
-def fill_compact(
-    position: Floats, first: Ints, lower: Floats, window_lower: Ints, window_shape: Ints, offset: Ints,
-    nodes: Indices,
-    weight: Floats, gradient: Floats, spacing: tuple[float, ...],
-) -> int:  # fmt: skip
+def fill_compact(position: Floats, first: Ints, grid: Nodes, table: Table, spacing: tuple[float, ...]) -> int:
     """Compact kernels at points; 2 · 2**dim entries each. Return the first point outside its window, or
     −1."""
-    dim = len(spacing)
-    inverse_h = 1.0 / spacing[0]
+    dim, inverse_h = len(spacing), 1.0 / spacing[0]
     origin, base = scratch.vector(spacing), scratch.vector(spacing)
     shape, even = scratch.integers(spacing), scratch.integers(spacing)
     w = scratch.matrix(spacing, (0.0, 0.0, 0.0, 0.0))
     s = scratch.matrix(spacing, (0.0, 0.0, 0.0, 0.0))
     for f in range(len(first) - 1):
-        read_window(lower, window_lower, window_shape, f, origin, shape, spacing)
+        read_window(grid, f, origin, shape, spacing)
         for p in range(first[f], first[f + 1]):
             for d in range(dim):
                 compact_weights((position[p, d] - origin[d]) * inverse_h, inverse_h, d, base, w, s)
             if not fits(base, WIDTH, shape, spacing):
                 return p
             for d in range(dim):
-                even[d] = (window_lower[f, d] + int(base[d])) % 2
-            fill_grids(
-                p * 2 ** (dim + 1), base, even, w, s, shape, offset[f], nodes, weight, gradient, spacing
-            )
+                even[d] = (grid.window_lower[f, d] + int(base[d])) % 2
+            fill_grids(p * 2 ** (dim + 1), base, even, w, s, shape, grid.offset[f], table, spacing)
     return -1
 
 

@@ -20,7 +20,7 @@ from mpmfw.api.types import FloatArray, Grid, IntArray, Particles, Setup, Stenci
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.arithmetic import determinant, invert
 from mpmfw.kernels.stencil import CORNERS, FULL, OUTSIDE, fill_domain, read_window
-from mpmfw.kernels.types import Float, Floats, Indices, Ints
+from mpmfw.kernels.types import Float, Floats, Ints, Nodes, Table
 from mpmfw_shape._tables import PackedRows
 
 if TYPE_CHECKING:
@@ -122,21 +122,9 @@ def reach_of_domains(
 
 @kernel
 def fill_cpdi(
-    first: Ints,
-    position: Floats,
-    deformation_gradient: Floats,
-    half_edges: Floats,
-    lower: Floats,
-    window_lower: Ints,
-    window_shape: Ints,
-    offset: Ints,
-    k: int,
-    row: Ints,
-    nodes: Indices,
-    weight: Floats,
-    gradient: Floats,
-    spacing: tuple[float, ...],
-) -> int:
+    first: Ints, position: Floats, deformation_gradient: Floats, half_edges: Floats, grid: Nodes, k: int,
+    end: int, table: Table, spacing: tuple[float, ...],
+) -> int:  # fmt: skip
     """CPDI functions; up to 4**dim entries each, about 5 in 2D and 16 in 3D
     (:func:`mpmfw.kernels.fill_domain`).
 
@@ -145,25 +133,17 @@ def fill_cpdi(
     the domain of the function that interpolates N_i linearly between the corners. Return the first point
     outside its window, −1, or −2 if the table is too short.
     """
-    dim = len(spacing)
-    n_corners = (
-        1 << dim
-    )  # not 2**dim, whose value the compiler finds too late to unroll the loops over corners
+    dim, inverse_h = len(spacing), 1.0 / spacing[0]
+    n_corners = 1 << dim  # of 2**dim the compiler finds the value too late to unroll the loops over corners
     share_of_each = 1.0 / n_corners
-    inverse_h = 1.0 / spacing[0]
-    origin = scratch.vector(spacing)
-    shape = scratch.integers(spacing)
-    r = scratch.matrix(spacing, spacing)
-    inverse = scratch.matrix(spacing, spacing)
-    centre = scratch.vector(spacing)
-    corner = scratch.matrix(CORNERS, spacing)
-    slope = scratch.matrix(CORNERS, spacing)
+    origin, shape, centre = scratch.vector(spacing), scratch.integers(spacing), scratch.vector(spacing)
+    r, inverse = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
+    corner, slope = scratch.matrix(CORNERS, spacing), scratch.matrix(CORNERS, spacing)
     share = scratch.vector(CORNERS)
     for c in range(n_corners):
         share[c] = share_of_each
     for f in range(len(first) - 1):
-        read_window(lower, window_lower, window_shape, f, origin, shape, spacing)
-        start = offset[f]
+        read_window(grid, f, origin, shape, spacing)
         for p in range(first[f], first[f + 1]):
             for d in range(dim):
                 centre[d] = (position[p, d] - origin[d]) * inverse_h
@@ -177,10 +157,10 @@ def fill_cpdi(
                         sign = 1.0 if (c >> e) & 1 else -1.0
                         corner[c, d] += sign * r[d, e] * inverse_h
                         slope[c, d] += sign * share_of_each * inverse[e, d]
-            k = fill_domain(k, corner, share, slope, shape, start, nodes, weight, gradient, spacing)
+            k = fill_domain(k, end, corner, share, slope, shape, grid.offset[f], table, spacing)
             if k < 0:
                 return p if k == OUTSIDE else FULL
-            row[p + 1] = k
+            table.row[p + 1] = k
     return -1
 
 

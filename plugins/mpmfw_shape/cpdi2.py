@@ -11,18 +11,12 @@ from mpmfw.api.types import Field, FloatArray, Grid, Particles, SceneError, Setu
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.stencil import CORNERS as EACH_CORNER
 from mpmfw.kernels.stencil import FULL, OUTSIDE, fill_domain, read_window
-from mpmfw.kernels.types import Float, Floats, Indices, Ints
+from mpmfw.kernels.types import Float, Floats, Ints, Nodes, Table
 from mpmfw_shape._tables import PackedRows
 from mpmfw_shape.cpdi import is_degenerate, make_rectangle
 
 CORNERS = Field(
-    "corners",
-    ("particle", "corner", "axis"),
-    "m",
-    "corners of the domain, counter-clockwise",
-    "particles",
-    "f8",
-    True,
+    "corners", ("particle", "corner", "axis"), "m", "corners of the domain, counter-clockwise", output=True
 )
 
 
@@ -83,18 +77,7 @@ def replace_degenerate(corners: Floats, centre: Floats, start: Floats, spacing: 
 
 @kernel
 def fill_cpdi2(
-    first: Ints,
-    corners: Floats,
-    lower: Floats,
-    window_lower: Ints,
-    window_shape: Ints,
-    offset: Ints,
-    k: int,
-    row: Ints,
-    nodes: Indices,
-    weight: Floats,
-    gradient: Floats,
-    spacing: tuple[float, ...],
+    first: Ints, corners: Floats, grid: Nodes, k: int, end: int, table: Table, spacing: tuple[float, ...]
 ) -> int:
     """φ_i = Σ_c w_c N_i(x_c) and ∇φ_i = Σ_c g_c N_i(x_c); up to 16 entries each.
 
@@ -102,13 +85,11 @@ def fill_cpdi2(
     Return the first point whose corner is outside its window, −1, or −2 if the table is too short.
     """
     inverse_h = 1.0 / spacing[0]
-    origin = scratch.vector(spacing)
-    shape = scratch.integers(spacing)
-    corner = scratch.matrix(EACH_CORNER, spacing)
-    slope = scratch.matrix(EACH_CORNER, spacing)
+    origin, shape = scratch.vector(spacing), scratch.integers(spacing)
+    corner, slope = scratch.matrix(EACH_CORNER, spacing), scratch.matrix(EACH_CORNER, spacing)
     share = scratch.vector(EACH_CORNER)
     for f in range(len(first) - 1):
-        read_window(lower, window_lower, window_shape, f, origin, shape, spacing)
+        read_window(grid, f, origin, shape, spacing)
         for p in range(first[f], first[f + 1]):
             own = corners[p]
             area = area_of(own)
@@ -119,51 +100,39 @@ def fill_cpdi2(
                 share[c] = corner_share(own, c, area)
                 for d in range(len(spacing)):
                     corner[c, d] = (own[c, d] - origin[d]) * inverse_h
-            k = fill_domain(k, corner, share, slope, shape, offset[f], nodes, weight, gradient, spacing)
+            k = fill_domain(k, end, corner, share, slope, shape, grid.offset[f], table, spacing)
             if k < 0:
                 return p if k == OUTSIDE else FULL
-            row[p + 1] = k
+            table.row[p + 1] = k
     return -1
 
 
 @kernel
 def move_corners(
-    first: Ints,
-    lower: Floats,
-    window_lower: Ints,
-    window_shape: Ints,
-    offset: Ints,
-    node_velocity: Floats,
-    corners: Floats,
-    position: Floats,
-    half_edges: Floats,
-    dt: float,
+    first: Ints, grid: Nodes, corners: Floats, position: Floats, half_edges: Floats, dt: float,
     spacing: tuple[float, ...],
-) -> None:
+) -> None:  # fmt: skip
     """x_c += Δt Σ N_i(x_c) v_i, and x_p = Σ_c w_c x_c with the weights of the moved domain; degenerate ones
     are replaced.
 
     Points are set to Σ S_i x_i, since otherwise the affine transfer, which turns about x_p, lets linear
     momentum drift.
     """
-    inverse_h = 1.0 / spacing[0]
-    origin = scratch.vector(spacing)
-    shape = scratch.integers(spacing)
+    inverse_h, velocity = 1.0 / spacing[0], grid.velocity
+    origin, shape = scratch.vector(spacing), scratch.integers(spacing)
     for f in range(len(first) - 1):
-        read_window(lower, window_lower, window_shape, f, origin, shape, spacing)
+        read_window(grid, f, origin, shape, spacing)
         for p in range(first[f], first[f + 1]):
             for c in range(4):
-                x, y = (
-                    (corners[p, c, 0] - origin[0]) * inverse_h,
-                    (corners[p, c, 1] - origin[1]) * inverse_h,
-                )
+                x = (corners[p, c, 0] - origin[0]) * inverse_h
+                y = (corners[p, c, 1] - origin[1]) * inverse_h
                 i, j = math.floor(x), math.floor(y)
                 a, b = x - i, y - j
-                node = offset[f] + int(i) * shape[1] + int(j)
+                node = grid.offset[f] + int(i) * shape[1] + int(j)
+                next_row = node + shape[1]
                 for d in range(len(spacing)):
-                    below = (1.0 - b) * node_velocity[node, d] + b * node_velocity[node + 1, d]
-                    node_above = node + shape[1]
-                    above = (1.0 - b) * node_velocity[node_above, d] + b * node_velocity[node_above + 1, d]
+                    below = (1.0 - b) * velocity[node, d] + b * velocity[node + 1, d]
+                    above = (1.0 - b) * velocity[next_row, d] + b * velocity[next_row + 1, d]
                     corners[p, c, d] += dt * ((1.0 - a) * below + a * above)
             area = area_of(corners[p])
             for d in range(len(spacing)):
@@ -210,16 +179,8 @@ class Cpdi2(PackedRows):
     @hookimpl
     def update_particle_domains(self, particles: Particles, grid: Grid, dt: float) -> None:
         """Corners ride on the grid velocity; the points follow them."""
-        move_corners(
-            particles.first,
-            *grid.windows,
-            grid.velocity,
-            self.corners,
-            particles.position,
-            self.half_edges,
-            dt,
-            grid.spacing,
-        )
+        edges, position = self.half_edges, particles.position
+        move_corners(particles.first, grid, self.corners, position, edges, dt, grid.spacing)
 
     @hookimpl
     def diagnostics(self) -> dict[str, FloatArray]:

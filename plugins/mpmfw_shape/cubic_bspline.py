@@ -12,11 +12,9 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from mpmfw.api.shape import check_inside, empty_stencil
-from mpmfw.api.types import FloatArray, Grid, IntArray, Particles, Stencil, hookimpl
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.stencil import fill_tensor_product, fits, read_window
-from mpmfw.kernels.types import Float, Floats, Indices, Ints
+from mpmfw.kernels.types import Float, Floats, Ints, Nodes, Table
 from mpmfw_shape._tables import AtPoints
 
 #: Splines, hence nodes, along each axis whose support holds a point.
@@ -71,40 +69,26 @@ def fold_at_end(d: int, values: Floats) -> None:
 
 @kernel
 def fill_cubic(
-    position: Floats,
-    first: Ints,
-    lower: Floats,
-    grid_nodes: Ints,
-    window_lower: Ints,
-    window_shape: Ints,
-    offset: Ints,
-    modified: bool,
-    nodes: Indices,
-    weight: Floats,
-    gradient: Floats,
-    spacing: tuple[float, ...],
+    position: Floats, first: Ints, grid: Nodes, table: Table, spacing: tuple[float, ...], modified: bool
 ) -> int:
     """Cubic B-splines at points; 4**dim entries each. Return the first point outside its window, or −1.
 
     Points ``first[f]:first[f + 1]`` belong to velocity field ``f``, whose window has its own first node and
     shape. Where a window ends only because nobody needed more of it, the point is reported and the core lays
     the window anew; where it ends with the grid, the splines are ``modified``, or the point is reported too.
-    A ``gradient`` of length 0 is not written.
+    A gradient of length 0 is not written.
     """
-    dim = len(spacing)
-    inverse_h = 1.0 / spacing[0]
-    origin = scratch.vector(spacing)
-    shape = scratch.integers(spacing)
-    base = scratch.vector(spacing)
+    dim, inverse_h = len(spacing), 1.0 / spacing[0]
+    origin, shape, base = scratch.vector(spacing), scratch.integers(spacing), scratch.vector(spacing)
     w = scratch.matrix(spacing, (0.0, 0.0, 0.0, 0.0))
     s = scratch.matrix(spacing, (0.0, 0.0, 0.0, 0.0))
     for f in range(len(first) - 1):
-        read_window(lower, window_lower, window_shape, f, origin, shape, spacing)
+        read_window(grid, f, origin, shape, spacing)
         for p in range(first[f], first[f + 1]):
             for d in range(dim):
                 xi = (position[p, d] - origin[d]) * inverse_h
-                at_start = modified and window_lower[f, d] == 0
-                at_end = modified and window_lower[f, d] + shape[d] == grid_nodes[d]
+                at_start = modified and grid.window_lower[f, d] == 0
+                at_end = modified and grid.window_lower[f, d] + shape[d] == grid.nodes[d]
                 cell = math.floor(xi)
                 if at_end and xi == shape[d] - 1:  # on the last node: the end of the last cell
                     cell -= 1
@@ -119,9 +103,7 @@ def fill_cubic(
                     base[d] -= 1.0
             if not fits(base, WIDTH, shape, spacing):
                 return p
-            fill_tensor_product(
-                p * WIDTH**dim, WIDTH, base, w, s, shape, offset[f], nodes, weight, gradient, spacing
-            )
+            fill_tensor_product(p * WIDTH**dim, WIDTH, base, w, s, shape, grid.offset[f], table, spacing)
     return -1
 
 
@@ -149,24 +131,7 @@ class CubicBSpline(AtPoints):
     boundary_degree = 3
     functions = (fill_cubic, WIDTH)
 
-    @hookimpl
-    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
-        """φ_i(x_p) and ∇φ_i(x_p)."""
-        return self._fill(particles.position, particles.first, grid, self.table)
-
-    @hookimpl
-    def interpolate_surface(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
-        """φ_i(x_s), the same functions."""
-        if self._surface is None:
-            self._surface = empty_stencil(len(position), WIDTH**grid.dim, grid.dim, gradient=False)
-        return self._fill(position, first, grid, self._surface)
-
-    def _fill(self, position: FloatArray, first: IntArray, grid: Grid, table: Stencil) -> Stencil:
-        window = (grid.lower, grid.nodes, grid.window_lower, grid.window_shape, grid.offset)
-        modified = self.options.grid_end == "modified"
-        check_inside(
-            fill_cubic(
-                position, first, *window, modified, table.nodes, table.weight, table.gradient, grid.spacing
-            )
-        )
-        return table
+    @property
+    def choices(self) -> tuple[bool]:
+        """True where splines are modified at the grid's end."""
+        return (self.options.grid_end == "modified",)

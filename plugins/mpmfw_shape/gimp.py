@@ -9,7 +9,7 @@ import numpy as np
 from mpmfw.api.types import Field, FloatArray, Particles, SceneError, Setup, hookimpl
 from mpmfw.kernels import FULL, device, kernel, scratch
 from mpmfw.kernels.stencil import fits, read_window
-from mpmfw.kernels.types import Float, Floats, Indices, Ints
+from mpmfw.kernels.types import Float, Floats, Ints, Nodes, Table
 from mpmfw_shape._tables import PackedRows
 
 WIDTH = 3
@@ -50,24 +50,17 @@ def gimp_weights(
 
 @device
 def write_row(
-    k: int,
-    base: Floats,
-    weight: Floats,
-    slope: Floats,
-    shape: Ints,
-    offset: int,
-    nodes: Indices,
-    values: Floats,
-    gradients: Floats,
+    k: int, end: int, base: Floats, weight: Floats, slope: Floats, shape: Ints, offset: int, table: Table,
     spacing: tuple[float, ...],
-) -> int:
+) -> int:  # fmt: skip
     """Write the products of the functions that are not zero from entry ``k`` on; return the entry after the
-    last, or ``FULL``.
+    last, or ``FULL`` if that is beyond ``end``.
 
     Along an axis on which the domain does not reach the next cell the third function is zero, and so are all
     products with it: 3 of 9 rows for a domain of half a cell. The nested loops are written out for each
     dimension, as in :func:`mpmfw.kernels.fill_tensor_product`.
     """
+    nodes, values, gradients = table.nodes, table.weight, table.gradient
     dim = len(spacing)
     extent = scratch.integers(spacing)
     node, entries = 0, 1
@@ -75,7 +68,7 @@ def write_row(
         extent[d] = WIDTH if slope[d, 2] > 0.0 else 2
         entries *= extent[d]
         node = node * shape[d] + int(base[d])
-    if k + entries > len(nodes):
+    if k + entries > end:
         return FULL
     node += offset
     entry = np.uint64(k)
@@ -104,42 +97,26 @@ def write_row(
 
 @kernel
 def fill_gimp(
-    first: Ints,
-    position: Floats,
-    half_length: Floats,
-    lower: Floats,
-    window_lower: Ints,
-    window_shape: Ints,
-    offset: Ints,
-    k: int,
-    row: Ints,
-    nodes: Indices,
-    weight: Floats,
-    gradient: Floats,
+    first: Ints, position: Floats, half_length: Floats, grid: Nodes, k: int, end: int, table: Table,
     spacing: tuple[float, ...],
-) -> int:
+) -> int:  # fmt: skip
     """uGIMP functions of square particles, 2**dim to 3**dim entries each. Return the first point outside its
     window, −1, or ``FULL`` if the table is too short."""
-    dim = len(spacing)
-    inverse_h = 1.0 / spacing[0]
-    origin = scratch.vector(spacing)
-    shape = scratch.integers(spacing)
-    base = scratch.vector(spacing)
-    w = scratch.matrix(spacing, (0.0, 0.0, 0.0))
-    s = scratch.matrix(spacing, (0.0, 0.0, 0.0))
+    dim, inverse_h = len(spacing), 1.0 / spacing[0]
+    origin, shape, base = scratch.vector(spacing), scratch.integers(spacing), scratch.vector(spacing)
+    w, s = scratch.matrix(spacing, (0.0, 0.0, 0.0)), scratch.matrix(spacing, (0.0, 0.0, 0.0))
     for f in range(len(first) - 1):
-        read_window(lower, window_lower, window_shape, f, origin, shape, spacing)
-        start = offset[f]
+        read_window(grid, f, origin, shape, spacing)
         for p in range(first[f], first[f + 1]):
             for d in range(dim):
                 xi = (position[p, d] - origin[d]) * inverse_h
                 gimp_weights(xi, half_length[p] * inverse_h, inverse_h, d, base, w, s)
             if not fits(base, WIDTH, shape, spacing):
                 return p
-            k = write_row(k, base, w, s, shape, start, nodes, weight, gradient, spacing)
+            k = write_row(k, end, base, w, s, shape, grid.offset[f], table, spacing)
             if k == FULL:
                 return FULL
-            row[p + 1] = k
+            table.row[p + 1] = k
     return -1
 
 

@@ -22,7 +22,7 @@ class OneBody:
 
     def __init__(self, simulation: Simulation) -> None:
         self.p, self.g = simulation.state.particles, simulation.state.grid
-        self.half_edges, self.phi = simulation.shape.half_edges, simulation.shape.room
+        self.half_edges, self.phi = simulation.shape.half_edges, simulation.shape.table
         body = simulation.state.bodies[0]
         self.bulk, self.shear = body.bulk_modulus, body.shear_modulus
         self.limit = self.g.cell_size / max(body.wave_speed for body in simulation.state.bodies)
@@ -39,11 +39,8 @@ class OneBody:
     def interpolate(self) -> None:
         """φ_ip and ∇φ_ip."""
         p, g, phi = self.p, self.g, self.phi
-        outside = fill_cpdi(
-            p.first, p.position, p.deformation_gradient, self.half_edges, g.lower, g.window_lower,
-            g.window_shape,
-            g.offset, 0, *phi.room, g.spacing,
-        )  # fmt: skip
+        points = (p.first, p.position, p.deformation_gradient, self.half_edges)
+        outside = fill_cpdi(*points, g, 0, phi.room, phi, g.spacing)
         assert outside < 0
 
     def project(self) -> None:
@@ -52,7 +49,7 @@ class OneBody:
         g.mass.fill(0.0)
         g.momentum.fill(0.0)
         g.force.fill(0.0)
-        particle_grid.project_mass_momentum(p, p.affine, phi, g, g.spacing)
+        particle_grid.project(p, p.position, p.affine, phi, g, g.mass, g.spacing)
         particle_grid.velocity_of_momentum(g.mass, g.momentum, g.start_velocity, g.spacing)
 
     def move(self, dt: float) -> None:
@@ -85,10 +82,7 @@ class TwoApart(OneBody):
         """φ_ip, ∇φ_ip and N_i(x_s)."""
         super().interpolate()
         g, s, table = self.g, self.s, self.n_s
-        outside = fill_linear(
-            s.position, s.first, g.lower, g.window_lower, g.window_shape, g.offset, table.nodes, table.weight,
-            table.gradient, g.spacing,
-        )  # fmt: skip
+        outside = fill_linear(s.position, s.first, g, table, g.spacing)
         assert outside < 0
 
     def project(self) -> None:

@@ -142,9 +142,8 @@ def test_a_shape_whose_rows_do_not_ascend() -> None:
             """The rows of ``linear`` from their last entry to the first."""
             table = super().interpolate(particles, grid)
             n = len(table.row) - 1
-            turned = [
-                array.reshape(n, 4, -1)[:, ::-1].reshape(array.shape).copy() for array in table.room[1:]
-            ]
+            arrays = table.kernel_arrays[1:]
+            turned = [array.reshape(n, 4, -1)[:, ::-1].reshape(array.shape).copy() for array in arrays]
             return mpmfw.api.Stencil(table.row, *turned)
 
     check_same(disc(), (2, 3), shape=Backwards)

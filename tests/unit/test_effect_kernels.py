@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from mpmfw.api import Stencil
 from mpmfw.effects.exact_rotation import correct_rotation
 from mpmfw.effects.settling import damp_locally
 from mpmfw.effects.side_rows import SideTable, meet, quadrature, splines
@@ -189,8 +190,11 @@ def test_cpdi2_averages_over_the_quadrilateral_and_follows_the_grid():
     first, zeros, shape = np.array([0, POINTS]), np.zeros((1, 2), dtype=np.int64), np.full((1, 2), n)
     row, nodes = np.zeros(POINTS + 1, dtype=np.int64), np.zeros(16 * POINTS, dtype=np.int32)
     weight, gradient = np.zeros(16 * POINTS), np.zeros((16 * POINTS, 2))
-    where = (first, corners, np.zeros(2), zeros, shape, np.array([0, n * n]))
-    assert fill_cpdi2(*where, 0, row, nodes, weight, gradient, (1.0, 1.0)) == -1
+    velocity = RNG.normal(size=(n * n, 2))
+    offset = np.array([0, n * n])
+    grid = struct(lower=np.zeros(2), window_lower=zeros, window_shape=shape, offset=offset, velocity=velocity)
+    table = Stencil(row, nodes, weight, gradient)
+    assert fill_cpdi2(first, corners, grid, 0, len(nodes), table, (1.0, 1.0)) == -1
     x = np.stack(np.meshgrid(np.arange(n), np.arange(n), indexing="ij"), -1).reshape(-1, 2)
     hat = np.prod(np.maximum(1 - np.abs(corners[:, :, None] - x), 0.0), axis=-1)  # (points, corners, nodes)
     for p in range(POINTS):
@@ -201,14 +205,13 @@ def test_cpdi2_averages_over_the_quadrilateral_and_follows_the_grid():
         np.add.at(slope, nodes[own], gradient[own])
         np.testing.assert_allclose(phi, w @ hat[p], atol=2e-4)
         np.testing.assert_allclose(slope, np.einsum("cd,cn->nd", g, hat[p]), atol=2e-4)
-    velocity = RNG.normal(size=(n * n, 2))
     moved, position = corners.copy(), np.empty((POINTS, 2))
     along, across = (
         (corners[:, [1, 2]] - corners[:, [0, 3]]).sum(1),
         (corners[:, [2, 3]] - corners[:, [1, 0]]).sum(1),
     )
     half_edges = 0.25 * np.stack([along, across], axis=2)
-    move_corners(where[0], *where[2:], velocity, moved, position, half_edges, 0.05, (1.0, 1.0))
+    move_corners(first, grid, moved, position, half_edges, 0.05, (1.0, 1.0))
     np.testing.assert_allclose(moved, corners + 0.05 * hat @ velocity, rtol=1e-12, atol=1e-13)
     centroids = np.array([integrals(c)[0] @ c for c in moved])
     np.testing.assert_allclose(position, centroids, atol=2e-4)

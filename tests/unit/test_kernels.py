@@ -64,9 +64,9 @@ def test_projection_adds_mass_and_momentum(problem, with_affine):
     x, t, p, g = problem, problem.table, problem.points, problem.grid
     affine = x.affine if with_affine else None
     g.mass = np.ones(N_NODES)
-    particle_grid.project_mass_momentum(p, affine, t, g, x.spacing)
+    particle_grid.project(p, p.position, affine, t, g, g.mass, x.spacing)
     momentum, g.momentum = g.momentum, np.ones_like(g.momentum)
-    particle_grid.project_momentum(p, p.position, affine, t, g, x.spacing)
+    particle_grid.project(p, p.position, affine, t, g, None, x.spacing)
     close(g.mass, 1.0 + twin.scatter(t, t.weight * p.mass[twin.owner(t)], N_NODES))
     close(momentum, 1.0 + twin.projected_momentum(t, p.mass, p.velocity, p.position, affine, g.position))
     close(g.momentum, momentum)

@@ -24,70 +24,41 @@ argument                    shape [unit]             meaning
 =========================== ======================== =========================================================
 ``points``                                           material points, an ``mpmfw.api.Particles``
 ``table``                                            their interpolation table, an ``mpmfw.api.Stencil``
-``grid``                                             nodes of all velocity fields, an ``mpmfw.api.Grid``
-``thickness``               (n,) [m]                 of the points, or None
-``flip``                    [1]                      from 0 (PIC) to 1 (FLIP)
-``least_squares``                                    whether the affine field is B_p D_p⁻¹, else B_p
-``row``                     (n + 1,)                 entries of point p are ``row[p]:row[p + 1]``
-``nodes``                   (m,) int32               flat index of the entry's node, the offset of its field
-                                                     included
-``weight``, ``values``      (m,)                     φ_ip; in ``linear_weights`` (dim, 2), w_d of the two
-                                                     nodes
-``gradient``, ``gradients`` (m, dim) [1/m]           ∇φ_ip; of length 0 where it is not wanted
+``grid``                                             nodes and windows of all fields, an ``mpmfw.api.Grid``
 ``spacing``                 dim numbers [m]          the cell size h, once for each dimension
 ``dt``                      [s]                      length of the step
-``h``, ``inverse_h``        [m], [1/m]               cell size, and its inverse
-``own_nodes``               2 integers               first node that is added to, and the one after the last;
-                                                     None for all.
-                                                     With them, the nodes of a row must ascend
+``inverse_h``               [1/m]                    inverse of the cell size
+``own_nodes``               2 integers               nodes to add to, first and one past the last;
+                                                     None for all. With them, the nodes of a row must ascend
 ``p``, ``k``                                         index of a point, of an entry in the table
-``mass``                    (n,) or (N,) [kg/m]      m_p; in kernels on nodes alone m_i
-``velocity``                (n, dim) or (N, dim)     v_p [m/s]; in kernels on nodes alone v_i
+``first``                   (F + 1,) or (B + 1,)     points of a field, or body: ``first[f]:first[f + 1]``
+``mass``, ``node_mass``     (N,) [kg/m]              m_i
+``velocity``                (N, dim) [m/s]           v_i
 ``momentum``                (N, dim) [kg/s]          (m v)_i
-``force``                   (N, dim) [N/m]           f_i
-``acceleration``            (dim,) [m/s^2]           body force per mass b
+``force``, ``node_force``   (N, dim) [N/m]           f_i
 ``position``                (n, dim) [m]             x_p; in the geometry surface nodes x_s
 ``affine``                  (n, dim, dim) [1/s]      C_p, or None
 ``moment``                  (n, dim, dim) [m^2/s]    B_p
-``deformation_gradient``    (n, dim, dim)            F_p
-``volume``                  (n,) [m^dim]             V_p
-``stress``                  (n, dim, dim) [Pa]       σ_p, Cauchy, tension positive
-``node_mass``               (N,) [kg/m]              m_i
-``node_momentum``           (N, dim) [kg/s]          (m v)_i
-``node_force``              (N, dim) [N/m]           f_i
-``lower``                   (dim,) [m]               first node of the background grid; of boxes (B, dim)
-``upper``                   (B, dim) [m]               upper corners of boxes
-``window_lower``            (F, dim) int64           background index of the first node of a field's window
-``window_shape``            (F, dim) int64           number of nodes of a field's window
-``offset``                  (F + 1,) int64           flat index of the first node of a field's window
-``origin``                  (dim,) [m]               position of the first node of one window
-``shape``                   (dim,) int64             number of nodes of one window
-``base``                    (dim,)                   index of the first node that a point touches, within its
-                                                     window
-``slope``                   (dim, width) [1/m]       derivatives of the weights; in ``fill_domain`` (2**dim,
-                                                     dim), of corners
-``share``                   (2**dim,) or (dim,)      weights of the corners of a particle's domain;
-                                                     barycentric coordinates
-``corner``                  (2**dim, dim)            the corners in cells, counted from the window's first
-                                                     node
-``x``, ``y``                [m]                      a point, (dim,); in ``segment_coordinate`` its
-                                                     coordinates; along one axis
-``x1``, ``y1``              [m]                      first end of a segment
-``x2``, ``y2``              [m]                      second end of a segment
+``thickness``               (n,) [m]                 of the points, or None
+``lower``, ``upper``        (B, dim) [m]             corners of boxes
+``origin``, ``shape``       (dim,) [m], (dim,)       first node of a window, and its number of nodes
+``offset``                                           flat index of the first node of a window
+``base``                    (dim,)                   first node that a point touches, within its window
+``weight``, ``slope``       (dim, width) [1], [1/m]  functions along each axis, and their derivatives
+``share``                   (2**dim,) or (dim,)      weights of a domain's corners; barycentric coordinates
+``corner``                  (2**dim, dim)            a domain's corners [cells], from the window's first node
+``x``                       (dim,) [m]               a point
 ``surface``                                          facets (``mpmfw.kernels.Facets``)
 ``m``, ``s``                                         index of a facet, of a surface node
-``facets``                  (n, dim) int64           surface nodes at the corners of every facet
 ``corners``                 (dim, dim) [m]           corners of a facet, one a row
 ``normal``                  (dim,)                   e_n
 ``rows``, ``old``                                    rows of contact (``mpmfw.kernels.contact.Rows``), of this
                                                      and the last step
 ``count``, ``old_count``                             number of rows in ``rows`` and ``old``
-``o``, ``c``                                         a row of the last step, a row of this step
-``vector``                  (n, dim)                 of rows of the last step
+``c``, ``o``                                         a row of this step, a row of the last step
 ``stiffness``, ``scale``    (n,) [N/m^2], [1]        of a row; a factor
 ``records``                                          sums of every pair (``mpmfw.kernels.contact.Records``)
 ``node_sum``, ``out``                                scratch (N,); where the result is written
-``first``, ``second``       (pair,) int64            bodies of every pair
 ``pair_of``, ``a``, ``b``                            table of ``mpmfw.kernels.contact.pair_table``, two
                                                      bodies
 =========================== ======================== =========================================================
@@ -104,14 +75,12 @@ from mpmfw.kernels.particle_grid import (
     add_internal_force,
     affine_from_moment,
     integrate_momentum,
-    project_mass_momentum,
-    project_momentum,
+    project,
     velocity_of_momentum,
 )
 from mpmfw.kernels.stencil import (
     FULL,
     OUTSIDE,
-    cell_coordinate,
     entries,
     fill_domain,
     fill_linear,
@@ -137,7 +106,6 @@ __all__ = [
     "add_scaled_row",
     "affine_from_moment",
     "bounding_boxes",
-    "cell_coordinate",
     "closest_point",
     "determinant",
     "device",
@@ -151,8 +119,7 @@ __all__ = [
     "kernel",
     "linear_weights",
     "minimum_gap",
-    "project_mass_momentum",
-    "project_momentum",
+    "project",
     "read_window",
     "scratch",
     "segment_coordinate",

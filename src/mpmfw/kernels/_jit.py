@@ -59,12 +59,9 @@ def _hash_of(source: Path) -> str:
 
 
 def _own_sources(module: str) -> Path | None:
-    """Folder of the sources that ``module`` may build its kernels of, or its lone file; None where it has no
-    file.
+    """Folder of the sources that ``module`` may build its kernels of, or its lone file; None without one.
 
-    That is the plug-in's whole package, and within ``mpmfw`` the module's own folder: an edit elsewhere in
-    the core cannot reach a kernel.
-    """
+    It is the plug-in's whole package, and within ``mpmfw`` the module's own folder."""
     top = module.partition(".")[0]
     file = getattr(sys.modules.get(module if top == "mpmfw" else top), "__file__", None)
     if file is None or not Path(file).is_file():
@@ -105,12 +102,11 @@ def _usable(root: Path) -> bool:
         return False
     if os.name == "nt" or (folder.st_uid == os.getuid() and not folder.st_mode & 0o002):
         return True
-    text = (
+    warnings.warn(
         f"kernels are compiled again in each process: {root} belongs to another user, or anybody may write "
-        "to it; "
-        "make it yours alone, or set NUMBA_CACHE_DIR to a folder that is"
+        "to it; make it yours alone, or set NUMBA_CACHE_DIR to a folder that is",
+        stacklevel=2,
     )
-    warnings.warn(text, stacklevel=2)
     return False
 
 
@@ -149,14 +145,12 @@ class _KernelFiles(_CacheFile):  # type: ignore[misc]
         return pickled + hashlib.sha256(pickled).digest()  # what reads a pickle stops at its end
 
     def _load_index(self) -> Any:
-        return (
-            super()._load_index() if self._is_whole(self._index_path, pickle.dumps(self._version, -1)) else {}
-        )
+        whole = self._is_whole(self._index_path, pickle.dumps(self._version, -1))
+        return super()._load_index() if whole else {}
 
     def _load_data(self, name: str) -> Any:
-        path = self._data_path(name)
-        if not self._is_whole(path):
-            raise OSError(f"{path} is damaged")  # numba compiles the kernel then
+        if not self._is_whole(self._data_path(name)):
+            raise OSError(f"{name} is damaged")  # numba compiles the kernel then
         return super()._load_data(name)
 
     def save(self, key: Any, content: Any) -> None:
@@ -206,9 +200,7 @@ def device(function: Callable[Params, Result]) -> Callable[Params, Result]:
 def _leave_python_out(compiled: Any) -> None:
     """Let a call from Python compile the device once more, for Python.
 
-    What Python calls unpacks every array of every struct, which takes a quarter of the time of compilation. A
-    device is compiled without that, so that numba must not hand its code to Python; the few that are called
-    from there have a twin with it."""
+    To unpack every array of every struct for Python takes a quarter of the time of compilation."""
 
     @functools.cache
     def twin() -> Any:
@@ -219,9 +211,7 @@ def _leave_python_out(compiled: Any) -> None:
 
 
 def _take_integers_alike(compiled: Any) -> None:
-    """Compile once for all integers: numba would do it again for each number that a caller writes out and for
-    short ones.
-    """
+    """Compile once for all integers, not again for each literal number and for short ones."""
     template_for = compiled.get_call_template
 
     def widened(kind: Any) -> Any:

@@ -43,34 +43,26 @@ _struct_types: dict[tuple[Any, ...], StructType] = {}
 class Struct:
     """Base of classes whose annotated attributes are arrays that kernels take in one argument.
 
-    A subclass annotates them, or names those that kernels see in ``member_names`` and is made in its own way.
-    Arrays are read and written in place; :meth:`set` replaces some.
-
-    Parameters
-    ----------
-    members
-        Array of every annotated attribute, by name.
+    A subclass annotates them, or names in ``member_names`` those that kernels see; classes derived from it
+    may add what Python alone sees. Arrays are read and written in place; :meth:`set` replaces some.
+    ``members`` are the arrays by name.
     """
 
     #: Names of the annotated attributes, in their order.
     member_names: ClassVar[tuple[str, ...]] = ()
     _numba_type_: StructType
     kernel_arrays: tuple[Any, ...]  #: in the order of ``member_names``
-    __signature__: ClassVar[inspect.Signature]
 
     def __init_subclass__(cls, **keywords: Any) -> None:
         super().__init_subclass__(**keywords)
-        if "member_names" in vars(cls):
-            return
-        if not cls.member_names:  # classes farther down add what Python alone sees
+        if not cls.member_names:
             cls.member_names = tuple(inspect.get_annotations(cls))
-        cls.__signature__ = _signature_of(cls)
 
     def __init__(self, **members: Any) -> None:
         self.set(**members)
 
     def set(self, **members: Any) -> Self:
-        """Put other arrays in the place of some; the object. ``members`` are the arrays by name."""
+        """Replace arrays by those in ``members``; return the object."""
         self.__dict__.update(members)
         arrays = [getattr(self, name) for name in self.member_names]
         sizes = [number for array in arrays for number in (array.ctypes.data, *array.shape, *array.strides)]
@@ -82,9 +74,8 @@ class Struct:
         return self
 
     def __setattr__(self, name: str, value: Any) -> None:
-        """As any attribute; compiled code sees a member's new array. One that was changed in place, by
-        ``+=``, is not new."""
-        new = name in self.member_names and value is not self.__dict__.get(name)
+        """As any attribute; compiled code sees a member's new array."""
+        new = name in self.member_names and value is not self.__dict__.get(name)  # after += it is the same
         super().__setattr__(name, value)
         if new and hasattr(self, "kernel_arrays"):  # not while the object is being made
             self.set()
@@ -95,7 +86,7 @@ class Struct:
         return {name: value for name, value in self.__dict__.items() if name not in own}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """With addresses of its own."""
+        """With addresses of the copy."""
         self.__dict__.update(state)
         self.set()
 
@@ -104,31 +95,21 @@ class Struct:
         def __getattr__(self, name: str) -> Any: ...
 
     def members(self) -> dict[str, Any]:
-        """What kernels see, by name."""
+        """Return the arrays that kernels see, by name."""
         return dict(zip(self.member_names, self.kernel_arrays, strict=True))
 
 
 def _struct_type(names: tuple[str, ...], arrays: list[Any]) -> StructType:
     """The type of a struct; numba takes 40 µs a member to work it out, so that it is kept."""
-    looks = [
-        (type(a), a.dtype, a.ndim, a.flags.c_contiguous, a.flags.f_contiguous, a.flags.writeable)
-        for a in arrays
-    ]
-    key = (names, *looks)
+    key = (names, *[(type(a), a.dtype, a.ndim, a.flags.num) for a in arrays])
     if key not in _struct_types:
         _struct_types[key] = StructType(tuple(zip(names, map(_typeof, arrays), strict=True)))
     return _struct_types[key]
 
 
 def struct(**members: Any) -> Struct:
-    """A struct of arrays whose names are known at run time alone.
-
-    Parameters
-    ----------
-    members
-        The arrays by name.
-    """
-    kind: type[Struct] = type("Members", (Struct,), {"__annotations__": dict.fromkeys(members, Any)})
+    """Return a struct of arrays by names that are known at run time alone."""
+    kind: type[Struct] = type("Members", (Struct,), {"member_names": tuple(members)})
     return kind(**members)
 
 
@@ -140,7 +121,7 @@ class _Model(_StructModel):  # type: ignore[misc]
         super().__init__(manager, kind, list(kind.members))
 
     def traverse(self, builder: Any) -> list[Any]:  # noqa: ARG002
-        """What counts references: nothing, or each call of a device would count those of every member."""
+        """Count no references, or each call of a device would count those of every member."""
         return []
 
 
@@ -162,12 +143,6 @@ def _member(context: Any, builder: Any, kind: StructType, value: Any, name: str)
     array = _arrayobj.make_array(dict(kind.members)[name])(context, builder, value=getattr(members, name))
     array.meminfo = _cgutils.get_null_value(array.meminfo.type)
     return array._getvalue()
-
-
-def _size(context: Any, kind: Any) -> int:
-    """Bytes of a number of this type."""
-    size: int = context.get_abi_sizeof(context.get_data_type(kind))
-    return size
 
 
 @_extending.unbox(StructType)  # type: ignore[untyped-decorator]
@@ -192,27 +167,10 @@ def _unbox(kind: StructType, value: Any, c: Any) -> Any:
             data=builder.inttoptr(number(), array.data.type),
             shape=[number() for _ in range(member_type.ndim)],
             strides=[number() for _ in range(member_type.ndim)],
-            itemsize=c.context.get_constant(types.intp, _size(c.context, member_type.dtype)),
+            itemsize=c.context.get_constant(
+                types.intp, c.context.get_abi_sizeof(c.context.get_data_type(member_type.dtype))
+            ),
             meminfo=None,
         )
         setattr(members, name, array._getvalue())
     return _extending.NativeValue(members._getvalue())
-
-
-def _signature_of(kind: type[Struct]) -> inspect.Signature:
-    """Members as what the class is made of, where ``help()`` shows them: they are no attributes of the
-    class."""
-    if kind.__init__ is not Struct.__init__:
-        _, *others = inspect.signature(kind.__init__).parameters.values()
-        return inspect.Signature(others)
-    said = {
-        name: text
-        for base in reversed(kind.__mro__)
-        for name, text in vars(base).get("__annotations__", {}).items()
-    }
-    return inspect.Signature(
-        [
-            inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, annotation=said[name])
-            for name in kind.member_names
-        ]
-    )

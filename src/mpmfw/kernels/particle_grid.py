@@ -28,44 +28,17 @@ def _velocity_at_origin(
 
 
 @kernel
-def project_mass_momentum(
-    points: Points, affine: Floats | None, table: Table, grid: Nodes, spacing: tuple[float, ...],
-    own_nodes: NodeRange | None = None,
-) -> None:  # fmt: skip
-    """m_i += Σ_p φ_ip m_p and (m v)_i += Σ_p φ_ip m_p (v_p + C_p (x_i − x_p)); C_p is left out where
-    ``affine`` is None."""
-    dim = len(spacing)
-    v = scratch.matrix((0.0,), spacing)
-    v_i = scratch.matrix((0.0,), spacing)
-    columns = scratch.matrix(spacing, spacing)
-    for p in range(len(points.mass)):
-        if own_nodes is not None and is_apart(table.row, table.nodes, p, own_nodes):
-            continue
-        m = points.mass[p]
-        _velocity_at_origin(points, points.position, affine, p, v, columns, spacing)
-        for k in own_entries(table.row, table.nodes, p, own_nodes):
-            i = table.nodes[k]
-            phi_m = table.weight[k] * m
-            set_scaled_row(v_i, 0, 1.0, v, 0, spacing)
-            if affine is not None:
-                for e in range(dim):
-                    add_scaled_row(v_i, 0, grid.position[i, e], columns, e, spacing)
-            grid.mass[i] += phi_m
-            add_scaled_row(grid.momentum, i, phi_m, v_i, 0, spacing)
-
-
-@kernel
-def project_momentum(
-    points: Points, position: Floats, affine: Floats | None, table: Table, grid: Nodes,
+def project(
+    points: Points, position: Floats, affine: Floats | None, table: Table, grid: Nodes, mass: Floats | None,
     spacing: tuple[float, ...], own_nodes: NodeRange | None = None,
 ) -> None:  # fmt: skip
-    """(m v)_i += Σ_p φ_ip m_p (v_p + C_p (x_i − x_p)) alone: the second projection of MUSL.
+    """(m v)_i += Σ_p φ_ip m_p (v_p + C_p (x_i − x_p)) and m_i += Σ_p φ_ip m_p.
 
-    ``position`` (n, dim) [m] is that of the points which the table belongs to.
+    ``affine`` is C_p, ``mass`` m_i; either is left out where it is None. ``position`` (n, dim) [m] is that of
+    the points which the table belongs to.
     """
     dim = len(spacing)
-    v = scratch.matrix((0.0,), spacing)
-    v_i = scratch.matrix((0.0,), spacing)
+    v, v_i = scratch.matrix((0.0,), spacing), scratch.matrix((0.0,), spacing)
     columns = scratch.matrix(spacing, spacing)
     for p in range(len(points.mass)):
         if own_nodes is not None and is_apart(table.row, table.nodes, p, own_nodes):
@@ -74,11 +47,14 @@ def project_momentum(
         _velocity_at_origin(points, position, affine, p, v, columns, spacing)
         for k in own_entries(table.row, table.nodes, p, own_nodes):
             i = table.nodes[k]
+            phi_m = table.weight[k] * m
             set_scaled_row(v_i, 0, 1.0, v, 0, spacing)
             if affine is not None:
                 for e in range(dim):
                     add_scaled_row(v_i, 0, grid.position[i, e], columns, e, spacing)
-            add_scaled_row(grid.momentum, i, table.weight[k] * m, v_i, 0, spacing)
+            if mass is not None:
+                mass[i] += phi_m
+            add_scaled_row(grid.momentum, i, phi_m, v_i, 0, spacing)
 
 
 @kernel
@@ -88,8 +64,7 @@ def add_internal_force(
 ) -> None:  # fmt: skip
     """f_i −= Σ_p V_p σ_p · ∇φ_ip, with V_p times ``thickness`` (n,) [m] unless that is None."""
     dim = len(spacing)
-    columns = scratch.matrix(spacing, spacing)
-    force = scratch.matrix((0.0,), spacing)
+    columns, force = scratch.matrix(spacing, spacing), scratch.matrix((0.0,), spacing)
     for p in range(len(points.volume)):
         if own_nodes is not None and is_apart(table.row, table.nodes, p, own_nodes):
             continue
@@ -117,10 +92,8 @@ def affine_from_moment(
     ``position`` (n, dim) [m] is that of the points which the table belongs to.
     """
     dim = len(spacing)
-    x = scratch.vector(spacing)
-    q = scratch.matrix((0.0,), spacing)
-    spread = scratch.matrix(spacing, spacing)
-    inverse = scratch.matrix(spacing, spacing)
+    x, q = scratch.vector(spacing), scratch.matrix((0.0,), spacing)
+    spread, inverse = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
     tiny = 1e-10 * spacing[0] * spacing[0]
     for p in range(len(points.mass)):
         for d in range(dim):
@@ -179,34 +152,24 @@ def gather(
     points: Points, affine: Floats | None, table: Table, grid: Nodes, least_squares: bool, flip: float,
     dt: float, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
-    """Velocity, position, velocity gradient and affine field of every material point, in one pass over the
-    table.
+    """Velocity, position, velocity gradient and affine field of every material point.
 
     v_p ← flip (v_p + Σ φ (v_i − v_i⁰)) + (1 − flip) Σ φ v_i,  x_p ← x_p + Δt Σ φ v_i,  L_p = Σ v_i ∇φᵀ. v_i⁰
     is the velocity as projected, so that forces, contact, inertia correction and boundary conditions all
     reach v_p. With q = x_i − x_p at the old position, B_p = Σ φ v_i qᵀ and D_p = Σ φ q qᵀ, the affine field
     becomes B_p D_p⁻¹ if ``least_squares``, else B_p; it is left out where ``affine`` is None.
-
-    ``flip`` is a number from 0 (PIC) to 1 (FLIP); the grid's ``start_velocity`` is read even where it is 0.
     """
     dim = len(spacing)
-    x = scratch.vector(spacing)
-    v = scratch.matrix((0.0,), spacing)
-    q = scratch.matrix((0.0,), spacing)
-    new = scratch.matrix((0.0,), spacing)
-    start = scratch.matrix((0.0,), spacing)
-    l = scratch.matrix(spacing, spacing)
-    moment = scratch.matrix(spacing, spacing)
-    spread = scratch.matrix(spacing, spacing)
+    x, l = scratch.vector(spacing), scratch.matrix(spacing, spacing)
+    v, q = scratch.matrix((0.0,), spacing), scratch.matrix((0.0,), spacing)
+    new, start = scratch.matrix((0.0,), spacing), scratch.matrix((0.0,), spacing)
+    moment, spread = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
     for p in range(len(points.mass)):
         for d in range(dim):
             x[d] = points.position[p, d]
-            new[0, d] = 0.0
-            start[0, d] = 0.0
+            new[0, d] = start[0, d] = 0.0
             for e in range(dim):
-                l[d, e] = 0.0
-                moment[d, e] = 0.0
-                spread[d, e] = 0.0
+                l[d, e] = moment[d, e] = spread[d, e] = 0.0
         for k in entries(table.row, p):
             i = table.nodes[k]
             phi = table.weight[k]
@@ -252,8 +215,7 @@ def _store_affine(
 
 @kernel
 def gather_velocity_gradient(points: Points, table: Table, grid: Nodes, spacing: tuple[float, ...]) -> None:
-    """L_p = Σ_i v_i ∇φ_ipᵀ [1/s] alone, of the grid's ``velocity``: that which MUSL and USF take the strain
-    from."""
+    """L_p = Σ_i v_i ∇φ_ipᵀ [1/s] alone, of the grid's ``velocity``: MUSL and USF take the strain from it."""
     dim = len(spacing)
     l = scratch.matrix(spacing, spacing)
     for p in range(len(points.mass)):
@@ -280,16 +242,13 @@ def _add_identity_scaled(a: Floats, factor: float, out: Floats, spacing: tuple[f
 
 @kernel
 def transport_affine(points: Points, affine: Floats, dt: float, spacing: tuple[float, ...]) -> None:
-    """C ← C (1 + Δt C)⁻¹ of every point: the gradient of the same material velocity field after the points
-    moved.
+    """C ← C (1 + Δt C)⁻¹ of every point.
 
     A field v(x) = C x carried along x ← (1 + Δt C) x has, at the new positions, the gradient C (1 + Δt C)⁻¹.
     Without it a spinning disc loses angular momentum at second order in Δt every step.
     """
-    dim = len(spacing)
-    c = scratch.matrix(spacing, spacing)
-    motion = scratch.matrix(spacing, spacing)
-    inverse = scratch.matrix(spacing, spacing)
+    dim, c = len(spacing), scratch.matrix(spacing, spacing)
+    motion, inverse = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
     for p in range(len(points.mass)):
         for d in range(dim):
             for e in range(dim):
@@ -306,13 +265,12 @@ def transport_affine(points: Points, affine: Floats, dt: float, spacing: tuple[f
 
 @kernel
 def update_deformation(points: Points, dt: float, spacing: tuple[float, ...]) -> int:
-    """F ← (1 + Δt L) F and V = det(F) V⁰; return the first point whose det F is not positive (NaN included),
-    or −1.
-    All points are written, whichever fails."""
-    dim = len(spacing)
-    f = scratch.matrix(spacing, spacing)
-    motion = scratch.matrix(spacing, spacing)
-    l = scratch.matrix(spacing, spacing)
+    """F ← (1 + Δt L) F and V = det(F) V⁰ of all points.
+
+    Return the first one whose det F is not positive (NaN included), or −1.
+    """
+    dim, f = len(spacing), scratch.matrix(spacing, spacing)
+    motion, l = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
     bad = -1
     for p in range(len(points.volume)):
         for d in range(dim):

@@ -10,7 +10,7 @@ import numpy as np
 from mpmfw.kernels import scratch
 from mpmfw.kernels._jit import device, kernel
 from mpmfw.kernels.arithmetic import add_scaled_row, set_scaled_row
-from mpmfw.kernels.types import Float, Floats, Indices, Ints
+from mpmfw.kernels.types import Float, Floats, Indices, Ints, Nodes, Table
 
 #: First node of a part of the nodes, and the one after its last.
 NodeRange: TypeAlias = tuple[int, int]
@@ -45,52 +45,28 @@ def own_entries(row: Ints, nodes: Indices, p: int, own_nodes: NodeRange | None) 
 
 
 @device
-def read_window(
-    lower: Floats,
-    window_lower: Ints,
-    window_shape: Ints,
-    f: int,
-    origin: Floats,
-    shape: Ints,
-    spacing: tuple[float, ...],
-) -> None:
-    """Position of the first node of velocity field ``f``'s window [m] and its number of nodes, kept on the
-    stack.
+def read_window(grid: Nodes, f: int, origin: Floats, shape: Ints, spacing: tuple[float, ...]) -> None:
+    """Position of the first node of velocity field ``f``'s window [m] and its number of nodes.
 
-    There the compiler knows that writing to the table does not change them.
+    On the stack the compiler knows that writing to the table does not change them.
     """
     for d in range(len(spacing)):
-        origin[d] = lower[d] + window_lower[f, d] * spacing[d]
-        shape[d] = window_shape[f, d]
-
-
-@device
-def cell_coordinate(x: Float, lower: Float, window_lower: Float, h: Float) -> Float:
-    """Position in cells, counted from the first node of the velocity field's window."""
-    return (x - lower) / h - window_lower
+        origin[d] = grid.lower[d] + grid.window_lower[f, d] * spacing[d]
+        shape[d] = grid.window_shape[f, d]
 
 
 @device
 def fill_tensor_product(
-    k: int,
-    width: int,
-    base: Floats,
-    weight: Floats,
-    slope: Floats,
-    shape: Ints,
-    offset: int,
-    nodes: Indices,
-    values: Floats,
-    gradients: Floats,
+    k: int, width: int, base: Floats, weight: Floats, slope: Floats, shape: Ints, offset: int, table: Table,
     spacing: tuple[float, ...],
-) -> None:
+) -> None:  # fmt: skip
     """Write the ``width**dim`` entries of one point from ``k`` on.
 
     N = Π_d w_d and ∂N/∂x_e = w'_e Π_{d≠e} w_d, where ``weight[d, a]`` is w_d of node ``base[d] + a`` and
-    ``slope`` its derivative [1/m]. ``gradients`` of length 0 are not written. ``shape`` is the window's
-    number of nodes. The nested loops are written out for each dimension: this is the one place where that is
-    three times as fast as counting digits.
+    ``slope`` its derivative [1/m]. A gradient of length 0 is not written. ``shape`` is the window's number of
+    nodes. Nested loops for each dimension are three times as fast as counting digits.
     """
+    nodes, values, gradients = table.nodes, table.weight, table.gradient
     node = 0
     for d in range(len(spacing)):
         node = node * shape[d] + int(base[d])
@@ -110,11 +86,8 @@ def fill_tensor_product(
     else:
         for a in range(width):
             for b in range(width):
-                n_ab, along_a, along_b = (
-                    weight[0, a] * weight[1, b],
-                    slope[0, a] * weight[1, b],
-                    weight[0, a] * slope[1, b],
-                )
+                n_ab = weight[0, a] * weight[1, b]
+                along_a, along_b = slope[0, a] * weight[1, b], weight[0, a] * slope[1, b]
                 for c in range(width):
                     entry = np.uint64(k + (a * width + b) * width + c)
                     nodes[entry] = node + (a * shape[1] + b) * shape[2] + c
@@ -155,44 +128,23 @@ def fits(base: Floats, width: int, shape: Ints, spacing: tuple[float, ...]) -> b
 
 
 @kernel
-def fill_linear(
-    position: Floats,
-    first: Ints,
-    lower: Floats,
-    window_lower: Ints,
-    window_shape: Ints,
-    offset: Ints,
-    nodes: Indices,
-    weight: Floats,
-    gradient: Floats,
-    spacing: tuple[float, ...],
-) -> int:
+def fill_linear(position: Floats, first: Ints, grid: Nodes, table: Table, spacing: tuple[float, ...]) -> int:
     """Linear shape functions at points; 2**dim entries each. Return the first point outside its window, or
     −1.
 
-    Points ``first[f]:first[f + 1]`` belong to velocity field ``f``. A ``gradient`` of length 0 is not
-    written.
+    Points ``first[f]:first[f + 1]`` belong to velocity field ``f``. A gradient of length 0 is not written.
     """
-    dim = len(spacing)
-    width = 2
-    inverse_h = 1.0 / spacing[0]
-    origin = scratch.vector(spacing)
-    shape = scratch.integers(spacing)
-    base = scratch.vector(spacing)
-    w = scratch.matrix(spacing, (0.0, 0.0))
-    s = scratch.matrix(spacing, (0.0, 0.0))
+    dim, width, inverse_h = len(spacing), 2, 1.0 / spacing[0]
+    origin, shape, base = scratch.vector(spacing), scratch.integers(spacing), scratch.vector(spacing)
+    w, s = scratch.matrix(spacing, (0.0, 0.0)), scratch.matrix(spacing, (0.0, 0.0))
     for f in range(len(first) - 1):
-        read_window(lower, window_lower, window_shape, f, origin, shape, spacing)
-        start = offset[f]
+        read_window(grid, f, origin, shape, spacing)
         for p in range(first[f], first[f + 1]):
             for d in range(dim):
-                xi = (position[p, d] - origin[d]) * inverse_h
-                linear_weights(xi, inverse_h, d, base, w, s)
+                linear_weights((position[p, d] - origin[d]) * inverse_h, inverse_h, d, base, w, s)
             if not fits(base, width, shape, spacing):
                 return p
-            fill_tensor_product(
-                p * width**dim, width, base, w, s, shape, start, nodes, weight, gradient, spacing
-            )
+            fill_tensor_product(p * width**dim, width, base, w, s, shape, grid.offset[f], table, spacing)
     return -1
 
 
@@ -205,17 +157,9 @@ OUTSIDE, FULL = -1, -2
 
 @device
 def fill_domain(
-    k: int,
-    corner: Floats,
-    share: Floats,
-    slope: Floats,
-    shape: Ints,
-    offset: int,
-    nodes: Indices,
-    values: Floats,
-    gradients: Floats,
+    k: int, end: int, corner: Floats, share: Floats, slope: Floats, shape: Ints, offset: int, table: Table,
     spacing: tuple[float, ...],
-) -> int:
+) -> int:  # fmt: skip
     """Write φ_i = Σ_c share_c N_i(x_c) and ∇φ_i = Σ_c slope_c N_i(x_c) from entry ``k`` on; return the entry
     after the last.
 
@@ -223,7 +167,7 @@ def fill_domain(
     holds all that the corners touch: neighbouring corners share most of their nodes, and a row of 4**dim
     entries would be 3 times (2D) or 4 times (3D) as long. ``corner`` (2**dim, dim) is counted from the
     window's first node, ``share`` (2**dim,), ``slope`` (2**dim, dim) [1/m]. Returns ``OUTSIDE`` if a corner
-    lies outside the window of ``shape`` nodes or is NaN, ``FULL`` if the row does not fit into the table;
+    lies outside the window of ``shape`` nodes or is NaN, ``FULL`` if the row would not end before ``end``;
     then nothing is written."""
     dim = len(spacing)
     low = scratch.integers(spacing)
@@ -238,22 +182,22 @@ def fill_domain(
         low[d] = int(first)
         extent[d] = math.ceil(last) - low[d] + 1
         entries *= extent[d]
-    if k + entries > len(nodes):
+    if k + entries > end:
         return FULL
-    _write_box(k, corner, share, slope, low, extent, shape, offset, nodes, values, gradients, spacing)
+    _write_box(k, corner, share, slope, low, extent, shape, offset, table, spacing)
     return k + entries
 
 
 @device
 def _write_box(
     k: int, corner: Floats, share: Floats, slope: Floats, low: Ints, extent: Ints, shape: Ints, offset: int,
-    nodes: Indices,
-    values: Floats, gradients: Floats, spacing: tuple[float, ...],
+    table: Table, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """Write the entries of :func:`fill_domain`, those of the box of ``extent`` nodes from ``low`` on.
 
     φ_i and ∇φ_i are one row, to which every corner adds its part.
     """
+    nodes, values, gradients = table.nodes, table.weight, table.gradient
     dim = len(spacing)
     n_corners = 1 << dim
     entry_like = (0.0, *spacing)

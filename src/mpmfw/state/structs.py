@@ -37,10 +37,9 @@ class Stencil(Struct):
         super().__init__(row=row, nodes=nodes, weight=weight, gradient=gradient)
 
     @property
-    def room(self) -> tuple[IntArray, IndexArray, FloatArray, FloatArray]:
-        """The four arrays in the length that they were made with."""
-        row, nodes, weight, gradient = self.kernel_arrays
-        return row, nodes, weight, gradient
+    def room(self) -> int:
+        """Number of entries that the arrays were made for."""
+        return len(self.kernel_arrays[1])
 
     def replace(self, **arrays: AnyArray) -> Stencil:
         """Return a table with other ``arrays``, by name."""
@@ -193,7 +192,10 @@ class Grid(Struct):
     j) * shape_2 + k``.
     """
 
-    member_names = ("position", "mass", "momentum", "start_velocity", "force", "velocity")
+    member_names = (
+        "lower", "nodes", "window_lower", "window_shape", "offset",
+        "position", "mass", "momentum", "start_velocity", "force", "velocity",
+    )  # fmt: skip
     history = (
         "window_lower", "window_shape", "mass", "momentum", "start_velocity", "force", "velocity",
     )  # fmt: skip
@@ -225,13 +227,6 @@ class Grid(Struct):
     def n_fields(self) -> int:
         """Number of velocity fields."""
         return len(self.window_lower)
-
-    @property
-    def windows(self) -> tuple[FloatArray, IntArray, IntArray, IntArray]:
-        """Facts of all windows, as kernels that fill tables take them: lower, window_lower, window_shape,
-        offset.
-        """
-        return self.lower, self.window_lower, self.window_shape, self.offset
 
     def field_nodes(self, index: int) -> slice:
         """Flat nodes of velocity field ``index``."""

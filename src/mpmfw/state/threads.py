@@ -22,18 +22,18 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from queue import SimpleQueue
 from threading import Thread
-from typing import Any, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from mpmfw.kernels import _waiting as waiting
 from mpmfw.kernels.stencil import FULL, NodeRange
-from mpmfw.state.fields import FloatArray, IndexArray, IntArray
+from mpmfw.state.fields import IndexArray, IntArray
+
+if TYPE_CHECKING:
+    from mpmfw.state.structs import Stencil
 
 Result = TypeVar("Result")
-
-#: Row, nodes, weight and gradient of a table, with room for more entries than are filled.
-Room: TypeAlias = tuple[IntArray, IndexArray, FloatArray, FloatArray]
 
 #: How often a thread looks whether there is something to do before it sleeps: 0.1 ms.
 LOOKS = 300_000
@@ -145,41 +145,34 @@ class Threads:
         """Share the nodes out anew with the next table: they have other indices."""
         self._left = 0
 
-    def fill_rows(self, fill: Callable[..., int], first: IntArray, room: Room) -> int:
-        """Fill a table of rows of varying length by ``fill(first, k, *room)``, in parts that begin as last
+    def fill_rows(self, fill: Callable[[IntArray, int, int], int], first: IntArray, table: Stencil) -> int:
+        """Fill a table of rows of varying length by ``fill(first, k, end)``, in parts that begin as last
         time.
 
         Between two parts are a few entries of weight 0, the last node of the row before once more. Return the
         first point outside its window, −1, or ``FULL`` if the table is too short."""
-        row, nodes, weight, gradient = room
-        begins = self._begins(room)
-        ends = [*begins[1:], len(nodes)]
-        firsts = self.firsts(first)
-
-        def part(t: int) -> int:
-            return fill(firsts[t], begins[t], row, *(array[: ends[t]] for array in (nodes, weight, gradient)))
-
-        codes = self.each(part)
+        begins, firsts = self._begins(table), self.firsts(first)
+        ends = [*begins[1:], table.room]
+        codes = self.each(lambda t: fill(firsts[t], begins[t], ends[t]))
         if FULL in codes and self._entries:
             self._entries = []
-            return self.fill_rows(fill, first, room)
+            return self.fill_rows(fill, first, table)
         code = next((code for code in codes if code != -1), -1)
         if code == -1:
-            self._join(room, begins)
+            self._join(table, begins)
         return code
 
-    def _begins(self, room: Room) -> list[int]:
+    def _begins(self, table: Stencil) -> list[int]:
         """Where every thread's entries begin: with room for some more than last time, or for equally many a
         point."""
         if self._entries:
             return list(itertools.accumulate((n + n // 128 + 64 for n in self._entries[:-1]), initial=0))
-        row, nodes, *_ = room
-        count = len(row) - 1
-        return [len(nodes) * first // count for first, _ in self.parts(0, count)]
+        count = len(table.row) - 1
+        return [table.room * first // count for first, _ in self.parts(0, count)]
 
-    def _join(self, room: Room, begins: list[int]) -> None:
+    def _join(self, table: Stencil, begins: list[int]) -> None:
         """Make one table of the parts, and note how many entries they have."""
-        row, nodes, weight, gradient = room
+        row, nodes, weight, gradient = table.kernel_arrays
         parts = self.parts(0, len(row) - 1)
         self._entries = [int(row[last]) - k for (_, last), k in zip(parts, begins, strict=True)]
         for (first, _), k in zip(parts[1:], begins[1:], strict=True):

@@ -97,7 +97,7 @@ def project(p: Particles, phi: Stencil, g: Grid) -> None:
     """m_i, (m v)_i and the velocity v_i⁰ that increments are counted from; forces become zero."""
     g.reset()
     _apply_moment(p, phi, g, p.position)
-    _over_nodes(p, kernels.project_mass_momentum, p.affine, phi, g, g.spacing)
+    _over_nodes(p, kernels.project, p.position, p.affine, phi, g, g.mass, g.spacing)
     kernels.velocity_of_momentum(g.mass, g.momentum, g.start_velocity, g.spacing)
 
 
@@ -111,7 +111,7 @@ def project_again(p: Particles, phi: Stencil, g: Grid, position: FloatArray) -> 
     (MUSL)."""
     _apply_moment(p, phi, g, position)
     g.momentum.fill(0.0)
-    _over_nodes(p, kernels.project_momentum, position, p.affine, phi, g, g.spacing)
+    _over_nodes(p, kernels.project, position, p.affine, phi, g, None, g.spacing)
 
 
 def _apply_moment(p: Particles, phi: Stencil, g: Grid, position: FloatArray) -> None:

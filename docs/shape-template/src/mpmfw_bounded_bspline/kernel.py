@@ -11,7 +11,7 @@ import math
 
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.stencil import fill_tensor_product, fits, read_window
-from mpmfw.kernels.types import Float, Floats, Indices, Ints
+from mpmfw.kernels.types import Float, Floats, Ints, Nodes, Table
 
 #: Splines, hence nodes, along each axis whose support holds a point.
 WIDTH = 3
@@ -60,40 +60,26 @@ def fold_at_end(d: int, values: Floats) -> None:
 
 @kernel
 def fill_bounded(
-    position: Floats,
-    first: Ints,
-    lower: Floats,
-    grid_nodes: Ints,
-    window_lower: Ints,
-    window_shape: Ints,
-    offset: Ints,
-    modified: bool,
-    nodes: Indices,
-    weight: Floats,
-    gradient: Floats,
-    spacing: tuple[float, ...],
+    position: Floats, first: Ints, grid: Nodes, table: Table, spacing: tuple[float, ...], modified: bool
 ) -> int:
     """Quadratic B-splines at points; 3**dim entries each. Return the first point outside its window, or −1.
 
     Points ``first[f]:first[f + 1]`` belong to velocity field ``f``, whose window has its own first node and
     shape. Where a window ends only because nobody needed more of it, the point is reported and the core lays
     the window anew; where it ends with the grid, the splines are ``modified``, or the point is reported too.
-    A ``gradient`` of length 0 is not written.
+    A gradient of length 0 is not written.
     """
-    dim = len(spacing)
-    inverse_h = 1.0 / spacing[0]
-    origin = scratch.vector(spacing)
-    shape = scratch.integers(spacing)
-    base = scratch.vector(spacing)
+    dim, inverse_h = len(spacing), 1.0 / spacing[0]
+    origin, shape, base = scratch.vector(spacing), scratch.integers(spacing), scratch.vector(spacing)
     w = scratch.matrix(spacing, (0.0, 0.0, 0.0))
     s = scratch.matrix(spacing, (0.0, 0.0, 0.0))
     for f in range(len(first) - 1):
-        read_window(lower, window_lower, window_shape, f, origin, shape, spacing)
+        read_window(grid, f, origin, shape, spacing)
         for p in range(first[f], first[f + 1]):
             for d in range(dim):
                 xi = (position[p, d] - origin[d]) * inverse_h
-                at_start = modified and window_lower[f, d] == 0
-                at_end = modified and window_lower[f, d] + shape[d] == grid_nodes[d]
+                at_start = modified and grid.window_lower[f, d] == 0
+                at_end = modified and grid.window_lower[f, d] + shape[d] == grid.nodes[d]
                 quadratic_weights(xi, inverse_h, d, base, w, s)
                 if at_start and 0.0 <= xi < 0.5:
                     fold_at_start(d, w)
@@ -105,7 +91,5 @@ def fill_bounded(
                     base[d] -= 1.0
             if not fits(base, WIDTH, shape, spacing):
                 return p
-            fill_tensor_product(
-                p * WIDTH**dim, WIDTH, base, w, s, shape, offset[f], nodes, weight, gradient, spacing
-            )
+            fill_tensor_product(p * WIDTH**dim, WIDTH, base, w, s, shape, grid.offset[f], table, spacing)
     return -1

@@ -79,20 +79,6 @@ class BoundedBSpline(ShapeFunction):
         return self._fill(position, first, grid, self._surface)
 
     def _fill(self, position: FloatArray, first: IntArray, grid: Grid, table: Stencil) -> Stencil:
-        check_inside(
-            fill_bounded(
-                position,
-                first,
-                grid.lower,
-                grid.nodes,
-                grid.window_lower,
-                grid.window_shape,
-                grid.offset,
-                self.options.grid_end == "modified",
-                table.nodes,
-                table.weight,
-                table.gradient,
-                grid.spacing,
-            )
-        )
+        modified = self.options.grid_end == "modified"
+        check_inside(fill_bounded(position, first, grid, table, grid.spacing, modified))
         return table
