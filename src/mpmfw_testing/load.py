@@ -11,7 +11,7 @@ import numpy as np
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
 from mpmfw.state.fields import AnyArray, FloatArray
-from mpmfw.step.operations import interpolate, project
+from mpmfw.step.schemes import interpolate, project
 from mpmfw_testing.bench import STEP, dims_of, in_each_dimension, square
 from mpmfw_testing.check import Inapplicable, remember, within
 from mpmfw_testing.generic import repeatable, runs, sent, unchanged

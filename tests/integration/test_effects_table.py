@@ -36,7 +36,7 @@ for name, scene in json.load(sys.stdin).items():
     Simulation(scene).advance(2)
     found[name] = own()
     if "sleep" not in scene:
-        rare = ("mpmfw.runs.sleeping", "mpmfw.state.threads", "mpmfw.kernels._waiting")
+        rare = ("mpmfw.runs.sleeping", "mpmfw.step.threads")
         assert not set(rare) & set(sys.modules), name
     for module in own() + ["mpmfw.runs.sleeping"]:
         sys.modules.pop(module, None)

@@ -95,8 +95,7 @@ def stopped(scene: Any, path: Path, after: int, *numbers: int, **arguments: Any)
         integrate_momentum(*arguments)
 
     with pytest.MonkeyPatch.context() as patch:
-        for scheme in ("usl", "musl", "usf"):
-            patch.setattr(f"mpmfw.step.{scheme}.integrate_momentum", counted)
+        patch.setattr("mpmfw.step.schemes.integrate_momentum", counted)
         with pytest.raises(Interrupted) as caught:
             mpmfw.run(scene, output=path, **arguments)
     return caught.value
@@ -258,7 +257,7 @@ def test_a_run_may_be_taken_up_many_times(tmp_path):
                 os.kill(os.getpid(), signal.SIGTERM)
             integrate_momentum(*arguments)
 
-        patch.setattr("mpmfw.step.usl.integrate_momentum", counted)
+        patch.setattr("mpmfw.step.schemes.integrate_momentum", counted)
         for _ in range(100):
             try:
                 tree = resume(path)

@@ -13,7 +13,7 @@ from mpmfw.effects.local_spin import correct_spin, find_excess
 from mpmfw.kernels import struct
 from mpmfw.runs.simulation import Simulation
 from mpmfw.state.fields import FloatArray
-from mpmfw.step.operations import project
+from mpmfw.step.schemes import project
 from scenes_for_tests import BULK, SHEAR, one_body, with_changes
 
 LAME = BULK - 2.0 * SHEAR / 3.0

@@ -8,7 +8,7 @@ import numpy_twins as twin
 import pytest
 
 from mpmfw.api import OutsideGrid, Stencil
-from mpmfw.step.operations import add_internal_force, project
+from mpmfw.step.schemes import add_internal_force, project
 from support import SHAPES, make_particles, make_shape, make_test_grid
 
 H = 0.25

@@ -20,7 +20,7 @@ from mpmfw.state.clock import Clock
 from mpmfw.state.fields import FloatArray
 from mpmfw.state.structs import Body, Particles, State
 from mpmfw.state.windows import MARGIN, allocate_nodes, make_grid
-from mpmfw.step import usl
+from mpmfw.step.schemes import usl
 from mpmfw.step.transfer import Transfer, make_transfer
 
 #: All is of order one: h = 1 m, density 1 kg/m^3, moduli [Pa]; the step [s] is well below its limit.
@@ -43,7 +43,7 @@ class Block:
 
     def step(self) -> None:
         """One step of update stress last."""
-        usl.step(self.state, self.hook, self.transfer, self.clock, lambda: DT)
+        usl(self.state, self.hook, self.transfer, self.clock, lambda: DT)
 
 
 def make_block(shape: str, count: int, dim: int = 2) -> Block:

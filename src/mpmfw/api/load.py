@@ -6,8 +6,7 @@ from __future__ import annotations
 
 from mpmfw.plugin.boundary import Boundary
 from mpmfw.plugin.load import BodyLoad, Load, LoadedFacets, SurfaceLoad
-from mpmfw.plugin.named import NamedPlugIn, shares_near
-from mpmfw.plugin.output_series import OutputSeries
+from mpmfw.plugin.named import NamedPlugIn, OutputSeries, shares_near
 
 __all__ = [
     "BodyLoad",

@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from mpmfw.plugin.material import Material
+from mpmfw.plugin.base import Material
 
 __all__ = ["Material"]

@@ -1,11 +1,15 @@
-"""Base of all plug-ins: a name, and options validated by a model."""
+"""Base classes of plug-ins: a name, and options validated by a model; materials and shape functions."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Self
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict
+
+from mpmfw.state.fields import FloatArray
+from mpmfw.state.structs import OutsideGrid, Particles, Stencil
 
 
 class NoOptions(BaseModel):
@@ -17,20 +21,12 @@ class NoOptions(BaseModel):
 class PlugIn:
     """Base of plug-ins: a name, and options validated by the plug-in's own model.
 
-    Parameters
-    ----------
-    options
-        Values of the plug-in's ``Options``; those left out have the model's defaults.
-
-    Raises
-    ------
-    pydantic.ValidationError
-        An option is unknown, or its value is refused by the model.
+    ``options`` are values of the model ``Options``; those left out have its defaults. Raise
+    pydantic.ValidationError if an option is unknown or refused. A class may say ``interface = 1``, the
+    version of the interface (``mpmfw.api.INTERFACE``) that it is written for; without it that is 1.
     """
 
-    #: What scenes and the entry point call the plug-in. Beside it a class may say ``interface = 1``, the
-    #: version of the plug-in interface (``mpmfw.api.INTERFACE``) that it is written for; without it that is
-    #: 1.
+    #: What scenes and the entry point call the plug-in.
     name: ClassVar[str]
     #: Model of the options; :class:`NoOptions` takes none. The validated instance is ``self.options``.
     Options: ClassVar[type[BaseModel]] = NoOptions
@@ -55,15 +51,117 @@ class PlugIn:
 
     @property
     def label(self) -> str:
-        """Name and the options that were set, for tables and coordinates; wherever a method is named, it
-        names this one."""
+        """Name and the options that were set, for tables and coordinates."""
         return self.label_with({key: getattr(self.options, key) for key in self.options.model_fields_set})
 
     def label_with(self, options: Mapping[str, Any]) -> str:
-        """The plug-in's name and these options as one text, ``NAME(option=value, …)``.
-
-        ``options`` are values by name; those that are None are not said.
-        """
+        """Return the name and these options, by name, as ``NAME(option=value, …)``; None is left out."""
         from mpmfw.scene.specification import specification_of
 
         return specification_of(self.name, options)
+
+
+class Material(PlugIn):
+    """Base of materials: one instance for each material of the scene, told its bodies' slices in ``setup``.
+
+    Subclasses implement the hook ``update_stress``, the moduli, and :meth:`energy_density` and
+    :meth:`cauchy_stress` where F says all. One whose points have a history implements
+    :meth:`energy_of_points` and :meth:`stress_of_points` instead, and allocates the history in ``setup``
+    (``Setup.allocate``), so that it is saved with the run. F is (n, dim, dim); plane strain in 2D, F_zz = 1.
+    """
+
+    #: Whether its points lose energy, which :meth:`dissipated_by_points` says.
+    dissipates: ClassVar[bool] = False
+
+    #: Slices of the material points made of this material.
+    slices: tuple[slice, ...] = ()
+
+    def over_points(self, kernel: Callable[..., None], particles: Particles, *arguments: Any) -> None:
+        """Call ``kernel(first, last, *arguments)`` for the material's points; threads have a part each.
+
+        The kernel writes to the points ``first:last`` alone, and reads no others.
+        """
+        if particles.threads is not None:
+            particles.threads.over_slices(kernel, self.slices, *arguments)
+            return
+        for own in self.slices:
+            kernel(own.start, own.stop, *arguments)
+
+    @property
+    def bulk_modulus(self) -> float:
+        """Bulk modulus K [Pa] at small strain."""
+        raise NotImplementedError
+
+    @property
+    def shear_modulus(self) -> float:
+        """Shear modulus G [Pa] at small strain."""
+        raise NotImplementedError
+
+    def energy_density(self, deformation_gradient: FloatArray) -> FloatArray:
+        """Stored energy per reference volume W(F), (n,) [J/m^3]."""
+        raise NotImplementedError
+
+    def cauchy_stress(self, deformation_gradient: FloatArray) -> FloatArray:
+        """Full Cauchy stress σ(F), (n, 3, 3) [Pa], out-of-plane components included; for outputs."""
+        raise NotImplementedError
+
+    def energy_of_points(self, particles: Particles, own: slice) -> FloatArray:
+        """Stored energy per reference volume of the points ``own``, (n,) [J/m^3]; by F alone W(F)."""
+        return self.energy_density(particles.deformation_gradient[own])
+
+    def stress_of_points(self, particles: Particles, own: slice) -> FloatArray:
+        """Full Cauchy stress of the points ``own``, (n, 3, 3) [Pa]; by F alone σ(F)."""
+        return self.cauchy_stress(particles.deformation_gradient[own])
+
+    def dissipated_by_points(self, particles: Particles, own: slice) -> FloatArray:
+        """Energy that the points ``own`` have lost since the start, per reference volume (n,) [J/m^3]."""
+        return np.zeros(len(particles.mass[own]))
+
+
+class ShapeFunction(PlugIn):
+    """Base of shape functions.
+
+    Subclasses implement the hooks ``particle_reach``, ``interpolate`` and ``interpolate_surface``.
+    """
+
+    #: Whether boundary nodes may carry no mass of the body whose surface touches them (point-like particles).
+    massless_boundary: ClassVar[bool] = False
+    #: Degree of the B-splines that are the boundary basis: 1 bilinear.
+    boundary_degree: ClassVar[int] = 1
+    #: Whether nodes with mass are those of two grids, whose indices are all even or all odd; the boundary
+    #: basis is then the compact kernel of each, over two cells to either side.
+    staggered: ClassVar[bool] = False
+    #: Whether Σ φ q qᵀ may be singular, so that the affine field must be taken from Σ v ∇φᵀ.
+    singular_spread: ClassVar[bool] = False
+    #: Whether the nodes of every row of its tables ascend: then several threads share the nodes out when they
+    #: project.
+    rows_ascend: ClassVar[bool] = False
+    #: Largest Courant number c Δt / h that is not refused.
+    courant: ClassVar[float] = 0.8
+    auto_scheme: ClassVar[str] = "usl"  #: what ``auto`` means for the scheme
+    auto_transfer: ClassVar[str] = "aflip"  #: what ``auto`` means for the transfer
+    #: Treatment of a free body's rotational inertia where the scene says none: ``spin``, ``exact`` or
+    #: ``lumped``.
+    auto_rotation: ClassVar[str] = "spin"
+
+
+def empty_stencil(points: int, entries: int, dim: int, *, gradient: bool = True) -> Stencil:
+    """Return an interpolation table to be filled, all zero, with the same number of entries for every point.
+
+    ``points`` is the number n of material points or surface nodes, ``entries`` that of the nodes that a point
+    touches, such as 2**dim with linear functions. Surface nodes need no ``gradient``, (n entries, dim) [1/m],
+    and get an array of length 0."""
+    return Stencil(
+        row=np.arange(points + 1, dtype=np.int64) * entries,
+        nodes=np.zeros(points * entries, dtype=np.int32),
+        weight=np.zeros(points * entries),
+        gradient=np.zeros((points * entries if gradient else 0, dim)),
+    )
+
+
+def check_inside(index: int) -> None:
+    """Raise OutsideGrid for the ``index`` of the first point outside its window, unless it is −1.
+
+    Fill kernels return it. The core then lays the window anew and fills the table again."""
+    if index >= 0:
+        raise OutsideGrid(index)

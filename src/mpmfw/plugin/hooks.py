@@ -11,7 +11,7 @@ import functools
 import inspect
 import linecache
 import zlib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from types import CodeType
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -28,7 +28,7 @@ BEFORE_THE_RUN = ("declare_fields", "setup")
 
 
 def make_manager() -> pluggy.PluginManager:
-    """A plug-in manager of its own for each simulation, so that runs stand side by side in one process."""
+    """Return the plug-in manager of one simulation: runs stand side by side in one process."""
     manager = pluggy.PluginManager("mpmfw")
     manager.add_hookspecs(HookSpecs)
     return manager
@@ -65,6 +65,9 @@ def register(manager: pluggy.PluginManager, plugin: Any, name: str) -> None:
 class Observer:
     """Base of plug-ins that measure what hooks do to the grid while they are ``running``; they change
     nothing.
+
+    ``plugin`` is None before all implementations of a hook and after all. ``dt`` is the length of the step
+    [s], 0 where the hook does not know it.
     """
 
     #: Hooks that are observed; they have an argument ``grid``.
@@ -72,29 +75,24 @@ class Observer:
     running = False
 
     def before(self, hook: str, plugin: Any, grid: Grid, dt: float) -> None:
-        """Look at the grid before a plug-in's implementation of a hook, or before all of them: ``plugin`` is
-        None.
-
-        ``dt`` is the length of the step [s], 0 where the hook does not know it.
-        """
+        """Look at the grid before a plug-in's implementation of a hook."""
 
     def after(self, hook: str, plugin: Any, grid: Grid, dt: float) -> None:
-        """Look at the grid after a plug-in's implementation, or after all of them."""
+        """Look at the grid after a plug-in's implementation."""
 
 
 class BoundHooks:
     """The hooks of one simulation as plain callables: ``hook.advect(grid=…, dt=…)``.
 
-    A hook that nobody implements costs one empty call. An error that leaves a hook names plug-in, hook and
-    the step of ``state``."""
+    An error that leaves a hook names plug-in, hook and the step of ``state``."""
 
     __slots__ = HOOKS
 
     def __init__(self, manager: pluggy.PluginManager, clock: Clock, state: State | None = None) -> None:
         observers = [each for _, each in manager.list_name_plugin() if isinstance(each, Observer)]
-        for name in self.__slots__:
+        for name in HOOKS:
             of_run = None if name in BEFORE_THE_RUN else state
-            own = [each for each in observers if name in each.observes] if observers else []
+            own = [each for each in observers if name in each.observes]
             setattr(self, name, _bind(getattr(manager.hook, name), clock, of_run, own))
 
     if TYPE_CHECKING:
@@ -102,19 +100,13 @@ class BoundHooks:
         def __getattr__(self, name: str) -> Callable[..., Any]: ...
 
 
-def _nothing(**arguments: object) -> None:
-    """Stand in for a hook without implementations."""
-
-
 def _bind(
     caller: pluggy.HookCaller, clock: Clock, state: State | None, observers: Sequence[Observer]
 ) -> Callable[..., Any]:
     implementations = caller.get_hookimpls()
-    if not implementations and not observers:
-        return _nothing
     calls = [impl for impl in reversed(implementations) if not impl.wrapper]  # pluggy calls the last first
     bound = _written_out(caller, calls, clock, state, observers)
-    for impl in implementations if len(calls) < len(implementations) else ():
+    for impl in implementations:
         if impl.wrapper:
             bound = _around(impl, caller.name, bound, state)
     return bound
@@ -132,6 +124,7 @@ def _written_out(
 
         def advect(*, grid, dt):
             results = []
+            plugin = None
             try:
                 plugin = plugin_0
                 previous = clock(stage_0)
@@ -147,47 +140,43 @@ def _written_out(
                 raise failed(error, plugin) from error
             return results
 
-    Between two kernels over many points the interpreter's own data has left the caches: a general function,
-    which asks what there is to call with what, takes twice as long as this."""
+    Between two kernels over many points the interpreter's own data has left the caches: a general function
+    takes twice as long as this."""
     assert caller.spec is not None
     name, given = caller.name, caller.spec.argnames
-    first_result = bool(caller.spec.opts.get("firstresult"))
+    first_result = bool(calls and caller.spec.opts.get("firstresult"))
     names: dict[str, Any] = {"clock": clock, "passed_on": (*PASSED_ON, OutsideGrid)}
     names["failed"] = lambda error, plugin: failure(error, plugin, name, state)
-    for k, observer in enumerate(observers):
-        names[f"observer_{k}"] = observer
-    told = functools.partial(_told, hook=name, given=given, observers=observers)
-    before, after = (told("before", "plugin"), told("after", "plugin")) if observers else ([], [])
-    lines = told("before", "None") if observers else []
-    for index, impl in enumerate(calls):
-        names[f"call_{index}"], names[f"plugin_{index}"] = impl.function, impl.plugin
-        own = [f"result = call_{index}({', '.join(impl.argnames)})"]
+    names |= {f"observer_{k}": observer for k, observer in enumerate(observers)}
+
+    def told(when: str, plugin: str) -> list[str]:
+        arguments = f"{name!r}, {plugin}, grid, {'dt' if 'dt' in given else '0.0'}"
+        call = "if observer_{0}.running: previous = clock('output'); observer_{0}.{1}({2}); clock(previous)"
+        return [call.format(k, when, arguments) for k in range(len(observers))]
+
+    lines = told("before", "None")
+    for k, impl in enumerate(calls):
+        names[f"call_{k}"], names[f"plugin_{k}"] = impl.function, impl.plugin
+        call = [f"result = call_{k}({', '.join(impl.argnames)})"]
         stage = getattr(impl.plugin, "stage", None)
         if stage is not None and name not in BEFORE_THE_RUN:
-            names[f"stage_{index}"] = stage
-            own = [
-                f"previous = clock(stage_{index})",
-                "try:",
-                f"    {own[0]}",
-                "finally:",
-                "    clock(previous)",
-            ]
+            names[f"stage_{k}"] = stage
+            call = [
+                f"previous = clock(stage_{k})", "try:", f"    {call[0]}", "finally:", "    clock(previous)"
+            ]  # fmt: skip
+        lines += [f"plugin = plugin_{k}", *told("before", "plugin"), *call, *told("after", "plugin")]
         lines += [
-            f"plugin = plugin_{index}",
-            *before,
-            *own,
-            *after,
             "if result is not None:",
-            f"    {'return result' if first_result else 'results.append(result)'}",
+            "    " + ("return result" if first_result else "results.append(result)"),
         ]
-    lines += told("after", "None") if observers else []
+    lines += told("after", "None")
     if first_result:
         lines.append(
             f"raise TypeError('returned None; expected {caller.spec.function.__annotations__['return']}')"
         )
     text = [
         f"def {name}({', '.join(['*'] * bool(given) + [*given])}):",
-        *([] if first_result else ["    results = []"]),
+        "    results = []",
         "    plugin = None",
         "    try:",
         *[f"        {line}" for line in lines or ["pass"]],
@@ -195,28 +184,11 @@ def _written_out(
         "        raise",
         "    except BaseException as error:",
         "        raise failed(error, plugin) from error",
-        *([] if first_result else ["    return results"]),
+        "    return results",
     ]
     exec(_compiled("\n".join(text), name), names)
     bound: Callable[..., Any] = names[name]
     return bound
-
-
-def _told(
-    when: str, plugin: str, hook: str, given: Iterable[str], observers: Sequence[Observer]
-) -> list[str]:
-    """Return the lines that tell observers of a call."""
-    arguments = f"{hook!r}, {plugin}, grid, {'dt' if 'dt' in given else '0.0'}"
-    return [
-        line
-        for k in range(len(observers))
-        for line in (
-            f"if observer_{k}.running:",
-            "    previous = clock('output')",
-            f"    observer_{k}.{when}({arguments})",
-            "    clock(previous)",
-        )
-    ]
 
 
 @functools.cache
@@ -230,9 +202,7 @@ def _compiled(text: str, name: str) -> CodeType:
 def _around(
     impl: pluggy.HookImpl, name: str, inner: Callable[..., Any], state: State | None
 ) -> Callable[..., Any]:
-    """Return a hook with a wrapper: the part before its ``yield``, the hook, and the part that gets the
-    result.
-    """
+    """Return a hook with a wrapper, which is given the hook's result where it yields."""
 
     def hook(**arguments: Any) -> Any:
         with naming(impl.plugin, name, state):

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import dataclasses
+from collections.abc import Iterable, Mapping
 from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from mpmfw.errors import PluginError
 from mpmfw.plugin.base import PlugIn
+from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Setup
-from mpmfw.state.fields import AnyArray, FloatArray
+from mpmfw.state.fields import AnyArray, Field, FloatArray
 from mpmfw.state.structs import Body, State
 
 
@@ -28,9 +30,7 @@ class NamedPlugIn(PlugIn):
     @classmethod
     def problems(cls, options: Any, dim: int) -> Iterable[tuple[tuple[str | int, ...], str]]:  # noqa: ARG003
         """Yield problems of ``options`` in ``dim`` dimensions: the key, with an index where there is one, and
-        a text.
-
-        The scene's reader adds file and line. None by default."""
+        a text. The scene's reader adds file and line."""
         return ()
 
     def from_setup(self, setup: Setup) -> Self | str:  # noqa: ARG002
@@ -45,16 +45,60 @@ class NamedPlugIn(PlugIn):
         Raise PluginError if the shape differs or a value is not finite; NaN may stand for ``missing`` values.
         """
         array: AnyArray = np.asarray(answer, dtype=float)
-        wrong = ""
         if array.shape != shape:
-            wrong = f"an array of shape {array.shape}; expected {shape}"
-        elif np.isinf(array).any() or (not missing and np.isnan(array).any()):
-            wrong = "what is not finite"
-        if wrong:
-            raise PluginError(
-                f"'{self.title}' ({self.name}) answered with {wrong}", step=state.steps, time=state.time
-            )
+            raise self.refusal(f"an array of shape {array.shape}; expected {shape}", state)
+        if np.isinf(array).any() or (not missing and np.isnan(array).any()):
+            raise self.refusal("what is not finite", state)
         return np.ascontiguousarray(array)
+
+    def refusal(self, answer: str, state: State) -> PluginError:
+        """Return the error for a wrong ``answer`` of a method."""
+        text = f"'{self.title}' ({self.name}) answered with {answer}"
+        return PluginError(text, step=state.steps, time=state.time)
+
+
+class OutputSeries(NamedPlugIn):
+    """Base of diagnostics: one instance for each table ``[outputs.NAME]`` of the scene, with that table's
+    options.
+
+    Subclasses say which series they have, :meth:`series`, and what these are, :meth:`values`. In the results
+    each is called after the scene's name of the table, ``NAME_series``.
+    """
+
+    stage = "output"
+
+    def series(self) -> list[Field]:
+        """Declarations: name, dims, unit and meaning; may be asked more than once.
+
+        Dims ``body``, ``pair``, ``axis`` and ``rotation`` have their lengths and labels from the scene,
+        others from the values.
+        """
+        raise NotImplementedError
+
+    def values(self, state: State, interval: float) -> Mapping[str, Any]:
+        """Return the numbers of every declared series, by its name, at an output.
+
+        ``state`` may not be changed. ``interval`` [s] is the time since the last output, 0 at the first:
+        there a sum over the run begins."""
+        raise NotImplementedError
+
+    @hookimpl
+    def declare_fields(self) -> list[Field]:
+        """The series, under the names that the results have for them."""
+        return [
+            dataclasses.replace(field, name=f"{self.title}_{field.name}", group="series", output=True)
+            for field in self.series()
+        ]
+
+    @hookimpl
+    def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
+        """Return the values of all declared series; raise PluginError for other ones."""
+        values = dict(self.values(state, interval))
+        declared = {field.name for field in self.series()}
+        if values.keys() != declared:
+            found, expected = (", ".join(sorted(names)) for names in (values, declared))
+            raise self.refusal(f"values of {found or 'nothing'}; expected {expected}", state)
+        return {f"{self.title}_{name}": value for name, value in values.items()}
 
 
 def from_setup(setup: Setup) -> Acts:
@@ -62,10 +106,12 @@ def from_setup(setup: Setup) -> Acts:
     acting = []
     for group, plugins in setup.named.items():
         answers = {f"{name} ({each.label})": each.from_setup(setup) for name, each in plugins.items()}
-        left_out = {what: answer for what, answer in answers.items() if isinstance(answer, str)}
-        reasons = [f"{what}: {left_out[what]}" if what in left_out else what for what in answers]
-        setup.note(group, len(left_out) < len(answers), ", ".join(reasons) or f"no [{group}]")
-        acting += [answer for what, answer in answers.items() if what not in left_out]
+        acts = [answer for answer in answers.values() if not isinstance(answer, str)]
+        reasons = [
+            f"{what}: {answer}" if isinstance(answer, str) else what for what, answer in answers.items()
+        ]
+        setup.note(group, bool(acts), ", ".join(reasons) or f"no [{group}]")
+        acting += acts
     return Acts("", acting)
 
 

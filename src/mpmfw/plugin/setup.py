@@ -17,9 +17,8 @@ if TYPE_CHECKING:
     from mpmfw.contact.rows import FrictionLaw
     from mpmfw.contact.strategy import ContactStrategy
     from mpmfw.geometry import Layout
-    from mpmfw.plugin.material import Material
+    from mpmfw.plugin.base import Material, ShapeFunction
     from mpmfw.plugin.named import NamedPlugIn
-    from mpmfw.plugin.shape_function import ShapeFunction
     from mpmfw.scene import Scene
     from mpmfw.scene.tables import Side
     from mpmfw.step.transfer import Transfer

@@ -19,7 +19,7 @@ from mpmfw.state.structs import Body, Particles, State, Stencil
 from mpmfw.step.transfer import Transfer
 
 if TYPE_CHECKING:
-    from mpmfw.plugin.material import Material
+    from mpmfw.plugin.base import Material
     from mpmfw.scene import Scene
 
 

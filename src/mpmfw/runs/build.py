@@ -11,24 +11,22 @@ from mpmfw.contact.rows import FrictionLaw
 from mpmfw.contact.strategy import ContactStrategy
 from mpmfw.errors import SceneError
 from mpmfw.geometry import BodyGeometry, Layout
+from mpmfw.plugin.base import Material, ShapeFunction
 from mpmfw.plugin.boundary import Boundary
 from mpmfw.plugin.checks import distribution_text, naming
 from mpmfw.plugin.discovery import Kind, full_name, load, object_of, refuse_nameless
 from mpmfw.plugin.hooks import HOOKS
 from mpmfw.plugin.load import Load
-from mpmfw.plugin.material import Material
 from mpmfw.plugin.measure import Measure, Reference
-from mpmfw.plugin.named import NamedPlugIn
-from mpmfw.plugin.output_series import OutputSeries
+from mpmfw.plugin.named import NamedPlugIn, OutputSeries
 from mpmfw.plugin.setup import Setup
-from mpmfw.plugin.shape_function import ShapeFunction
 from mpmfw.runs.bodies import check_bodies, lay_out, make_bodies, make_particles
 from mpmfw.runs.sizing import check_memory
-from mpmfw.runs.timestep import stable_length
 from mpmfw.scene.options import NAMED
 from mpmfw.state.pairs import FEW, BodyPairs
 from mpmfw.state.structs import Body, State, joined
 from mpmfw.state.windows import make_grid
+from mpmfw.step.timestep import stable_length
 from mpmfw.step.transfer import make_transfer
 
 if TYPE_CHECKING:

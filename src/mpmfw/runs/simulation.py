@@ -22,14 +22,13 @@ from mpmfw.runs.effects import decide
 from mpmfw.runs.frames import Recorder, check_state_finite
 from mpmfw.runs.restart import read_snapshot, write_snapshot
 from mpmfw.runs.sizing import warnings_about
-from mpmfw.runs.timestep import TimeStep
 from mpmfw.state.clock import STAGES, STEP_STAGES, Clock
 from mpmfw.state.fields import AnyArray, Field
 from mpmfw.state.history import NotSaved, put, take
 from mpmfw.state.pairs import update_pairs
 from mpmfw.state.windows import fit_windows, is_cut_off, set_windows
-from mpmfw.step import SCHEMES
-from mpmfw.step.operations import interpolate
+from mpmfw.step.schemes import SCHEMES, interpolate
+from mpmfw.step.timestep import TimeStep
 
 if TYPE_CHECKING:
     from mpmfw.runs.sleeping import Sleep
@@ -97,7 +96,7 @@ class Simulation:
         self.shape, self.scheme, self.transfer = setup.shape_function, setup.scheme, setup.exchange
         self.effects: tuple[Effect, ...] = tuple(setup.effects)
         if threads > 1:
-            from mpmfw.state.threads import Threads
+            from mpmfw.step.threads import Threads
 
             particles = self.state.particles
             particles.threads = Threads(min(threads, particles.count), rows_ascend=self.shape.rows_ascend)
@@ -173,7 +172,7 @@ class Simulation:
 
     def stable_step(self) -> float:
         """Length of a step as the limits are [s], with the contacts that were detected last; before the first
-        step, with those that contact takes for granted. See :meth:`mpmfw.runs.timestep.TimeStep.next`."""
+        step, with those that contact takes for granted. See :meth:`mpmfw.step.timestep.TimeStep.next`."""
         running = self if self._sleep is None else self._sleep.running
         return running._time_step.next(running.hook)
 

@@ -25,7 +25,7 @@ from mpmfw.state.index_map import IndexMap, copy_history
 from mpmfw.state.pairs import overlapping, update_pairs
 from mpmfw.state.structs import Body, State
 from mpmfw.state.windows import fit_windows, fitted_windows, set_windows
-from mpmfw.step import SCHEMES
+from mpmfw.step.schemes import SCHEMES
 from mpmfw.step.transfer import Transfer
 
 #: Steps between two looks for bodies at rest.
@@ -115,7 +115,7 @@ class Sleep:
         self, state: State, hook: Any, transfer: Transfer, clock: Clock, length: Callable[[], float]
     ) -> float:
         """Take one time step of the active bodies, of all while the scene settles; called as those of
-        :data:`mpmfw.step.SCHEMES`."""
+        :data:`mpmfw.step.schemes.SCHEMES`."""
         if not self.full.started:
             return self.scheme(state, hook, transfer, clock, length)
         if self.inactive.any():

@@ -8,16 +8,13 @@ that a thousand bodies do not cost a thousand grids.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from mpmfw.errors import SceneError
 from mpmfw.kernels import Struct, struct
 from mpmfw.state.fields import AnyArray, FloatArray, IndexArray, IntArray
-
-if TYPE_CHECKING:
-    from mpmfw.state.threads import Threads
 
 
 class Stencil(Struct):
@@ -142,7 +139,7 @@ class Particles(Struct):
     moment: FloatArray | None  #: B_p (n, dim, dim) [m²/s]; None unless the transfer stores it (apic)
     first: IntArray  #: (n_fields + 1,) material points of velocity field f are first[f]:first[f + 1]
     thickness: FloatArray | None = None  #: (n,) [m]; None unless a body of the plane names its own
-    threads: Threads | None = None  #: that share the lines of the step; None if one does it all
+    threads: Any = None  #: ``Threads`` that share the operations of the step; None if one does it all
 
     def __post_init__(self) -> None:
         self.set()

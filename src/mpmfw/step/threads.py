@@ -1,15 +1,12 @@
-"""Several threads of one run: each has a part of a line of the step, and the result is the same to the bit as
-with one.
+"""Several threads of one run: each has a part of an operation of the step; results are bitwise those of one.
 
 Kernels let go of the interpreter's lock, so that Python threads are enough. Nothing here depends on when a
-thread is done:
+thread is done: operations on points alone, or from the grid to points, are shared out by points. Those from
+points to the grid are shared out by nodes. Every thread goes through the points in their order and adds to
+its range of nodes alone.
 
-- lines that go from the grid to the points, or over points alone, are shared out by points, none of which
-  asks another;
-- lines that go from points to the grid are shared out by nodes. Every thread goes through the points in their
-  order, and adds to its own nodes alone what a single thread would add to them, one after the other.
-
-Imported where a run has more than one thread.
+A thread that sleeps, or waits for the interpreter's lock, is awake 15 to 30 µs after it is called: as long as
+a small kernel. So threads look for a while, in compiled code, at a number that another one writes.
 """
 
 from __future__ import annotations
@@ -22,40 +19,98 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from queue import SimpleQueue
 from threading import Thread
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
+from llvmlite import ir  # type: ignore[import-untyped]
+from numba.core import types
+from numba.np import arrayobj
 
-from mpmfw.kernels import _waiting as waiting
+from mpmfw.kernels import kernel
+from mpmfw.kernels._jit import intrinsic
 from mpmfw.kernels.stencil import FULL, NodeRange
+from mpmfw.kernels.types import Ints
 from mpmfw.state.fields import IndexArray, IntArray
+from mpmfw.state.structs import Stencil
 
-if TYPE_CHECKING:
-    from mpmfw.state.structs import Stencil
-
+_arrayobj: Any = arrayobj  # numba has no annotations here
 Result = TypeVar("Result")
+
+#: Numbers between two that different threads write: as many as a line of the cache has.
+APART = 8
 
 #: How often a thread looks whether there is something to do before it sleeps: 0.1 ms.
 LOOKS = 300_000
 
-#: As often the thread that calls looks away, before it needs the interpreter's lock itself: 3 µs, in which
-#: the others come from the call to their kernels. Who asks for the lock while another has it sleeps, and is
-#: awake 20 µs later.
+#: As often the thread that calls looks away, 3 µs, while the others need the interpreter's lock.
 FIRST_LOOKS = 48_000
 
 #: Sleep of the thread that calls, when another has none of the cores [s].
 NAP = 1e-4
 
-#: Projections after which the nodes are shared out anew: points move on, and the threads should have equally
-#: many.
+#: Projections after which the nodes are shared out anew, because points move on.
 RENEWAL = 256
 
 
-class Threads:
-    """Threads, at least 2, that share one line at a time; the calling thread is the first of them.
+def _address(context: Any, builder: Any, array_type: Any, array: Any, index: Any) -> Any:
+    data = _arrayobj.make_array(array_type)(context, builder, array).data
+    return builder.gep(data, [builder.mul(index, ir.Constant(ir.IntType(64), APART))])
 
-    They start with the first line, end with this object, and are started anew in a process that was forked.
-    One thread projects alone unless ``rows_ascend``: the nodes of every row of the table ascend."""
+
+@intrinsic
+def read(_typing: Any, numbers: Any, t: Any) -> Any:  # noqa: ARG001
+    """Number ``t`` as another thread wrote it last, and all that it wrote before."""
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return builder.load_atomic(_address(context, builder, signature.args[0], *args), "acquire", 8)
+
+    return types.int64(numbers, types.intp), codegen
+
+
+@intrinsic
+def write(_typing: Any, numbers: Any, t: Any, value: Any) -> Any:  # noqa: ARG001
+    """Write number ``t`` for other threads, after all that was written before."""
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        address = _address(context, builder, signature.args[0], *args[:2])
+        builder.store_atomic(args[2], address, "release", 8)
+        return context.get_dummy_value()
+
+    return types.void(numbers, types.intp, types.int64), codegen
+
+
+@kernel
+def wait(numbers: Ints, t: int, value: int, looks: int) -> bool:
+    """Look at number ``t`` of ``numbers`` (n * APART,) some times; return True once it is ``value``."""
+    for _ in range(looks):  # noqa: SIM110
+        if read(numbers, t) == value:
+            return True
+    return False
+
+
+@kernel
+def begin(numbers: Ints, value: int, looks: int) -> None:
+    """Write number 0, which all threads look at, and give them time to take the interpreter's lock."""
+    write(numbers, 0, value)
+    for _ in range(looks):
+        read(numbers, 0)
+
+
+@kernel
+def end(numbers: Ints, t: int, value: int, looks: int) -> bool:
+    """Write number ``t`` of a thread that is done; return True once number 0 is another than ``value``."""
+    write(numbers, t, value)
+    for _ in range(looks):  # noqa: SIM110
+        if read(numbers, 0) != value:
+            return True
+    return False
+
+
+class Threads:
+    """Threads, at least 2, that share one operation at a time; the calling thread is the first of them.
+
+    They start with the first operation, end with this object, and are started anew in a process that was
+    forked. One thread projects alone unless ``rows_ascend``: the nodes of every row of the table ascend."""
 
     def __init__(self, count: int, *, rows_ascend: bool) -> None:
         self.count, self.rows_ascend = count, rows_ascend
@@ -66,7 +121,7 @@ class Threads:
         self._entries: list[int] = []  #: of every thread's rows in the last table
 
     def each(self, part: Callable[[int], Result]) -> list[Result]:
-        """``part(t)`` for every thread t; the results, in their order, when all are done."""
+        """Return ``part(t)`` of every thread t, in their order, when all are done."""
         if self._process != os.getpid():
             self._process, self._team = os.getpid(), _Team(self.count)
             weakref.finalize(self, _dismiss, self._team, self._process)
@@ -82,12 +137,11 @@ class Threads:
         return list(itertools.pairwise(cuts))
 
     def firsts(self, first: IntArray) -> list[IntArray]:
-        """``first`` of the velocity fields' points, for every thread with its part of the points alone."""
+        """``first`` of the velocity fields, for every thread with its part of the points alone."""
         return [np.clip(first, *part) for part in self.parts(0, int(first[-1]))]
 
     def over_points(self, kernel: Callable[..., int | None], *arguments: Any) -> int:
-        """Call a kernel of the step with every thread's part of the points, their arrays, table, and arrays
-        beside.
+        """Call a kernel of the step with every thread's part of the points, their arrays and table.
 
         Return the first point of which the kernel says that it failed, −1 if it does of none."""
         ranges = self.parts(0, len(arguments[0].mass))
@@ -99,11 +153,8 @@ class Threads:
         return -1
 
     def _parts_of(self, argument: Any, ranges: list[tuple[int, int]]) -> list[Any]:
-        """Return each thread's part of an argument: of an array, or of what has a method ``part``; all else
-        is everybody's.
-
-        Parts of structs are kept while their arrays are the same.
-        """
+        """Return each thread's part of an array or a struct, kept while its arrays are the same; or all of
+        it."""
         if isinstance(argument, np.ndarray):
             return [argument[begin:end] for begin, end in ranges]
         if not hasattr(argument, "part"):
@@ -115,25 +166,19 @@ class Threads:
         return parts
 
     def over_slices(self, kernel: Callable[..., Any], slices: Sequence[slice], *arguments: Any) -> None:
-        """``kernel(first, last, *arguments)`` for parts of every slice of the points."""
+        """Call ``kernel(first, last, *arguments)`` for parts of every slice of the points."""
         ranges = [self.parts(own.start, own.stop) for own in slices]
-
-        def part(t: int) -> None:
-            for each in ranges:
-                kernel(*each[t], *arguments)
-
-        self.each(part)
+        self.each(lambda t: [kernel(*each[t], *arguments) for each in ranges])
 
     def over_nodes(self, kernel: Callable[..., None], *arguments: Any) -> None:
-        """A kernel of the step with every thread's share of the nodes, as :meth:`share_nodes` cut them."""
+        """Call a kernel of the step with every thread's share of the nodes."""
         if self._shares:
             self.each(lambda t: kernel(*arguments, self._shares[t]))
         else:
             kernel(*arguments)
 
     def share_nodes(self, row: IntArray, nodes: IndexArray) -> None:
-        """Cut the nodes where as many points begin below as above; now and then, since any cut gives the same
-        sums."""
+        """Cut the nodes now and then so that as many points begin in each share."""
         if self._left == 0 and self.rows_ascend:
             lowest = nodes[row[:-1]]
             ranks = [len(lowest) * t // self.count for t in range(1, self.count)]
@@ -146,59 +191,46 @@ class Threads:
         self._left = 0
 
     def fill_rows(self, fill: Callable[[IntArray, int, int], int], first: IntArray, table: Stencil) -> int:
-        """Fill a table of rows of varying length by ``fill(first, k, end)``, in parts that begin as last
-        time.
+        """Fill a table of rows of varying length by ``fill(first, k, end)``, in parts that begin as before.
 
-        Between two parts are a few entries of weight 0, the last node of the row before once more. Return the
-        first point outside its window, −1, or ``FULL`` if the table is too short."""
-        begins, firsts = self._begins(table), self.firsts(first)
+        Entries between two parts repeat the last node with weight 0. Return the first point outside its
+        window, −1, or ``FULL`` if the table is too short."""
+        parts, firsts = self.parts(0, len(table.row) - 1), self.firsts(first)
+        if self._entries:  # room for some more than last time
+            begins = list(itertools.accumulate((n + n // 128 + 64 for n in self._entries[:-1]), initial=0))
+        else:
+            begins = [table.room * start // (len(table.row) - 1) for start, _ in parts]
         ends = [*begins[1:], table.room]
         codes = self.each(lambda t: fill(firsts[t], begins[t], ends[t]))
         if FULL in codes and self._entries:
             self._entries = []
             return self.fill_rows(fill, first, table)
-        code = next((code for code in codes if code != -1), -1)
-        if code == -1:
-            self._join(table, begins)
-        return code
-
-    def _begins(self, table: Stencil) -> list[int]:
-        """Where every thread's entries begin: with room for some more than last time, or for equally many a
-        point."""
-        if self._entries:
-            return list(itertools.accumulate((n + n // 128 + 64 for n in self._entries[:-1]), initial=0))
-        count = len(table.row) - 1
-        return [table.room * first // count for first, _ in self.parts(0, count)]
-
-    def _join(self, table: Stencil, begins: list[int]) -> None:
-        """Make one table of the parts, and note how many entries they have."""
+        if failed := [code for code in codes if code != -1]:
+            return failed[0]
         row, nodes, weight, gradient = table.kernel_arrays
-        parts = self.parts(0, len(row) - 1)
         self._entries = [int(row[last]) - k for (_, last), k in zip(parts, begins, strict=True)]
-        for (first, _), k in zip(parts[1:], begins[1:], strict=True):
-            spare = slice(int(row[first]), k)
+        for (start, _), k in zip(parts[1:], begins[1:], strict=True):
+            spare = slice(int(row[start]), k)
             nodes[spare] = nodes[spare.start - 1]
             weight[spare] = gradient[spare] = 0.0
-            row[first] = k
+            row[start] = k
+        return -1
 
 
 class _Team:
-    """The threads themselves, which know nothing of the object that they work for: it may end before them.
+    """The threads themselves, without a reference to the object that they work for, which may end first.
 
-    Part 0 is the caller's, every other part that of the thread which takes it first: the caller takes what is
-    left when it has done its own, so that a thread which other processes keep from the cores holds up nothing
-    that it has not begun.
+    Part 0 is the caller's. Whoever is free takes the next part, the caller too: a thread without a core holds
+    up nothing that it has not begun.
     """
 
     def __init__(self, count: int) -> None:
         self.count, self.round, self.ended = count, 0, False
-        #: Number 0: the last round that was called. Number t: the last round in which another thread has done
-        #: part t
-        self.rounds = np.zeros(2 * count * waiting.APART, dtype=np.int64)
+        #: The last round that was called, then for each part the last round in which another thread did it.
+        self.rounds = np.zeros(2 * count * APART, dtype=np.int64)
         self.results: list[Any] = [None] * count
-        self.left: deque[tuple[Callable[[int], Any], int, int]] = (
-            deque()
-        )  #: parts that nobody has begun, and their round
+        #: Parts that nobody has begun, and their round.
+        self.left: deque[tuple[Callable[[int], Any], int, int]] = deque()
         self.asleep = [False] * count
         self.calls: list[SimpleQueue[None]] = [SimpleQueue() for _ in range(count)]
         for k in range(1, count):
@@ -215,7 +247,7 @@ class _Team:
             others.remove(own[1])
             self._do(part, own[1])
         for t in others:
-            while not waiting.wait(self.rounds, t, self.round, LOOKS):
+            while not wait(self.rounds, t, self.round, LOOKS):
                 time.sleep(NAP)
         return self.results.copy()
 
@@ -225,7 +257,7 @@ class _Team:
         for k, asleep in enumerate(self.asleep):
             if asleep:
                 self.calls[k].put(None)
-        waiting.begin(self.rounds, self.round, FIRST_LOOKS)
+        begin(self.rounds, self.round, FIRST_LOOKS)
 
     def _take(self) -> tuple[Callable[[int], Any], int, int] | None:
         try:
@@ -250,7 +282,7 @@ class _Team:
                 part, number, done = taken
                 self._do(part, number)
                 del part, taken
-            if waiting.end(self.rounds, number, done, LOOKS):
+            if end(self.rounds, number, done, LOOKS):
                 seen = self.round
                 continue
             self.asleep[k] = True

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from pydantic import BaseModel
-
-from mpmfw.contact.strategy import ContactStrategy
 from mpmfw.errors import PastStabilityLimit, PluginError, SceneError, SimulationError
-from mpmfw.plugin.setup import Setup
+
+if TYPE_CHECKING:
+    from mpmfw.plugin.setup import Setup
 
 #: Share of the bulk's limit below which a time step is taken for a failure: such a run would never end.
 COLLAPSED = 1e-4
@@ -48,14 +47,13 @@ class TimeStep:
         self._checked = may_exceed and not setup.allow_unstable
 
     def next(self, hook: Any) -> float:
-        """Return the length of the next step [s]: safety times the least limit, or the scene's fixed step.
+        """Return the length of the next step [s].
 
-        Raise SimulationError past a stability limit, unless the scene allows it, and when the limit has
-        collapsed."""
+        Raise SimulationError past a stability limit, and when the limit has collapsed."""
         limits = self.limits(hook)
         limit, owner = min(limits)
         step: float = self._safety * limit if self._fixed is None else self._fixed
-        if self._checked and (refusal := self._refusal(step, limits)) is not None:
+        if self._checked and (refusal := self._refusal(step, limits)):
             advice = "a smaller time.step, or allow_unstable = true"
             raise PastStabilityLimit(refusal, time=self.state.time, advice=advice)
         if limit < COLLAPSED * self.bulk_limit:
@@ -68,28 +66,32 @@ class TimeStep:
         return step
 
     def _advice(self, owner: str) -> str:
-        """Return ways to lengthen the steps that a plug-in limits, by options that it has."""
-        contact = next((one for one in self.limiting if _says(one, owner)), None)
-        if contact is None:
+        """Return ways to lengthen the steps that a contact limits, by options that it has."""
+        for contact in self.limiting:
+            if hasattr(contact, "softer_by") and owner.startswith(
+                (contact.name, contact.name.split("+")[-1])
+            ):
+                break
+        else:
             return "another shape function"
         ways = [f"a softer contact ({contact.softer_by})" if contact.softer_by else "a softer contact"]
-        if contact.needs_surface and "map" in getattr(type(contact), "Options", BaseModel).model_fields:
-            ways.append(f"another contact.{contact.name.partition('+')[0]}.map")
+        if contact.needs_surface and "map" in contact.Options.model_fields:
+            ways.append(f"another contact.{contact.name.split('+')[0]}.map")
         return ", ".join([*ways, "or another shape function"])
 
     def check(self, hook: Any) -> None:
         """Raise SceneError if ``time.step`` or ``time.safety`` asks for a step past the first limit."""
         limits = self.limits(hook)
         step: float = self._safety * min(limits)[0] if self._fixed is None else self._fixed
-        if self._checked and (refusal := self._refusal(step, limits)) is not None:
+        if self._checked and (refusal := self._refusal(step, limits)):
             key = "time.safety" if self._fixed is None else "time.step"
             raise SceneError(f"{refusal}; expected a smaller {key}, or allow_unstable = true", key=key)
 
     def limits(self, hook: Any) -> list[tuple[float, str]]:
         """Return every stable time step [s] with its owner, before the safety factor; the bulk's comes first.
 
-        NaN is refused, which the least of all would pass over."""
-        answers = hook.stable_timestep(state=self.state) or ()
+        Raise PluginError for NaN, which a minimum would pass over."""
+        answers = hook.stable_timestep(state=self.state)
         for answer in answers:
             if not answer[0] > 0.0:
                 text = (
@@ -99,16 +101,9 @@ class TimeStep:
                 raise PluginError(text, step=self.state.steps, time=self.state.time)
         return [self._bulk, *answers]
 
-    def _refusal(self, step: float, limits: list[tuple[float, str]]) -> str | None:
-        """Return a reason if a step is past a stability limit. The bulk is unstable below h / c already."""
+    def _refusal(self, step: float, limits: list[tuple[float, str]]) -> str:
+        """Return the reason if a step is past a stability limit; the bulk is unstable below h / c already."""
         limit, owner = min([self._least_refused, *limits[1:]])
         if step <= limit * (1.0 + 1e-12):
-            return None
+            return ""
         return f"a step of {step:.4g} s is past the stability limit {limit:.4g} s of {owner}"
-
-
-def _says(plugin: Any, owner: str) -> bool:
-    """Return True for a contact whose name, or whose law's name, begins ``owner``."""
-    if not isinstance(plugin, ContactStrategy):
-        return False
-    return any(owner.startswith(name) for name in (plugin.name, plugin.name.rpartition("+")[2]))

@@ -1,0 +1,287 @@
+"""Time steps: one function for each scheme, and the operations that they are made of.
+
+Kernels are called at once, or shared out among the threads that a run has.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from mpmfw.errors import Diverged, SimulationError
+from mpmfw.kernels import integrate_momentum, particle_grid, velocity_of_momentum
+from mpmfw.state.clock import Clock
+from mpmfw.state.fields import FloatArray
+from mpmfw.state.pairs import update_pairs
+from mpmfw.state.structs import Body, Grid, OutsideGrid, Particles, State, Stencil
+from mpmfw.state.windows import fit_windows
+from mpmfw.step.transfer import Transfer
+
+Length = Callable[[], float]  #: returns the length of the step [s], when the contacts are detected
+
+
+def usl(state: State, hook: Any, transfer: Transfer, clock: Clock, length: Length) -> float:
+    """One step, update stress last: strain and positions follow from one grid velocity, which keeps rotation.
+
+    1. φ_ip, ∇φ_ip
+    2. m_i = Σ φ m,  (m v)_i = Σ φ m (v + C (x_i − x_p)), per velocity field; contacts are detected, Δt is
+       chosen
+    3. f_i = −Σ V σ·∇φ + f_ext + f_cont                     (eq. 12 of [H17])
+    4. (m v)_i += Δt f_i, then velocity-correcting contact, inertia correction, boundary conditions
+    5. v_p, x_p, C_p from the grid; surface nodes move with the same velocity
+    6. F ← (1 + Δt L) F, domains, σ(F)
+    """
+    p, g = state.particles, state.grid
+    phi, dt = begin(state, hook, clock, length)  # 1, 2
+
+    clock("force")
+    add_forces(state, hook, phi, dt)  # 3, 4
+
+    clock("gather")
+    gather(p, phi, g, transfer, dt)  # 5
+    transport_affine(p, transfer, g, dt)
+    hook.advect(grid=g, dt=dt)
+
+    clock("material")
+    update_deformation(state, dt)  # 6
+    hook.update_particle_domains(particles=p, grid=g, dt=dt)
+    hook.update_stress(particles=p, dt=dt)
+    hook.end_step(state=state)
+    return dt
+
+
+def musl(state: State, hook: Any, transfer: Transfer, clock: Clock, length: Length) -> float:
+    """One step, modified update stress last (Sulsky, Zhou & Schreyer 1995).
+
+    The strain is taken from the points' new velocities, projected a second time. This keeps nearly massless
+    nodes from spoiling it (linear shape functions need that), at the price of two velocities for position and
+    strain, which is wrong for rotation. Steps 1 to 4 are those of :func:`usl`.
+
+    5. v_p, x_p, C_p from the grid; surface nodes and domains move with the same velocity
+    6. (m v)_i = Σ φ m v again, boundary conditions; L from it
+    7. F ← (1 + Δt L) F, σ(F)
+    """
+    p, g = state.particles, state.grid
+    phi, dt = begin(state, hook, clock, length)  # 1, 2
+
+    clock("force")
+    add_forces(state, hook, phi, dt)  # 3, 4
+
+    clock("gather")
+    old_position = p.position.copy()
+    gather(p, phi, g, transfer, dt)  # 5
+    hook.advect(grid=g, dt=dt)
+    hook.update_particle_domains(particles=p, grid=g, dt=dt)
+
+    clock("projection")
+    project_again(p, phi, g, old_position)  # 6
+    hook.after_second_projection(grid=g, phi=phi, particles=p)
+    hook.constrain_momentum(grid=g, time=state.time + dt)
+    velocity_of_momentum(g.mass, g.momentum, g.velocity, g.spacing)
+    clock("gather")
+    gather_velocity_gradient(p, phi, g)
+    transport_affine(p, transfer, g, dt)
+
+    clock("material")
+    update_deformation(state, dt)  # 7
+    hook.update_stress(particles=p, dt=dt)
+    hook.end_step(state=state)
+    return dt
+
+
+def usf(state: State, hook: Any, transfer: Transfer, clock: Clock, length: Length) -> float:
+    """One step, update stress first (Bardenhagen 2002): from the projected velocity, before the forces.
+
+    Steps 1 and 2 are those of :func:`usl`; then contact and boundary conditions act on the momentum.
+
+    3. L from it; F ← (1 + Δt L) F, σ(F)
+    4. f_i = −Σ V σ·∇φ + f_ext + f_cont                     (eq. 12 of [H17])
+    5. (m v)_i += Δt f_i, then velocity-correcting contact, inertia correction, boundary conditions
+    6. v_p, x_p, C_p from the grid; surface nodes move with the same velocity; domains
+    """
+    p, g = state.particles, state.grid
+    phi, dt = begin(state, hook, clock, length)  # 1, 2
+    hook.constrain_momentum(grid=g, time=state.time)
+    velocity_of_momentum(g.mass, g.momentum, g.velocity, g.spacing)
+
+    clock("material")
+    gather_velocity_gradient(p, phi, g)  # 3
+    update_deformation(state, dt)
+    hook.update_stress(particles=p, dt=dt)
+
+    clock("force")
+    add_forces(state, hook, phi, dt)  # 4, 5
+
+    clock("gather")
+    gather(p, phi, g, transfer, dt)  # 6
+    transport_affine(p, transfer, g, dt)
+    hook.advect(grid=g, dt=dt)
+    hook.update_particle_domains(particles=p, grid=g, dt=dt)
+    hook.end_step(state=state)
+    return dt
+
+
+SCHEMES = {"usl": usl, "musl": musl, "usf": usf}
+
+
+def begin(state: State, hook: Any, clock: Clock, length: Length) -> tuple[Stencil, float]:
+    """Fill the tables, project, detect contacts; return the points' table and the length of the step [s]."""
+    p, g = state.particles, state.grid
+    clock("shape")
+    phi = interpolate(state, hook, clock)
+    clock("projection")
+    project(p, phi, g)
+    hook.detect(grid=g, phi=phi, particles=p)
+    dt = length()
+    hook.after_momentum_projection(grid=g, phi=phi, particles=p, dt=dt)
+    return phi, dt
+
+
+def interpolate(state: State, hook: Any, clock: Clock) -> Stencil:
+    """φ_ip and ∇φ_ip, and N_i(x_s) where surfaces are tracked; return the points' table.
+
+    Windows are laid anew when a body leaves its own. Raise SimulationError for a point outside the background
+    grid.
+    """
+    particles, surface = state.particles, state.surface
+    try:
+        return _fill_tables(state, hook, clock)
+    except OutsideGrid:
+        fit_windows(state.grid, particles, hook.particle_reach(particles=particles), surface)
+        update_pairs(state, hook)
+        if particles.threads is not None:
+            particles.threads.share_anew()
+    try:
+        return _fill_tables(state, hook, clock)
+    except OutsideGrid as error:
+        raise _left_the_grid(state, error) from None
+
+
+def _fill_tables(state: State, hook: Any, clock: Clock) -> Stencil:
+    particles, grid, surface = state.particles, state.grid, state.surface
+    phi: Stencil = hook.interpolate(particles=particles, grid=grid)
+    if particles.threads is not None:
+        particles.threads.share_nodes(phi.row, phi.nodes)
+    if surface is not None:
+        clock(surface.stage)
+        position, first = surface.position, surface.first
+        try:
+            surface.stencil = hook.interpolate_surface(position=position, first=first, grid=grid)
+        except OutsideGrid as error:
+            raise OutsideGrid(error.index, surface=True) from None
+    return phi
+
+
+def _left_the_grid(state: State, error: OutsideGrid) -> SimulationError:
+    """Name the body, the index within it, the position and the time."""
+    if error.surface and state.surface is not None:
+        what, position = "a surface node left the grid", state.surface.position
+        body = state.bodies[int(state.surface.body[error.index])]
+        first = int(state.surface.body_first[body.index])
+    else:
+        what, position = "a material point left the grid", state.particles.position
+        body = _body_of(state, error.index)
+        first = body.particles.start
+    return SimulationError(
+        what,
+        body=body.name,
+        index=error.index - first,
+        position=position[error.index].tolist(),
+        time=state.time,
+        advice="a larger grid (grid.lower, grid.upper), or an earlier time.end; if the position is far off "
+        "or nan, a smaller time.safety",
+    )
+
+
+def _body_of(state: State, point: int) -> Body:
+    """Return the body that a material point belongs to."""
+    return next(body for body in state.bodies if body.particles.start <= point < body.particles.stop)
+
+
+def _over_points(p: Particles, kernel: Callable[..., Any], *given: Any) -> Any:
+    """Run a kernel in which no point needs another; threads share out the points."""
+    return kernel(p, *given) if p.threads is None else p.threads.over_points(kernel, p, *given)
+
+
+def _over_nodes(p: Particles, kernel: Callable[..., Any], *given: Any) -> None:
+    """Run a kernel in which points add to nodes; threads share out the nodes."""
+    if p.threads is None:
+        kernel(p, *given)
+    else:
+        p.threads.over_nodes(kernel, p, *given)
+
+
+def project(p: Particles, phi: Stencil, g: Grid) -> None:
+    """m_i, (m v)_i and the velocity v_i⁰ that increments are counted from; forces become zero."""
+    g.reset()
+    _apply_moment(p, phi, g, p.position)
+    _over_nodes(p, particle_grid.project, p.position, p.affine, phi, g, g.mass, g.spacing)
+    velocity_of_momentum(g.mass, g.momentum, g.start_velocity, g.spacing)
+
+
+def project_again(p: Particles, phi: Stencil, g: Grid, position: FloatArray) -> None:
+    """(m v)_i of the new v and C, at the ``position`` that φ belongs to (MUSL)."""
+    _apply_moment(p, phi, g, position)
+    g.momentum.fill(0.0)
+    _over_nodes(p, particle_grid.project, position, p.affine, phi, g, None, g.spacing)
+
+
+def _apply_moment(p: Particles, phi: Stencil, g: Grid, position: FloatArray) -> None:
+    """C_p = B_p D_p⁻¹ at the present stencil, for a transfer that stores the moment B_p."""
+    if p.moment is not None and p.affine is not None:
+        _over_points(p, particle_grid.affine_from_moment, position, p.moment, p.affine, phi, g, g.spacing)
+
+
+def add_internal_force(p: Particles, phi: Stencil, g: Grid) -> None:
+    """f_i −= Σ V σ·∇φ."""
+    _over_nodes(p, particle_grid.add_internal_force, p.thickness, phi, g, g.spacing)
+
+
+def add_forces(state: State, hook: Any, phi: Stencil, dt: float) -> None:
+    """All forces, (m v)_i += Δt f_i, all corrections of the momentum, and the velocity that follows."""
+    p, g = state.particles, state.grid
+    add_internal_force(p, phi, g)
+    hook.add_nodal_force(grid=g, state=state, phi=phi, dt=dt)
+    integrate_momentum(g.mass, g.momentum, g.force, dt, g.spacing)
+    hook.after_momentum_update(grid=g, phi=phi, particles=p, dt=dt)
+    hook.correct_inertia(grid=g, phi=phi, particles=p, dt=dt)
+    hook.constrain_momentum(grid=g, time=state.time + dt)
+    velocity_of_momentum(g.mass, g.momentum, g.velocity, g.spacing)
+
+
+def gather(p: Particles, phi: Stencil, g: Grid, transfer: Transfer, dt: float) -> None:
+    """v_p, x_p, L_p and the affine field from the grid's final velocity; the field is not transported yet."""
+    kind = transfer.affine
+    affine = p.moment if kind == "moment" else p.affine if kind == "least_squares" else None
+    least_squares = kind == "least_squares"
+    _over_points(p, particle_grid.gather, affine, phi, g, least_squares, transfer.flip, dt, g.spacing)
+    if kind == "gradient" and p.affine is not None:
+        p.affine[...] = p.velocity_gradient
+
+
+def gather_velocity_gradient(p: Particles, phi: Stencil, g: Grid) -> None:
+    """L_p = Σ v_i ∇φᵀ of the grid's velocity now."""
+    _over_points(p, particle_grid.gather_velocity_gradient, phi, g, g.spacing)
+
+
+def transport_affine(p: Particles, transfer: Transfer, g: Grid, dt: float) -> None:
+    """C ← C (1 + Δt C)⁻¹, for a transfer whose affine field is transported."""
+    if transfer.transported and p.affine is not None:
+        _over_points(p, particle_grid.transport_affine, p.affine, dt, g.spacing)
+
+
+def update_deformation(state: State, dt: float) -> None:
+    """F ← (1 + Δt L) F, V = det(F) V_0; raise Diverged if det F is not positive, or not a number."""
+    p = state.particles
+    bad = _over_points(p, particle_grid.update_deformation, dt, state.grid.spacing)
+    if bad < 0:
+        return
+    body, jacobian = _body_of(state, bad), p.volume[bad] / p.initial_volume[bad]
+    inverted = f"a material point inverted (det F = {jacobian:.3g})"
+    raise Diverged(
+        inverted if jacobian == jacobian else "a value became NaN",
+        body=body.name,
+        index=bad - body.particles.start,
+        position=p.position[bad].tolist(),
+        time=state.time,
+    )
