@@ -6,10 +6,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from mpmfw.step.operations import interpolate, project
 
 from mpmfw.api import FloatArray, Grid, Particles, State, Stencil, hookimpl
 from mpmfw.runs.simulation import Simulation
+from mpmfw.step.schemes import interpolate, project
 
 
 def cross(a: FloatArray, b: FloatArray) -> FloatArray:
