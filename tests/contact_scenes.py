@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.errors import SimulationError
 from mpmfw.runs.simulation import Simulation
 
 CELL = 0.1  # m
@@ -36,11 +35,6 @@ STRATEGIES: dict[str, tuple[str, dict[str, Any]]] = {
     "nairn": ("nairn", {}),
     "particles": ("particles", {}),
 }
-#: Those that the conformance kit does not run; tests/integration/test_conformance.py asks the others.
-VARIANTS = [
-    *(name for name in STRATEGIES if name.startswith("bardenhagen-")),
-    *("penalty-one-pass", "lcp-nodes"),
-]
 #: Those that report an impulse.
 ACTING = [name for name in STRATEGIES if name not in ("none", "separate")]
 
@@ -183,55 +177,6 @@ def _look(sim: Simulation) -> tuple[Any, ...]:
     if records is None:
         return centre, momentum, kinetic, np.zeros((len(sim.state.pairs), 2)), np.zeros(len(sim.state.pairs))
     return centre, momentum, kinetic, records.impulse.copy(), records.frictional_work.copy()
-
-
-def apart(first: Motion, second: Motion) -> float:
-    """Largest difference of centres (over a cell) and momenta (over the largest) of two motions."""
-    largest = max(np.abs(m).max() for m in first.momentum.values())
-    return max(
-        max(np.abs(first.centre[n] - second.centre[n]).max() / CELL for n in first.centre),
-        max(np.abs(first.momentum[n] - second.momentum[n]).max() / largest for n in first.momentum),
-    )
-
-
-def turned(mapping: dict[str, Any]) -> dict[str, Any]:
-    """The whole scene of rectangles turned by 90° counter-clockwise, gravity and specified normal too."""
-
-    def turn(x: list[float]) -> list[float]:
-        return [-x[1], x[0]]
-
-    bodies = {}
-    for name, b in mapping["bodies"].items():
-        lower, upper = b["geometry"]["lower"], b["geometry"]["upper"]
-        geometry = {"type": "rectangle", "lower": [-upper[1], lower[0]], "upper": [-lower[1], upper[0]]}
-        bodies[name] = {**b, "geometry": geometry, "velocity": turn(b["velocity"])}
-    changed = {**mapping, "bodies": bodies}
-    if "gravity" in mapping:
-        changed["gravity"] = {"vector": turn(mapping["gravity"]["vector"])}
-    return changed
-
-
-def shifted(mapping: dict[str, Any], cells: tuple[int, int]) -> dict[str, Any]:
-    """All bodies moved by whole cells in the same grid."""
-    offset = CELL * np.array(cells)
-    bodies = {}
-    for name, b in mapping["bodies"].items():
-        corners = {key: (np.array(b["geometry"][key]) + offset).tolist() for key in ("lower", "upper")}
-        bodies[name] = {**b, "geometry": {"type": "rectangle", **corners}}
-    return {**mapping, "bodies": bodies}
-
-
-def expect(property_table: dict[str, str], strategy: str, check: Callable[[str], None]) -> None:
-    """The check passes, unless the table says why it must not; then it must fail, so that no entry grows
-    stale."""
-    if strategy not in property_table:
-        check(strategy)
-        return
-    try:
-        check(strategy)
-    except (AssertionError, SimulationError):  # nor has it the property where it does not get through
-        return
-    raise AssertionError(f"{strategy} has the property after all; the table says: {property_table[strategy]}")
 
 
 def wave_speed(kind: str) -> float:

@@ -16,9 +16,12 @@ from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import KINDS, available, distribution_of, load
 from mpmfw.scene.tables import Tables
 
-#: Fields that choose a model of a union (an unknown one is refused below), or hold what was validated
-#: elsewhere.
-NO_OPTIONS = {"type", "options", "friction_options", "tables", "threads"}
+#: Fields that choose a model of a union, or hold what was validated elsewhere, and tables of options.
+NO_OPTIONS = {
+    *("type", "options", "friction_options", "tables", "threads"),
+    *("grid", "time", "stepping", "shape", "contact", "materials", "sleep", "output", "reference", "loads"),
+    "boundaries",
+}
 
 
 def models_of(annotation: Any) -> set[type[BaseModel]]:

@@ -57,28 +57,41 @@ def values(scene: dict[str, Any], key: str, first: Any, second: Any) -> Acts:
     return Acts(scene, {key: first}, {key: second})
 
 
-def geometry(kind: str, key: str, first: Any, second: Any) -> Acts:
-    """Two values of one key of a geometry, the others as in :data:`SHAPES`."""
-    shape = {"type": kind, **SHAPES[kind]}
-    return Acts(body({**shape, key: first}), {}, {f"{SOLID}__geometry": {**shape, key: second}})
-
-
 PLATE = {"type": "rectangle", "lower": [-0.5, -0.5], "upper": [0.5, 0.5]}
 SECTION = {"type": "rectangle", "lower": [0.2, -0.4], "upper": [0.5, 0.4]}
+CENTRE, TURN = [0.03, 0.07, 0.05], [0.0, 0.0, 0.0]
+ROUND = {"centre": CENTRE, "radius": 0.5}
 SHAPES: dict[str, dict[str, Any]] = {
-    "disc": {"centre": [0.03, 0.07], "radius": 0.5},
-    "ring": {"centre": [0.03, 0.07], "inner_radius": 0.3, "outer_radius": 0.7},
-    "rectangle": {"lower": [-0.5, -0.5], "upper": [0.5, 0.5]},
-    "polygon": {"points": [[-0.5, -0.5], [0.5, -0.5], [0.0, 0.5]]},
-    "box": {"lower": [-0.5, -0.5, -0.5], "upper": [0.5, 0.5, 0.5]},
-    "ball": {"centre": [0.03, 0.07, 0.05], "radius": 0.5},
-    "cylinder": {"centre": [0.03, 0.07, 0.05], "radius": 0.5, "length": 0.6},
-    "torus": {"centre": [0.03, 0.07, 0.05], "radius": 0.5, "tube_radius": 0.2},
-    "extrusion": {"outline": PLATE, "low": -0.3, "high": 0.3},
-    "revolution": {"outline": SECTION},
+    "disc": {"centre": CENTRE[:2], "radius": 0.5},
+    "ring": {"centre": CENTRE[:2], "inner_radius": 0.3, "outer_radius": 0.7},
+    "rectangle": {"lower": [-0.5, -0.5], "upper": [0.5, 0.5], "angle": 0.0},
+    "polygon": {"points": [[-0.5, -0.5], [0.5, -0.5], [0.0, 0.5]], "holes": []},
+    "box": {"lower": [-0.5] * 3, "upper": [0.5] * 3, "angles": TURN},
+    "ball": ROUND,
+    "cylinder": {**ROUND, "length": 0.6, "axis": "z", "angles": TURN},
+    "torus": {**ROUND, "tube_radius": 0.2, "axis": "z", "angles": TURN},
+    "extrusion": {"outline": PLATE, "low": -0.3, "high": 0.3, "angles": TURN},
+    "revolution": {"outline": SECTION, "origin": [0.0] * 3, "axis": "z", "angles": TURN},
 }
 HOLE = [[-0.1, -0.2], [0.1, -0.2], [0.0, 0.0]]
 SIDES = f"{SOLID}__sides"
+
+
+def other(value: Any) -> Any:
+    """Another value: a number a bit larger, a list with another first entry, another axis or outline."""
+    if isinstance(value, list):
+        return [other(value[0]), *value[1:]] if value else [HOLE]
+    if isinstance(value, dict):
+        return {**value, "upper": other(value["upper"])}
+    return "x" if value == "z" else value + 0.1
+
+
+def geometry(kind: str, key: str) -> Acts:
+    """Two values of one key of a geometry, the others as in :data:`SHAPES`."""
+    shape = {"type": kind, **SHAPES[kind]}
+    return Acts(body(shape), {}, {f"{SOLID}__geometry": {**shape, key: other(shape[key])}})
+
+
 SETTLED = held(settle={"tolerance": 0.1, "max_time": 0.05})
 RESTING = pair(
     time={"end": 0.1, "output_interval": 0.1},
@@ -102,167 +115,99 @@ TABLE, FAST = {"model": "shaken"}, {"model": "fastest"}
 AIR = {"model": "drag", "rate": 30.0}
 OVERLAPPING = pair(bodies__right__geometry={"type": "rectangle", "lower": [-0.1, -0.2], "upper": [0.4, 0.3]})
 
-CORE: dict[str, Acts] = {
-    "Tables.title": values(body(), "title", "one", "another"),
-    "Tables.allow_overlap": values(OVERLAPPING, "allow_overlap", False, True),
-    "Tables.allow_unstable": values(body(time__safety=0.9), "allow_unstable", False, True),
-    "Tables.grid": values(body(), "grid__cell_size", 0.25, 0.3),
-    "Tables.time": values(body(), "time__end", 6e-3, 4e-3),
-    "Tables.stepping": values(body(), "stepping", {}, {"transfer": "pic"}),
-    "Tables.shape": values(body(), "shape", {"method": "cpdi"}, {"method": "gimp"}),
-    "Tables.contact": values(pair(), "contact", {"method": "penalty"}, {"method": "none"}),
-    "Tables.materials": values(body(), "materials", {"soft": SOFT}, {"soft": {**SOFT, "shear_modulus": 1e6}}),
-    "Tables.bodies": values(body(), f"{SOLID}__velocity", [1.0, 0.0], [0.0, 1.0]),
-    "Tables.gravity": values(held(), "gravity", G, {"vector": [0, -50]}),
-    "Tables.settle": Acts(held(), {}, {"settle": {"tolerance": 0.1, "max_time": 0.05}}),
-    "Tables.sleep": Acts(RESTING, {}, {"sleep": {"strain": 1e-2, "crossings": 1.0}}),
-    "Sleep.strain": values({**RESTING, "sleep": {"crossings": 1.0}}, "sleep__strain", 1e-9, 1e-2),
-    "Sleep.crossings": values({**RESTING, "sleep": {"strain": 1e-2}}, "sleep__crossings", 1.0, 1e3),
-    "Tables.output": values(body(), "output", {}, {"energy": False}),
-    "Tables.reference": values(body(), "reference", {"kind": "sliding-block"}, {"kind": "none of them"}),
-    "Reference.kind": values(body(), "reference", {"kind": "sliding-block"}, {"kind": "none of them"}),
-    "Grid.cell_size": values(body(), "grid__cell_size", 0.25, 0.3),
-    "Grid.lower": values(body(), "grid__lower", [-2.0, -2.0], [-2.1, -2.1]),
-    "Grid.upper": values(body(), "grid__upper", [2.0, 2.0], [0.4, 0.4]),
-    "Time.end": values(body(), "time__end", 6e-3, 4e-3),
-    "Time.outputs": values(body(time__output_interval=2.2e-3), "time__outputs", "exact", "nearest"),
-    "Time.output_interval": values(body(), "time__output_interval", 3e-3, 2e-3),
-    "Time.safety": values(body(), "time__safety", 0.5, 0.3),
-    "Time.step": values(body(), "time__step", 1e-3, 5e-4),
-    "Stepping.scheme": values(body(), "stepping__scheme", "usl", "musl"),
-    "Stepping.transfer": values(body(), "stepping__transfer", "flip", "apic"),
-    "Stepping.transported": values(body(), "stepping__transported", True, False),
-    "Stepping.pic_fraction": values(body(stepping__transfer="flip"), "stepping__pic_fraction", 0.0, 0.3),
-    "Shape.method": values(body(), "shape__method", "cpdi", "bspline"),
-    "Contact.method": values(pair(), "contact__method", "penalty", "bardenhagen"),
-    "Contact.friction": values(pair(), "contact__friction", 0.1, 0.4),
-    "Contact.friction_law": values(
-        pair(contact__mohr_coulomb={"cohesion": 1e4}), "contact__friction_law", "coulomb", "mohr_coulomb"
+ROUND_BODY = body({"type": "disc", **SHAPES["disc"]})
+TILTED, STEEPER, WEAKER = ({"magnitude": g, "tilt": tilt} for g, tilt in ((9, 0.1), (9, 0.2), (8, 0.1)))
+GRAVITIES = [
+    *(("magnitude", TILTED, WEAKER), ("tilt", TILTED, STEEPER), ("vector", G, {"vector": [1, -100]})),
+    ("table", {"table": [[0, 0, -9], [1, 0, -9]]}, {"table": [[0, 0, -9], [0.01, 0, 9]]}),
+]
+LOADS = [("pressure", 1e3, 2e3), ("traction", [1e3, 0], [2e3, 0]), ("force", [1e3, 0], [2e3, 0])]
+OTHER_MATERIAL = {**SOFT, "shear_modulus": 1e6}
+FIELD = {"model": "body_force", "force": [9.0, 0.0]}
+#: Scene, key and its two values; the key is the option's, with two underscores for the dot, where it is "".
+ROWS: dict[str, tuple[dict[str, Any], str, Any, Any]] = {
+    "Tables.title": (body(), "title", "one", "another"),
+    "Tables.allow_overlap": (OVERLAPPING, "allow_overlap", False, True),
+    "Tables.allow_unstable": (body(time__safety=0.9), "allow_unstable", False, True),
+    "Tables.bodies": (body(), f"{SOLID}__velocity", [1.0, 0.0], [0.0, 1.0]),
+    "Tables.gravity": (held(), "gravity", G, {"vector": [0, -50]}),
+    "Tables.outputs": (body(), "outputs", {}, {"fast": FAST}),
+    "Sleep.strain": ({**RESTING, "sleep": {"crossings": 1.0}}, "", 1e-9, 1e-2),
+    "Sleep.crossings": ({**RESTING, "sleep": {"strain": 1e-2}}, "", 1.0, 1e3),
+    "Reference.kind": (body(), "", "sliding-block", "none of them"),
+    "Grid.cell_size": (body(), "", 0.25, 0.3),
+    "Grid.lower": (body(), "", [-2.0, -2.0], [-2.1, -2.1]),
+    "Grid.upper": (body(), "", [2.0, 2.0], [0.4, 0.4]),
+    "Time.end": (body(), "", 6e-3, 4e-3),
+    "Time.outputs": (body(time__output_interval=2.2e-3), "", "exact", "nearest"),
+    "Time.output_interval": (body(), "", 3e-3, 2e-3),
+    "Time.safety": (body(), "", 0.5, 0.3),
+    "Time.step": (body(), "", 1e-3, 5e-4),
+    "Stepping.scheme": (body(), "", "usl", "musl"),
+    "Stepping.transfer": (body(), "", "flip", "apic"),
+    "Stepping.transported": (body(), "", True, False),
+    "Stepping.pic_fraction": (body(stepping__transfer="flip"), "", 0.0, 0.3),
+    "Shape.method": (body(), "", "cpdi", "bspline"),
+    "Contact.method": (pair(), "", "penalty", "bardenhagen"),
+    "Contact.friction": (pair(), "", 0.1, 0.4),
+    "Contact.friction_law": (pair(contact__mohr_coulomb={"cohesion": 1e4}), "", "coulomb", "mohr_coulomb"),
+    "Contact.pairs": (pair(), "", [STICKY], [SMOOTH]),
+    "PairFriction.bodies": (
+        *(pair(bodies__third=THIRD), "contact__pairs"),
+        *([STICKY], [{**STICKY, "bodies": ["right", "third"]}]),
     ),
-    "Contact.pairs": values(pair(), "contact__pairs", [STICKY], [SMOOTH]),
-    "PairFriction.bodies": values(
-        pair(bodies__third=THIRD), "contact__pairs", [STICKY], [{**STICKY, "bodies": ["right", "third"]}]
-    ),
-    "PairFriction.friction": values(pair(), "contact__pairs", [STICKY], [{**STICKY, "friction": 0.1}]),
-    "Material.model": values(held(), "materials__soft__model", "neo_hookean", "linear_elastic"),
-    "Material.density": values(body(), "materials__soft__density", 1000.0, 1200.0),
-    "Body.material": values(
-        held(materials__other={**SOFT, "shear_modulus": 1e6}), f"{SOLID}__material", "soft", "other"
-    ),
-    "Body.geometry": values(body(), f"{SOLID}__geometry__upper", [0.5, 0.5], [0.4, 0.5]),
-    "Body.particles": values(body(), f"{SOLID}__particles__size", 0.25, 0.125),
-    "Body.segment": values(pair(), "bodies__left__segment", 0.0625, 0.125),
-    "Body.velocity": values(body(), f"{SOLID}__velocity", [1.0, 0.0], [0.0, 1.0]),
-    "Body.angular_velocity": values(body(), f"{SOLID}__angular_velocity", 3.0, 2.0),
-    "Body.rotation": values(
-        body(gravity={"vector": [0, -1]}, **{SIDES: [{"side": "top", "pressure": 1e4}]}),
+    "PairFriction.friction": (pair(), "contact__pairs", [STICKY], [{**STICKY, "friction": 0.1}]),
+    "Material.model": (held(), "materials__soft__model", "neo_hookean", "linear_elastic"),
+    "Material.density": (body(), "materials__soft__density", 1000.0, 1200.0),
+    "Body.material": (held(materials__other=OTHER_MATERIAL), f"{SOLID}__material", "soft", "other"),
+    "Body.geometry": (body(), f"{SOLID}__geometry__upper", [0.5, 0.5], [0.4, 0.5]),
+    "Body.particles": (body(), f"{SOLID}__particles__size", 0.25, 0.125),
+    "Body.segment": (pair(), "bodies__left__segment", 0.0625, 0.125),
+    "Body.velocity": (body(), f"{SOLID}__velocity", [1.0, 0.0], [0.0, 1.0]),
+    "Body.angular_velocity": (body(), f"{SOLID}__angular_velocity", 3.0, 2.0),
+    "Body.rotation": (
+        *(body(gravity={"vector": [0, -1]}, **{SIDES: [{"side": "top", "pressure": 1e4}]}),),
         *(f"{SOLID}__rotation", "exact", "lumped"),
     ),
-    "Body.sides": values(held(), SIDES, HELD, [{"side": "left", "fixed": True}]),
-    "Side.side": values(held(), SIDES, HELD, [{"side": "right", "fixed": True}]),
-    "Side.fixed": values(held(), SIDES, HELD, [{"side": "bottom", "fixed": ["x"]}]),
-    "Side.velocity": values(
-        held(), SIDES, [{"side": "top", "velocity": [0, 1]}], [{"side": "top", "velocity": ["free", 1]}]
+    "Body.sides": (held(), SIDES, HELD, [{"side": "left", "fixed": True}]),
+    "Body.thickness": (body(), f"{SOLID}__thickness", 1.0, 0.1),
+    "Side.side": (held(), SIDES, HELD, [{"side": "right", "fixed": True}]),
+    "Side.fixed": (held(), SIDES, HELD, [{"side": "bottom", "fixed": ["x"]}]),
+    "Side.velocity": (
+        *(held(), SIDES),
+        *([{"side": "top", "velocity": [0, 1]}], [{"side": "top", "velocity": ["free", 1]}]),
     ),
-    "Side.pressure": values(
-        held(), SIDES, [{"side": "top", "pressure": 1e3}], [{"side": "top", "pressure": 2e3}]
-    ),
-    "Side.traction": values(
-        held(), SIDES, [{"side": "top", "traction": [1e3, 0]}], [{"side": "top", "traction": [2e3, 0]}]
-    ),
-    "Side.force": values(
-        held(), SIDES, [{"side": "top", "force": [1e3, 0]}], [{"side": "top", "force": [2e3, 0]}]
-    ),
-    "Body.thickness": values(body(), f"{SOLID}__thickness", 1.0, 0.1),
-    "Tables.loads": Acts(held(), {}, {"loads": {"air": AIR}}),
-    "Load.model": Acts(
-        held(), {"loads": {"air": AIR}}, {"loads": {"air": {"model": "body_force", "force": [9.0, 0.0]}}}
-    ),
-    "Load.bodies": values(pair(loads={"air": AIR}), "loads__air__bodies", ["left"], ["left", "right"]),
-    "Tables.boundaries": Acts(body(), {}, {"boundaries": {"table": TABLE}}),
-    "Boundary.model": values(
-        body(boundaries={"table": TABLE}), "boundaries__table__model", "shaken", "none of them"
-    ),
-    "Boundary.bodies": values(
-        pair(boundaries={"table": TABLE}), "boundaries__table__bodies", ["left"], ["left", "right"]
-    ),
-    "Tables.outputs": Acts(body(), {}, {"outputs": {"fast": FAST}}),
-    "Series.model": values(body(outputs={"fast": FAST}), "outputs__fast__model", "fastest", "none of them"),
-    "Series.bodies": values(
-        pair(outputs={"fast": FAST}), "outputs__fast__bodies", ["left"], ["left", "right"]
-    ),
-    "Gravity.vector": values(held(), "gravity", G, {"vector": [1, -100]}),
-    "Gravity.magnitude": values(
-        held(), "gravity", {"magnitude": 9.0, "tilt": 0.1}, {"magnitude": 8.0, "tilt": 0.1}
-    ),
-    "Gravity.tilt": values(
-        held(), "gravity", {"magnitude": 9.0, "tilt": 0.1}, {"magnitude": 9.0, "tilt": 0.2}
-    ),
-    "Gravity.table": values(
-        held(), "gravity", {"table": [[0, 0, -9], [1, 0, -9]]}, {"table": [[0, 0, -9], [0.01, 0, 9]]}
-    ),
-    "ConstantGravity.vector": values(SETTLED, "settle__gravity", {"vector": [0, -50]}, {"vector": [0, -20]}),
-    "ConstantGravity.magnitude": values(
-        SETTLED, "settle__gravity", {"magnitude": 9, "tilt": 0.1}, {"magnitude": 8, "tilt": 0.1}
-    ),
-    "ConstantGravity.tilt": values(
-        SETTLED, "settle__gravity", {"magnitude": 9, "tilt": 0.1}, {"magnitude": 9, "tilt": 0.2}
-    ),
-    "Settle.tolerance": values(held(settle={"max_time": 0.5}), "settle__tolerance", 0.2, 0.05),
-    "Settle.max_time": values(held(settle={"tolerance": 1e-6}), "settle__max_time", 0.01, 0.03),
-    "Settle.gravity": Acts(SETTLED, {}, {"settle__gravity": {"vector": [0, -50]}}),
-    "Output.gap": values(pair("separate"), "output__gap", True, False),
-    "Output.particle_interval": values(
-        body(time__output_interval=1e-3), "output__particle_interval", None, 2e-3
-    ),
-    "Output.particles": values(body(), "output__particles", True, False),
-    "Output.surface": values(pair(), "output__surface", True, False),
-    "Output.energy": values(body(), "output__energy", True, False),
-    "Output.ledger": values(body(), "output__ledger", True, False),
-    "Output.stability": values(body(), "output__stability", True, False),
-    "Output.contact_moment": values(pair(), "output__contact_moment", "centre_of_mass", [0.0, 0.3]),
-    "Particles.layout": values(
-        body({"type": "disc", **SHAPES["disc"]}), f"{SOLID}__particles__layout", "lattice", "fitted"
-    ),
-    "Particles.size": values(body(), f"{SOLID}__particles__size", 0.25, 0.125),
-    "Particles.offset": values(
-        body({"type": "disc", **SHAPES["disc"]}), f"{SOLID}__particles__offset", [0.0], [0.3]
-    ),
-    "Disc.centre": geometry("disc", "centre", [0.03, 0.07], [0.05, 0.07]),
-    "Disc.radius": geometry("disc", "radius", 0.5, 0.6),
-    "Ring.centre": geometry("ring", "centre", [0.03, 0.07], [0.05, 0.07]),
-    "Ring.inner_radius": geometry("ring", "inner_radius", 0.3, 0.4),
-    "Ring.outer_radius": geometry("ring", "outer_radius", 0.7, 0.8),
-    "Rectangle.lower": geometry("rectangle", "lower", [-0.5, -0.5], [-0.4, -0.5]),
-    "Rectangle.upper": geometry("rectangle", "upper", [0.5, 0.5], [0.4, 0.5]),
-    "Rectangle.angle": geometry("rectangle", "angle", 0.0, 0.3),
-    "Polygon.points": geometry(
-        "polygon", "points", SHAPES["polygon"]["points"], [[-0.5, -0.5], [0.5, -0.5], [0, 0.6]]
-    ),
-    "Polygon.holes": geometry("polygon", "holes", [], [HOLE]),
-    "Box.lower": geometry("box", "lower", [-0.5] * 3, [-0.4, -0.5, -0.5]),
-    "Box.upper": geometry("box", "upper", [0.5] * 3, [0.4, 0.5, 0.5]),
-    "Ball.centre": geometry("ball", "centre", [0.03, 0.07, 0.05], [0.05, 0.07, 0.05]),
-    "Box.angles": geometry("box", "angles", [0, 0, 0], [0.3, 0.2, 0.1]),
-    "Ball.radius": geometry("ball", "radius", 0.5, 0.6),
-    "Cylinder.centre": geometry("cylinder", "centre", [0.03, 0.07, 0.05], [0.05, 0.07, 0.05]),
-    "Cylinder.radius": geometry("cylinder", "radius", 0.5, 0.6),
-    "Cylinder.length": geometry("cylinder", "length", 0.6, 0.8),
-    "Cylinder.axis": geometry("cylinder", "axis", "z", "x"),
-    "Cylinder.angles": geometry("cylinder", "angles", [0, 0, 0], [0.3, 0.2, 0.1]),
-    "Torus.centre": geometry("torus", "centre", [0.03, 0.07, 0.05], [0.05, 0.07, 0.05]),
-    "Torus.radius": geometry("torus", "radius", 0.5, 0.6),
-    "Torus.tube_radius": geometry("torus", "tube_radius", 0.2, 0.3),
-    "Torus.axis": geometry("torus", "axis", "z", "x"),
-    "Torus.angles": geometry("torus", "angles", [0, 0, 0], [0.3, 0.2, 0.1]),
-    "Extrusion.outline": geometry("extrusion", "outline", PLATE, {**PLATE, "upper": [0.5, 0.4]}),
-    "Extrusion.low": geometry("extrusion", "low", -0.3, -0.2),
-    "Extrusion.high": geometry("extrusion", "high", 0.3, 0.4),
-    "Extrusion.angles": geometry("extrusion", "angles", [0, 0, 0], [0.3, 0.2, 0.1]),
-    "Revolution.outline": geometry("revolution", "outline", SECTION, {**SECTION, "upper": [0.5, 0.3]}),
-    "Revolution.origin": geometry("revolution", "origin", [0, 0, 0], [0.1, 0, 0]),
-    "Revolution.axis": geometry("revolution", "axis", "z", "x"),
-    "Revolution.angles": geometry("revolution", "angles", [0, 0, 0], [0.3, 0.2, 0.1]),
+    **{
+        f"Side.{key}": (held(), SIDES, [{"side": "top", key: first}], [{"side": "top", key: second}])
+        for key, first, second in LOADS
+    },
+    "Load.model": (held(), "loads__air", AIR, FIELD),
+    "Load.bodies": (pair(loads={"air": AIR}), "loads__air__bodies", ["left"], ["left", "right"]),
+    "Boundary.model": (body(boundaries={"a": TABLE}), "boundaries__a__model", "shaken", "none of them"),
+    "Boundary.bodies": (pair(boundaries={"a": TABLE}), "boundaries__a__bodies", ["left"], ["left", "right"]),
+    "Series.model": (body(outputs={"a": FAST}), "outputs__a__model", "fastest", "none of them"),
+    "Series.bodies": (pair(outputs={"a": FAST}), "outputs__a__bodies", ["left"], ["left", "right"]),
+    **{f"Gravity.{key}": (held(), "gravity", first, second) for key, first, second in GRAVITIES},
+    **{f"ConstantGravity.{key}": (SETTLED, "settle__gravity", *two) for key, *two in GRAVITIES[:3]},
+    "Settle.tolerance": (held(settle={"max_time": 0.5}), "", 0.2, 0.05),
+    "Settle.max_time": (held(settle={"tolerance": 1e-6}), "", 0.01, 0.03),
+    "Settle.gravity": (SETTLED, "", G, {"vector": [0, -50]}),
+    "Output.gap": (pair("separate"), "", True, False),
+    "Output.surface": (pair(), "", True, False),
+    **{f"Output.{key}": (body(), "", True, False) for key in ("particles", "energy", "ledger", "stability")},
+    "Output.particle_interval": (body(time__output_interval=1e-3), "", None, 2e-3),
+    "Output.contact_moment": (pair(), "", "centre_of_mass", [0.0, 0.3]),
+    "Particles.layout": (ROUND_BODY, f"{SOLID}__particles__layout", "lattice", "fitted"),
+    "Particles.size": (body(), f"{SOLID}__particles__size", 0.25, 0.125),
+    "Particles.offset": (ROUND_BODY, f"{SOLID}__particles__offset", [0.0], [0.3]),
+}
+CORE: dict[str, Acts] = {
+    "Tables.settle": Acts(held(), {}, {"settle": {"tolerance": 0.1, "max_time": 0.05}}),
+    **{
+        option: values(scene, key or option.lower().replace(".", "__"), first, second)
+        for option, (scene, key, first, second) in ROWS.items()
+    },
+    **{f"{kind.capitalize()}.{key}": geometry(kind, key) for kind in SHAPES for key in SHAPES[kind]},
 }
 
 

@@ -5,11 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from mpmfw.api import FloatArray, Grid, Particles, Setup, ShapeFunction, State
+from mpmfw.plugin.discovery import load
 from mpmfw.state.windows import make_grid
-from mpmfw_shape.bspline import BSpline
-from mpmfw_shape.cpdi import Cpdi
-from mpmfw_shape.gimp import Gimp
-from mpmfw_shape.linear import Linear
 
 
 def make_test_grid(
@@ -55,7 +52,7 @@ def make_particles(
 
 
 #: Shape functions whose table comes from a fill kernel on points.
-SHAPES = ("linear", "gimp", "bspline", "cpdi")
+SHAPES = ("linear", "gimp", "bspline", "cpdi", "cubic_bspline", "ck")
 
 
 def make_shape(
@@ -69,6 +66,6 @@ def make_shape(
     half = 0.5 * particles.initial_volume ** (1.0 / particles.dim)
     squares = half[:, None, None] * np.eye(particles.dim)
     vars(setup)["half_edges"] = squares if half_edges is None else half_edges
-    shape: ShapeFunction = {"linear": Linear, "gimp": Gimp, "bspline": BSpline, "cpdi": Cpdi}[name]()
+    shape: ShapeFunction = load("shape", name)()
     shape.setup(setup)
     return shape

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import random
 import re
-from dataclasses import dataclass
 
 from seeds import seeds
 
@@ -44,18 +43,8 @@ _TABLES = (
 )  # fmt: skip
 
 _KEYS = (
-    "a",
-    "lower",
-    "upper",
-    "velocity",
-    "size",
-    "method",
-    '""',
-    '"a b"',
-    '"\\u0000"',
-    "options",
-    "__class__",
-    "a.b.c",
+    *("a", "lower", "upper", "velocity", "size", "method", '""', '"a b"', '"\\u0000"', "options"),
+    *("__class__", "a.b.c"),
 )
 
 _VALUE = re.compile(
@@ -64,24 +53,14 @@ _VALUE = re.compile(
 _LINE = re.compile(r"(?m)^(\w+) = (.*)$")
 
 
-@dataclass(frozen=True)
-class Mutant:
-    """One mutated scene."""
-
-    number: int
-    seed: str
-    text: str
-
-
-def mutant(number: int) -> Mutant:
+def mutant(number: int) -> str:
     """The mutant of that number, always the same one."""
-    # Its own generator: the sequence of random.Random does not depend on the platform or the version of
-    # Python
+    # The sequence of random.Random does not depend on the platform or the version of Python
     draw = random.Random(f"mpmfw mutant {number}")
-    name, text = draw.choice(seeds())
+    _, text = draw.choice(seeds())
     for _ in range(draw.choice((1, 1, 1, 2, 3))):
         text = draw.choice(_MUTATIONS)(draw, text)
-    return Mutant(number, name, text)
+    return text
 
 
 def _replace_value(draw: random.Random, text: str) -> str:

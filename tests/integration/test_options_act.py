@@ -114,7 +114,7 @@ def test_a_key_of_a_surface_mesh_changes_the_result(tmp_path: Path, key: str) ->
 
 
 def test_the_same_scene_has_the_same_outcome() -> None:
-    entry = CORE["Tables.contact"]
+    entry = CORE["Contact.method"]
     assert outcome(entry.scene) == outcome(entry.scene)
 
 

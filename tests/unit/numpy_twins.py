@@ -82,6 +82,21 @@ def quadratic(t):
     return value, slope
 
 
+def cubic(t):
+    """Cubic B-spline of distance t [cells] and its derivative."""
+    d = np.abs(t)
+    value = np.select([d < 1.0, d < 2.0], [2.0 / 3.0 - d**2 + d**3 / 2.0, (2.0 - d) ** 3 / 6.0], 0.0)
+    slope = np.select([d < 1.0, d < 2.0], [-2.0 * d + 1.5 * d**2, -0.5 * (2.0 - d) ** 2], 0.0)
+    return value, np.sign(t) * slope
+
+
+def compact(t):
+    """K(r) = 1 − |r| + sin(2π|r|) / (2π) of r = t / 2, and its derivative by t."""
+    r = np.minimum(np.abs(0.5 * t), 1.0)
+    value = 1.0 - r + np.sin(2.0 * np.pi * r) / (2.0 * np.pi)
+    return value, 0.5 * np.sign(t) * (np.cos(2.0 * np.pi * r) - 1.0)
+
+
 def dense_product(basis, position, node_position, h):
     """Tensor product of ``basis`` for every pair: values (n, nodes) and gradients (n, nodes, dim)."""
     value, slope = basis((position[:, None] - node_position[None]) / h)

@@ -19,21 +19,6 @@ def now(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
     return now
 
 
-def test_wall_time_goes_to_the_stage_that_runs(now: SimpleNamespace) -> None:
-    clock = Clock()
-    assert clock("shape") == "output"
-    now.wall += 1.0
-    assert clock("force") == "shape"
-    now.wall += 2.0
-    clock("shape")
-    now.wall += 4.0
-    clock.flush()
-    assert {stage: seconds for stage, seconds in clock.wall.items() if seconds} == {
-        "shape": 5.0,
-        "force": 2.0,
-    }
-
-
 def test_cpu_time_is_shared_out_by_wall_time(now: SimpleNamespace) -> None:
     clock = Clock()
     clock("shape")

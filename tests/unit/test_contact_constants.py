@@ -19,7 +19,7 @@ from mpmfw.contact.surfaces import search
 from mpmfw.contact.surfaces.assembly import equally_close
 from mpmfw.contact.surfaces.detection import THIN
 from mpmfw.contact.surfaces.outline import distance_to
-from mpmfw.contact.surfaces.search import FLUSH, LEAST_COSINE, ROUND_THE_CORNER, ROUNDING, opposes
+from mpmfw.contact.surfaces.search import FLUSH, LEAST_COSINE, ROUNDING, opposes
 from mpmfw.contact.surfaces.tracking import THROUGH, find_crossings, keep_inside
 from mpmfw.kernels.boxes import BLOCK
 from mpmfw.kernels.surfaces import minimum_gap, node_normal
@@ -78,16 +78,6 @@ def test_without_a_least_cosine_rounding_decides_whether_sides_at_right_angles_f
     assert len(decided[0.0]) > 1
 
 
-@pytest.mark.parametrize("lean", [-0.01, -1e-3, 1e-3, 0.01])
-def test_with_a_small_least_cosine_the_lean_of_a_side_decides(lean):
-    """That of an elastic block in rest, of the order of its strain."""
-    corners = [[0.0, 0.0], [1.0, 0.0], [1.0 + lean, 1.0], [lean, 1.0]]
-    loops = join([flat(-1.0, 1.0, -1.0, 0.0, 4), corners])
-    top, side = 6, len(loops.outline.facets) - 3
-    assert count_that_face(loops, top, [side], LEAST_COSINE=LEAST_COSINE) == 0
-    assert count_that_face(loops, top, [side], LEAST_COSINE=1e-6) == (lean > 0)
-
-
 def test_with_a_large_least_cosine_the_sides_of_a_thin_wedge_face_nothing():
     """Of one of 10°, whose sides are at 85° to what it is pressed into."""
     half = math.tan(math.radians(5.0))
@@ -123,20 +113,6 @@ def test_all_of_two_flush_faces_carries_their_corners_included(monkeypatch):
     assert carrying(loops, found_with(monkeypatch, loops)) == whole
     assert carrying(loops, found_with(monkeypatch, loops, ROUND_THE_CORNER=0.01)) < whole
     assert carrying(loops, found_with(monkeypatch, loops, FLUSH=0.0)) < whole
-
-
-def test_with_a_longer_way_round_sheets_end_to_end_are_held_by_each_other_s_far_faces(monkeypatch):
-    """Of half a cell: nodes of the one's top, level with that of the other, would be as deep as the sheet is
-    thick.
-    """
-    overlap, thickness = 1.5 * SEGMENT, 0.5 * H
-    loops = join([block(-1.0, 0.0, 0.0, thickness), block(-overlap, 0.0, 1.0 - overlap, thickness)])
-
-    def deepest(found):
-        return -found.gap[found.facet >= 0].min()
-
-    assert deepest(found_with(monkeypatch, loops, ROUND_THE_CORNER=ROUND_THE_CORNER)) < overlap * (1.0 + 1e-9)
-    assert deepest(found_with(monkeypatch, loops, ROUND_THE_CORNER=1.0)) == pytest.approx(thickness)
 
 
 def test_with_more_that_counts_as_flush_nodes_beside_a_body_are_held_as_if_within(monkeypatch):
@@ -200,17 +176,6 @@ def test_without_an_allowance_for_ties_an_index_decides_which_side_of_a_corner_h
         parts["as it is"].add(round(part_of_the_neighbour(loops, 0, 4), 6))
         parts["none"].add(round(part_of_the_neighbour(loops, 0, 4, TIE=0.0), 6))
     assert parts == {"as it is": {0.5}, "none": {0.0, 0.5}}
-
-
-def test_with_a_larger_allowance_for_ties_a_node_is_held_by_facets_that_it_is_not_over():
-    """A tip a fifth of a cell deep over a segment of a flat face; the neighbour that begins a tenth of it
-    away leans on it.
-    """
-    loops = join([[[0.05, -0.2], [0.55, 1.0], [-0.45, 1.0]], flat(-1.0, 1.0, -1.0, 0.0, 4)])
-    ends = loops.position[np.stack([np.arange(len(loops.body)), loops.following], axis=1)]
-    over = int(np.flatnonzero((ends[:, :, 1] == 0.0).all(axis=1) & (ends[:, 0, 0] == 0.5))[0])
-    assert part_of_the_neighbour(loops, 0, over) == 0.0
-    assert part_of_the_neighbour(loops, 0, over, TIE=0.1) > 0.4
 
 
 def test_without_an_allowance_for_rounding_the_search_loses_one_of_two_equally_close_facets():

@@ -122,26 +122,23 @@ def test_what_cannot_be_saved_is_named_with_its_place(value):
 
 def crafted(path: Path, name: str) -> None:
     """Write a file that says too much, too little or something else."""
-    header = {"descr": "<f8", "fortran_order": False, "shape": (10**12,)}
-    if name == "a shape of 1e12 numbers":
+    if name == "compressed":
+        with open(path, "wb") as file:
+            np.savez_compressed(file, **{FACTS: np.frombuffer(b"[1, null]", np.uint8), "a": np.zeros(10**6)})
+    elif name == "a shape of 1e12 numbers":
+        header = {"descr": "<f8", "fortran_order": False, "shape": (10**12,)}
         with zipfile.ZipFile(path, "w") as archive:
             archive.writestr(f"{FACTS}.npy", b"")
             with archive.open("a.npy", "w") as member:
                 np.lib.format.write_array_header_1_0(member, header)
-    elif name == "compressed":
-        with open(path, "wb") as file:
-            np.savez_compressed(file, **{FACTS: np.frombuffer(b"[1, null]", np.uint8), "a": np.zeros(10**6)})
-    elif name == "no facts":
+    elif name == "facts of many brackets":
         write(path, "[" * 100_000)
-    elif name == "other facts":
-        write(path, {"every": 1})
     else:
-        write(path, None, a=np.array([object()]) if name == "objects" else np.zeros(1, dtype="c16"))
+        write(path, None, a=np.array([object()]))
 
 
 @pytest.mark.parametrize(
-    "name",
-    ["a shape of 1e12 numbers", "compressed", "no facts", "other facts", "objects", "complex numbers"],
+    "name", ["a shape of 1e12 numbers", "compressed", "facts of many brackets", "objects"]
 )
 def test_a_crafted_file_is_one_message(tmp_path, name):
     path = tmp_path / "file"

@@ -11,13 +11,10 @@ from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline 
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
 import mpmfw
-from drop_for_tests import drop, drop_scene
+from drop_for_tests import drop
 from mpmfw.errors import SceneError
-from mpmfw.geometry.facets import neighbours_of, stars_of
-from mpmfw.geometry.solids import sphere_surface
-from mpmfw.kernels import Facets, minimum_gap
-from mpmfw.paraview.meshes import distances_in_space
-from scenes_for_tests import ball_on_a_box, with_changes
+from mpmfw.geometry.facets import neighbours_of
+from scenes_for_tests import ball_on_a_box
 
 BODIES = ("upper", "floor")
 
@@ -31,21 +28,6 @@ def exported(request, tmp_path_factory):
     names = ["drop-points.pvd", "drop-surfaces.pvd", "drop-series.csv"]
     assert written == [folder / "out" / name for name in names]
     return request.param, tree, folder / "out"
-
-
-@pytest.fixture(scope="module")
-def files(tmp_path_factory):
-    """Folder with the file of a run and that of a comparison."""
-    folder = tmp_path_factory.mktemp("files")
-    drop(output=folder / "d.nc")
-    mpmfw.compare(drop_scene(), contact=["penalty"], shape=["gimp"]).to_netcdf(folder / "c.nc")
-    return folder
-
-
-@pytest.fixture
-def tree(files):
-    """Results of a run, for a test to change."""
-    return mpmfw.open(files / "d.nc")
 
 
 def listed(collection: Path):
@@ -175,52 +157,13 @@ def test_surfaces_of_three_dimensions(tmp_path):
     assert 0.05 < np.median(share) <= 0.3 * (1.0 + 1e-6)  # the springs of friction are still closing
 
 
-def test_a_ball_that_slides_has_its_coefficient_of_friction_as_share(tmp_path):
-    """By the node's own normal alone four fifths are within 23 % on the box, 24 % on the ball."""
-    changes = {f"bodies__{body}__segment": 0.05 for body in ("solid", "ball")}
-    scene = with_changes(ball_on_a_box(), time__end=3e-3, time__output_interval=3e-3, **changes)
-    _, surfaces, _ = mpmfw.export(mpmfw.run(scene), tmp_path)
-    found = arrays(read(listed(surfaces)[-1][1])[0].GetPointData())
-    pressed = found["pressure"] > 0.1 * found["pressure"].max()
-    for body in (0, 1):
-        share = found["friction_share"][pressed & (found["body"] == body)]
-        assert len(share) > 10
-        assert np.median(share) == pytest.approx(0.3, rel=0.03)
-        assert np.quantile(np.abs(share / 0.3 - 1.0), 0.8) < 0.15
-
-
-def test_signed_distances_in_space_are_those_of_the_kernel():
-    random = np.random.default_rng(3)
-    nodes, facets = sphere_surface(np.zeros(3), 1.0, 0.6)
-    nodes = nodes * random.uniform(0.7, 1.3, (len(nodes), 1))
-    points = np.concatenate([random.uniform(-1.6, 1.6, (300, 3)), nodes[facets[:20]].mean(axis=1)])
-    first, star = stars_of(facets, len(nodes))
-    surface = Facets(
-        position=np.concatenate([nodes, points]),
-        facets=facets,
-        neighbours=neighbours_of(facets),
-        star_first=first,
-        star=star,
-    )
-    start = len(nodes)
-    least = [
-        minimum_gap(k, k + 1, 0, len(facets), surface, (1.0,) * 3) for k in range(start, start + len(points))
-    ]
-    found, outward = distances_in_space(points, nodes, facets)
-    np.testing.assert_allclose(found, least, atol=1e-12)
-    np.testing.assert_allclose(np.linalg.norm(outward, axis=1), found != 0.0, rtol=1e-12)
-    back = distances_in_space(points - found[:, None] * outward, nodes, facets)[0]
-    np.testing.assert_allclose(back, 0.0, atol=1e-9)
-    assert (found < 0.0).any()
-    assert (found > 0.0).any()
-
-
-def test_no_output_of_an_earlier_export_stays_behind(tree, tmp_path):
+def test_no_output_of_an_earlier_export_stays_behind(exported, tmp_path):
+    _, tree, _ = exported
     mpmfw.export(tree, tmp_path)
-    own = tmp_path / "run-points" / "notes.txt"
+    own = tmp_path / "drop-points" / "notes.txt"
     own.write_text("mine", encoding="utf-8")
-    with pytest.raises(SceneError, match=r"run-points.pvd: is there already"):
+    with pytest.raises(SceneError, match=r"drop-points.pvd: is there already"):
         mpmfw.export(tree, tmp_path, every=3)
     mpmfw.export(tree, tmp_path, every=3, force=True)
-    listed_files = {file for _, file in listed(tmp_path / "run-points.pvd")}
-    assert set((tmp_path / "run-points").iterdir()) == {own, *listed_files}
+    listed_files = {file for _, file in listed(tmp_path / "drop-points.pvd")}
+    assert set((tmp_path / "drop-points").iterdir()) == {own, *listed_files}

@@ -152,18 +152,6 @@ def test_outline_nodes_lie_on_the_true_outline_and_keep_corners():
     assert len(disc.outlines(1e3)[0]) == 4
 
 
-@pytest.mark.parametrize("axis", [0, 1])
-@pytest.mark.parametrize("layout", ["lattice", "fitted"])
-@pytest.mark.parametrize("name", ["disc", "ring"])
-@pytest.mark.parametrize("size", [0.17])
-def test_disc_and_ring_are_mirror_symmetric(name, layout, size, axis):
-    geometry = PLANE[name]
-    result = discretise(geometry, Particles(layout=layout, size=size), 0.1)
-    assert_mirrored(result.position, geometry.centroid, axis)
-    for loop in result.outlines:
-        assert_mirrored(loop, geometry.centroid, axis)
-
-
 @given(size=st.floats(0.03, 3.0))
 @settings(max_examples=30)
 def test_fitted_disc_has_well_shaped_quadrilaterals(size):

@@ -96,40 +96,6 @@ def test_forces_are_eq_9_of_every_segment_that_eq_10_names():
     np.testing.assert_allclose(actual, expected, atol=1e-12 * np.abs(expected).max())
 
 
-def test_gaps_of_the_steps_add_up_to_coulombs_cone_and_come_back():
-    tip = Tip()
-    normal, tangential = tip.move(1e-5)
-    assert normal == pytest.approx(K * 0.001)
-    assert tangential == pytest.approx(-K * 1e-5)
-    assert tip.move(2e-5)[1] == pytest.approx(-K * 3e-5)
-    assert tip.work == 0.0
-    assert tip.move(1e-2)[1] == pytest.approx(-MU * normal)
-    assert tip.work == pytest.approx(MU * normal * (1.003e-2 - MU * 0.001))
-    assert tip.move(-1e-5)[1] == pytest.approx(-MU * normal + K * 1e-5)
-
-
-@pytest.mark.parametrize("friction", [0.1, 0.4, 0.9])
-def test_sliding_force_is_in_proportion_to_mu(friction):
-    assert Tip(friction=friction).move(0.01)[1] == pytest.approx(-friction * K * 0.001)
-
-
-def test_friction_is_carried_to_the_next_segment():
-    tip = Tip(x=0.2499)
-    tip.move(5e-5)  # still on the segment that ends at x = 0.25
-    before = tip.tangential[0].sum()
-    tip.move(1e-4)
-    assert tip.loops.position[0, 0] > 0.25
-    assert before == pytest.approx(K * 5e-5)  # e_t is −x on the top
-    assert tip.tangential[0].sum() == pytest.approx(before + K * 1e-4)
-
-
-def test_release_forgets_the_force():
-    tip = Tip()
-    tip.move(1e-5)
-    assert tip.move(0.0, 0.01) == (0.0, 0.0)
-    assert tip.move(0.0, -0.01)[1] == 0.0
-
-
 @pytest.mark.parametrize(("literal", "ratio"), [(False, 1.0), (True, 4.0)])
 def test_literal_friction_depends_on_the_time_step_and_the_reading_does_not(literal, ratio):
     """The same path in steps four times as long: k_t times one step's slip is four times the force."""

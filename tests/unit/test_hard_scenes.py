@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib.util
 import math
 import sys
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -24,19 +23,6 @@ def _on_the_path(monkeypatch):
     yield
     for name in {path.stem for path in (*SUITE.glob("*.py"), *SUITE.parent.glob("*.py"))} - before:
         sys.modules.pop(name, None)
-
-
-def test_the_settings_of_the_slopes_count_as_one_scene():
-    criteria = importlib.import_module("criteria")
-
-    def run(scene, at, broken, change=None):
-        place, version = SimpleNamespace(scene=scene, at=at), SimpleNamespace(change=change)
-        return SimpleNamespace(place=place, version=version, broken=broken)
-
-    slopes = [run(criteria.SLOPES, f"mu {k}", ("energy",) if k == 0 else ()) for k in range(4)]
-    others = [run("made:saws", f"saws {k}", ()) for k in range(2)]
-    turned = [run("made:saws", "saws 0", ("energy",), change="placing:placed")]
-    assert criteria.hold(slopes + others + turned) == pytest.approx(2.75)
 
 
 def load(folder):

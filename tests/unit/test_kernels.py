@@ -11,6 +11,7 @@ import pytest
 from mpmfw.api import Stencil
 from mpmfw.kernels import kernel, particle_grid, struct
 from mpmfw.kernels.arithmetic import determinant, invert
+from mpmfw.step.transfer import make_transfer
 
 N_POINTS, N_NODES = 23, 41
 
@@ -110,6 +111,17 @@ def test_gather(problem, flip, affine):
         close(field[filled], moment[filled] @ np.linalg.inv(spread[filled]))
     else:
         close(field, moment if affine == "moment" else 0.0 * moment)
+
+
+def test_a_singular_spread_takes_the_gradient_and_pic_fraction_blends():
+    """A stored moment needs the inverse at its next use only, where it is regularised."""
+    for name, transported, affine in (
+        *(("aflip", None, "gradient"), ("apic", True, "gradient"), ("apic", None, "moment")),
+    ):
+        given = {} if transported is None else {"transported": transported}
+        assert make_transfer(name, singular_spread=True, **given).affine == affine
+    assert make_transfer("aflip", singular_spread=False).affine == "least_squares"
+    assert make_transfer("flip", singular_spread=False, pic_fraction=0.25).flip == 0.75
 
 
 def test_transport_of_the_affine_field(problem):

@@ -6,7 +6,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.optimize import nnls
 
 from contact_scenes import CELL, disc, rectangle, scene
 from interpreted import interpreted
@@ -90,23 +89,6 @@ def test_conditions_are_met_where_the_normal_is_varied():
     p = problem(1, 2, tilts=True, friction=0.3)
     found = residuals(p, *solved(p)[:3])
     assert max(found.values()) < 1e-10, found
-
-
-@pytest.mark.parametrize("dim", [2, 3])
-def test_without_friction_it_is_the_quadratic_program(dim):
-    """min ½ |M^−½ Bᵀ n J|² + J·(u + b), J ≥ 0, by Lawson & Hanson's active sets."""
-    p = problem(5, dim, count=50, nodes=60)
-    impulse, _, allowed, _ = solved(p)
-    b, _ = operator(p)
-    along = np.einsum("ca,cai->ci", p.rows.normal, b.reshape(p.rows.count, dim, -1))
-    scaled = along / np.sqrt(np.repeat(p.mass, dim))
-    free = along @ (p.momentum / p.mass[:, None]).ravel() + allowed
-    target = np.linalg.lstsq(scaled, free, rcond=None)[0]
-    np.testing.assert_allclose(scaled @ target, free, atol=1e-10)  # rows are independent: J is the only one
-    expected, _ = nnls(scaled.T, -target, maxiter=1000)
-    found, across = parts(p, impulse)
-    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-6 * expected.max())
-    np.testing.assert_allclose(across, 0.0, atol=1e-14)
 
 
 def test_friction_takes_work_and_gives_none():

@@ -169,27 +169,6 @@ def test_the_operator_is_symmetric_and_adds_inertia_to_spin_alone(dim: int, seed
         np.testing.assert_allclose(k @ strain[:, :dim].ravel(), 0.0, atol=1e-10 * scale)  # no curl
 
 
-@DIMENSIONS
-def test_a_body_that_turns_as_a_whole_has_the_inertia_of_its_material(dim: int) -> None:
-    """(1 + M⁻¹ K) takes the spin that a torque gives to the lumped body, I_grid⁻¹ τ, to the torque I_grid I⁻¹
-    τ.
-    """
-    w = window(dim, 8, 0.0)
-    m, nodes = w.node_mass[FIRST:], w.node[FIRST:]
-    r = full(nodes - m @ nodes / m.sum())
-    grid = inertia(m, r[:, :dim])
-    edges = (w.deformation @ w.edges).transpose(0, 2, 1).reshape(-1, dim)
-    centre = m @ nodes / m.sum()
-    true = inertia(w.mass, w.position - centre) + inertia(np.repeat(w.mass, dim) / 3.0, edges)
-    if dim == 2:
-        true[:2, :2] = np.eye(2)
-    spin = np.array([0.0, 0.0, 0.7]) if dim == 2 else np.array([0.3, -0.5, 0.7])
-    momentum = np.zeros_like(w.node)
-    momentum[FIRST:] = m[:, None] * np.cross(spin, r)[:, :dim]
-    answer = np.cross(r, full(w.corrected(momentum, np.zeros_like(momentum))[FIRST:])).sum(axis=0)
-    np.testing.assert_allclose(answer, grid @ np.linalg.inv(true) @ grid @ spin, rtol=1e-10)
-
-
 def test_with_a_larger_least_share_a_body_keeps_the_lumped_nodes_inertia(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

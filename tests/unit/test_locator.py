@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from mpmfw.scene.locator import Locator, dotted
 from mpmfw.scene.override import parse_path
+from mpmfw.scene.toml_text import toml_text
 
 DOCUMENT = '''\
 title = "a [b] = { c # no comment"   # [no.table]
@@ -67,65 +68,8 @@ def test_windows_line_ends_count_once():
 
 
 KEYS = st.text("ab_-1 .'é#=", min_size=1, max_size=4)
-SCALARS = st.one_of(
-    st.integers(-9, 9),
-    st.booleans(),
-    st.floats(allow_nan=False, allow_infinity=False),
-    st.text("a\"\\[]{}#=,\n'", max_size=6),
-)
-
-
-class Rendering:
-    """Renders nested values as TOML and notes the line of every key as it goes."""
-
-    def __init__(self, spread):
-        self.text, self.lines, self.spread = "", {}, spread
-
-    @property
-    def line(self):
-        return self.text.count("\n") + 1
-
-    def table(self, path, mapping):
-        values = {k: v for k, v in mapping.items() if not isinstance(v, dict)}
-        for key, value in values.items():
-            self.lines[(*path, key)] = self.line
-            self.text += f"  {dotted((key,))}  =  "
-            self.value((*path, key), value)
-            self.text += "  # [comment] = {\n"
-        for key, value in mapping.items():
-            if isinstance(value, dict):
-                self.text += "\n"
-                self.lines[(*path, key)] = self.line
-                header = (*(part for part in path if isinstance(part, str)), key)
-                self.text += f"[{dotted(header)}]\n"
-                self.table((*path, key), value)
-
-    def value(self, path, value):
-        if isinstance(value, bool):
-            self.text += str(value).lower()
-        elif isinstance(value, str):
-            self.text += f'"{value.translate(ESCAPES)}"'
-        elif isinstance(value, list):
-            self.entries(path, "[", "]", enumerate(value), "\n" if self.spread else " ")
-        elif isinstance(value, dict):
-            self.entries(path, "{", "}", value.items(), " ")
-        else:
-            self.text += repr(value)
-
-    def entries(self, path, opening, closing, entries, gap):
-        self.text += opening
-        for k, (key, item) in enumerate(entries):
-            self.text += (", " if k else "") + gap
-            self.lines[(*path, key)] = self.line
-            self.text += f"{dotted((key,))} = " if isinstance(key, str) else ""
-            self.value((*path, key), item)
-        self.text += gap + closing
-
-
-ESCAPES = str.maketrans({'"': '\\"', "\\": "\\\\", "\n": "\\n"})
-LISTS = st.recursive(
-    SCALARS, lambda inner: st.lists(inner | st.dictionaries(KEYS, SCALARS, max_size=2), max_size=3)
-)
+SCALARS = st.one_of(st.none(), st.booleans(), st.text("a\"\\[]{}#=,\n'", max_size=6))
+LISTS = st.recursive(SCALARS, lambda inner: st.lists(inner | st.dictionaries(KEYS, SCALARS), max_size=3))
 DOCUMENTS = st.recursive(
     st.dictionaries(KEYS, LISTS, max_size=3),
     lambda inner: st.dictionaries(KEYS, inner | LISTS, max_size=3),
@@ -133,13 +77,28 @@ DOCUMENTS = st.recursive(
 )
 
 
+def numbered(value, path, numbers):
+    """The same with a number of its own for each None, which is noted with its place."""
+    if isinstance(value, dict):
+        return {key: numbered(each, (*path, key), numbers) for key, each in value.items()}
+    if isinstance(value, list):
+        return [numbered(each, (*path, k), numbers) for k, each in enumerate(value)]
+    return value if value is not None else numbers.setdefault(path, 10**6 + len(numbers))
+
+
 @settings(max_examples=150)
 @given(document=DOCUMENTS, spread=st.booleans())
 def test_every_key_of_a_random_document_is_on_its_line(document, spread):
-    rendering = Rendering(spread)
-    rendering.table((), document)
-    assert tomllib.loads(rendering.text) == document
-    assert Locator(rendering.text).lines == rendering.lines
+    """Lists over many lines where ``spread``."""
+    numbers = {}
+    document = numbered(document, (), numbers)
+    text = toml_text(document)
+    if spread:
+        text = text.replace(" = [1000", " = [ # ]\n\n1000")
+    assert tomllib.loads(text) == document
+    lines = {path: text[: text.index(str(number))].count("\n") + 1 for path, number in numbers.items()}
+    found = Locator(text).lines
+    assert {path: found[path] for path in lines} == lines
 
 
 @given(st.lists(KEYS, min_size=1, max_size=3), st.integers(0, 99))

@@ -130,39 +130,17 @@ def leaning(found, normal):
     return np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
 
 
-def averaged(found, normal):
-    """That of averaged gradients Σ V ∇N, N the hat functions, at the same nodes."""
-    dim, angles = len(normal), []
-    for c in inner(found, normal):
-        x = found.place[found.rows.dof[2 * c]]
-        away = (found.position - x) / H
-        inside = (np.abs(away) < 1.0).all(axis=1)
-        hats = 1.0 - np.abs(away[inside])
-        gradient = np.stack(
-            [-np.sign(away[inside][:, d]) * np.delete(hats, d, axis=1).prod(axis=1) for d in range(dim)], 1
-        )
-        sign = np.where(found.body[inside] == 0, 1.0, -1.0)[:, None]
-        n = (sign * gradient).sum(axis=0)
-        if np.linalg.norm(n) > 0.0:
-            angles.append(np.degrees(np.arccos(np.clip(n @ normal / np.linalg.norm(n), -1.0, 1.0))))
-    return np.array(angles)
-
-
 def test_the_plane_between_half_spaces_is_found_to_half_a_degree(dim):
-    """At any angle: with the published turn at most nodes, with a finer one at three of four. Averaged volume
-    gradients lean.
-    """
-    published, finer, gradients = [], [], []
+    """At any angle: with the published turn at most nodes, with a finer one at three of four."""
+    published, finer = [], []
     for seed in range(8):
         normal = some_normal(dim, seed)
         found = detected(normal, seed=seed, turn=1e-9)
         published.append(leaning(detected(normal, seed=seed), normal))
         finer.append(leaning(found, normal))
-        gradients.append(averaged(found, normal))
     assert np.median(np.concatenate(published)) < 0.5
     assert np.quantile(np.concatenate(finer), 0.75) < 0.5
     assert np.max(np.concatenate(finer)) < 1.5
-    assert np.median(np.concatenate(gradients)) > 3.0
 
 
 @pytest.mark.parametrize("gap", [-0.02, 0.0, 0.05])

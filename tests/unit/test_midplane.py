@@ -94,19 +94,6 @@ def test_a_row_leaves_no_moment(friction):
     np.testing.assert_allclose(force.sum(axis=0), 0.0, atol=1e-12)
 
 
-def test_the_order_of_the_bodies_does_not_matter():
-    one, two = cut(BOTTOM, 0.0, 0.4), cut(TOP, -0.4, DEPTH) @ np.array([[1.0, 0.02], [-0.02, 1.0]])
-    forces = []
-    for order in ((one, two), (two, one)):
-        loops = join(order)
-        rows = rows_between(loops)
-        n = slice(rows.count)
-        strength = np.maximum(-rows.gap[n], 0.0) * rows.area[n]
-        force = nodal(rows, strength[:, None] * rows.normal[n], len(loops.body))
-        forces.append(force if order[0] is one else np.roll(force, len(one), axis=0))
-    np.testing.assert_allclose(*forces, atol=1e-14)
-
-
 def test_only_what_overlaps_bears():
     """A wedge under a flat face: the energy ∫ g² ds / 2 of the overlap is exact, and its derivative is the
     force.

@@ -7,7 +7,6 @@ import pytest
 
 from mpmfw.contact.surfaces import near_facets
 from mpmfw.contact.surfaces.near_facets import SKIN, VerletList
-from mpmfw.contact.surfaces.search import find_candidates
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import SOFT
 
@@ -90,15 +89,6 @@ def test_lists_are_made_anew_when_bodies_have_moved_by_the_skin(ready):
     position += SKIN_LENGTH * way
     detection._search()
     np.testing.assert_array_equal(detection.near.listed_at, position)
-
-
-def test_without_new_lists_a_motion_of_cells_is_missed(ready):
-    detection, position, way = ready
-    position += 10.0 * SKIN_LENGTH * way
-    near = detection.near
-    find_candidates(near.radius, near.outline, near.near, detection.candidates, near.spacing)
-    ours, theirs = found(detection), searched(detection)
-    assert (ours[0] != theirs[0]).any()
 
 
 def test_a_run_with_lists_is_one_without(monkeypatch):

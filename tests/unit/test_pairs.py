@@ -128,21 +128,6 @@ def test_no_bodies_meet_before_their_pair_is_listed(seed):
     assert sizes[0] < n * (n - 1) // 2
 
 
-def test_a_pair_has_the_friction_that_the_scene_gives_it():
-    near = BodyPairs(("a", "b", "c"), 0.2, {(0, 2): 0.7})
-    state = SimpleNamespace(pairs=())
-    assert near.add(state, np.array([0, 1]), np.array([2, 2]))
-    assert not near.add(state, np.array([1]), np.array([2]))
-    assert near.add(state, np.array([0, 0]), np.array([1, 2]))
-    assert [(p.index, p.label, p.friction) for p in state.pairs] == [
-        (0, "a-c", 0.7),
-        (1, "b-c", 0.2),
-        (2, "a-b", 0.2),
-    ]
-    assert near.has_friction
-    assert not BodyPairs(("a", "b"), 0.0, {(0, 1): 0.0}).has_friction
-
-
 def test_the_table_finds_every_pair_in_either_order_and_no_other():
     rng = np.random.default_rng(3)
     n = 50

@@ -1,4 +1,4 @@
-"""Detection between material points as spheres: who is near whom, and the rows."""
+"""Material points as spheres: who is near whom, rows, and the law of de Vaucorbeil & Nguyen (2021)."""
 
 from __future__ import annotations
 
@@ -10,11 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from contact_scenes import impact, run
+from measures_for_tests import detect
 from mpmfw.runs.simulation import Simulation
 from mpmfw_contact.points import NEAR, Buckets, Neighbours, Points, enclose, find_near
 from scenes_for_tests import block, box
 
 Bodies = list[tuple[np.ndarray, np.ndarray]]
+OVERLAP, MU = 0.01, 0.3
 
 
 def listed(bodies: Bodies, dim: int, buckets: int = 16) -> list[tuple[int, int]]:
@@ -34,8 +36,7 @@ def listed(bodies: Bodies, dim: int, buckets: int = 16) -> list[tuple[int, int]]
     found = Neighbours(**{name: np.zeros(400, dtype=np.int64) for name in Neighbours.member_names})
     spacing = (1.0,) * dim
     enclose(points, spacing)
-    pair = np.array([0]), np.array([1])
-    count = find_near(*pair, points, table, found, spacing)
+    count = find_near(np.array([0]), np.array([1]), points, table, found, spacing)
     assert (table.head == -1).all()  # as the next pair of bodies must find it
     return list(zip(found.first[:count].tolist(), found.second[:count].tolist(), strict=True))
 
@@ -58,52 +59,54 @@ def test_who_is_near_is_what_every_distance_says(dim, seed, buckets):
     assert listed(bodies, dim, buckets) == near  # in this order, by which rows find their past
 
 
-def blocks(dim: int, gap: float, offset: float = 0.0) -> Simulation:
-    """Two squares or cubes of 0.5 m at rest, lattices of 4 points along an edge; the second ``offset``
-    sideways.
-    """
-    upper = np.full(dim, 0.25)
+def blocks(dim, gap, *, offset=0.0, method="points+penalty", slide=0.0, friction=0.2):
+    """Two squares or cubes of 0.5 m, lattices of 4 points along an edge; the second ``offset`` sideways."""
     bodies = {}
-    for name, left, aside in (("left", -0.5, 0.0), ("right", gap, offset)):
-        low, high = [left, *-upper[1:]], [left + 0.5, *upper[1:]]
+    for name, left, aside, speed in (("left", -0.5, 0.0, slide), ("right", gap, offset, 0.0)):
+        lower = np.array([left, aside - 0.25, -0.25])[:dim]
+        kind = "rectangle" if dim == 2 else "box"
         bodies[name] = {
             "material": "soft",
-            "geometry": {
-                "type": "rectangle" if dim == 2 else "box",
-                "lower": [low[0], low[1] + aside, *low[2:]],
-                "upper": [high[0], high[1] + aside, *high[2:]],
-            },
+            "geometry": {"type": kind, "lower": lower.tolist(), "upper": (lower + 0.5).tolist()},
             "particles": {"layout": "lattice", "size": 0.125},
+            "velocity": [0.0, speed, 0.0][:dim],
         }
     scene = box() if dim == 3 else block()
-    contact = {"method": "points+penalty", "friction": 0.2}
-    return Simulation({**scene, "bodies": bodies, "contact": contact, "allow_overlap": gap < 0.0})
+    contact = {"method": method, "friction": friction}
+    made = Simulation({**scene, "bodies": bodies, "contact": contact, "allow_overlap": gap < 0.0})
+    made.start()
+    return made
+
+
+def rows_of(simulation):
+    """Gaps, areas and normals of the rows after a step."""
+    simulation.step()
+    rows = simulation.contact.last_rows
+    return rows.gap[: rows.count], rows.area[: rows.count], rows.normal[: rows.count]
 
 
 @pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("gap", [0.0, -0.01, 0.02])
 def test_of_aligned_lattices_gap_and_area_are_those_of_the_faces(dim, gap):
+    """NEAR: rows lie ahead of the touch too, and bound the step in which it comes."""
     simulation = blocks(dim, gap)
-    simulation.start()
-    simulation.step()
-    rows = simulation.contact.last_rows
-    facing = np.abs(rows.normal[: rows.count, 0]) > 1.0 - 1e-12
+    gaps, area, normal = rows_of(simulation)
+    facing = np.abs(normal[:, 0]) > 1.0 - 1e-12
     assert facing.sum() == 4 ** (dim - 1)
-    np.testing.assert_allclose(rows.gap[: rows.count][facing], gap, atol=1e-12)
-    np.testing.assert_allclose(rows.area[: rows.count][facing].sum(), 0.5 ** (dim - 1))
+    np.testing.assert_allclose(gaps[facing], gap, atol=1e-12)
+    np.testing.assert_allclose(area[facing].sum(), 0.5 ** (dim - 1))
+    limit, why = simulation.contact.stable_timestep()
+    assert why.endswith("springs and bulk")
+    assert limit < 2.0 / simulation.contact.bulk_frequency
 
 
 def test_between_lattices_that_are_offset_the_surface_is_a_row_of_bumps():
-    """Half a point aside spheres lie in the hollows: 0.134 of a diameter deeper, and no normal is that of the
-    face.
-    """
-    simulation = blocks(2, 0.0, offset=0.0625)
-    simulation.start()
-    simulation.step()
-    rows = simulation.contact.last_rows
-    nearest = rows.gap[: rows.count] < 0.125 * (np.sqrt(1.25) - 1.0) + 1e-12
-    np.testing.assert_allclose(rows.gap[: rows.count][nearest], 0.125 * (np.sqrt(1.25) - 1.0))
-    np.testing.assert_allclose(np.abs(rows.normal[: rows.count, 0][nearest]), 1.0 / np.sqrt(1.25))
+    """Half a point aside spheres lie in the hollows: deeper, and no normal is that of the face."""
+    gaps, _, normal = rows_of(blocks(2, 0.0, offset=0.0625))
+    deeper = 0.125 * (np.sqrt(1.25) - 1.0)
+    nearest = gaps < deeper + 1e-12
+    np.testing.assert_allclose(gaps[nearest], deeper)
+    np.testing.assert_allclose(np.abs(normal[nearest, 0]), 1.0 / np.sqrt(1.25))
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.5])
@@ -122,14 +125,36 @@ def test_the_impulses_of_a_step_have_one_line_of_action(friction):
     assert np.abs(force.sum(axis=0)).max() < 1e-12 * np.abs(force).sum()
 
 
-def test_rows_lie_ahead_of_the_touch():
-    """NEAR: they bound the step in which it comes, so that springs begin shallow; with NEAR = 1 there would
-    be none.
-    """
-    simulation = blocks(2, 0.02)
-    simulation.start()
-    simulation.step()
-    assert simulation.contact.last_rows.count == 4
-    limit, why = simulation.contact.stable_timestep()
-    assert why.endswith("springs and bulk")
-    assert limit < 2.0 / simulation.contact.bulk_frequency
+def change_of(simulation, dt):
+    """Change of the first body's momentum in a step (dim,)."""
+    p, own = simulation.state.particles, simulation.state.bodies[0].particles
+    before = p.mass[own] @ p.velocity[own]
+    simulation.step(dt)
+    return p.mass[own] @ p.velocity[own] - before
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("dt", [1e-4, 2e-4])
+def test_the_impulse_takes_the_overlap_out_in_one_step(dim, dt):
+    """Σ m_p m_q / (m_p + m_q) overlap / Δt over the points that face each other; bulk alone limits Δt."""
+    simulation = blocks(dim, -OVERLAP, method="particles", friction=0.0)
+    detect(simulation)
+    assert [owner for _, owner in simulation.limits()] == ["bulk wave speed (h / c)"]
+    change = change_of(simulation, dt)
+    mass = 0.125**dim * simulation.state.bodies[0].density
+    expected = 4 ** (dim - 1) * 0.5 * mass * OVERLAP / dt
+    np.testing.assert_allclose(change, [-expected, *[0.0] * (dim - 1)], rtol=1e-12, atol=1e-12 * expected)
+    np.testing.assert_allclose(simulation.contact.records.impulse[0], change, rtol=1e-12, atol=1e-9)
+
+
+@pytest.mark.parametrize("slide", [1e-6, 1.0])
+def test_friction_is_that_of_the_moment_however_slow_the_slip(slide):
+    change = change_of(blocks(2, -OVERLAP, method="particles", slide=slide, friction=MU), 1e-4)
+    np.testing.assert_allclose(change[1], MU * change[0], rtol=1e-6)
+
+
+def test_points_that_touch_exchange_nothing():
+    simulation = blocks(2, -OVERLAP, method="particles")
+    simulation.state.particles.position[simulation.state.bodies[1].particles, 0] += OVERLAP + 1e-9
+    simulation.step(1e-4)
+    assert not simulation.contact.records.impulse.any()

@@ -7,7 +7,7 @@ import pytest
 from pydantic import ValidationError
 
 from mpmfw.errors import SceneError
-from mpmfw.scene import load_scene, shipped_scenes
+from mpmfw.scene import load_scene, located, shipped_scenes
 from mpmfw.scene.toml_text import toml_text
 
 TEXT = """\
@@ -113,6 +113,14 @@ def test_scenes_travel_between_processes():
     assert again.materials["steel"].options == scene.materials["steel"].options
 
 
+@pytest.mark.parametrize("cell", [0.4, 0.2])
+def test_lengths_in_cells_follow_the_cell_size(cell):
+    scene = load_scene("rolling-cylinder-slip", set={"grid.cell_size": cell})
+    for body in scene.bodies.values():
+        assert body.particles.size == pytest.approx(0.5 * cell, rel=1e-15)
+        assert body.segment == pytest.approx(0.25 * cell, rel=1e-15)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "place", "said"),
     [
@@ -121,6 +129,8 @@ def test_scenes_travel_between_processes():
         ("cell_size = 0.5", "cell_size = -1", "4: grid.cell_size", "must be greater than 0, not -1"),
         ("cell_size = 0.5", "cell_size = 5e-324", "4: grid.cell_size", "5e-324 is out of range"),
         ("lower = [0, 0]\nupper", "lower = [0, 'b']\nupper", "5: grid.lower[1]", "'b' is not a quantity"),
+        ("segment = 0.2", 'segment = "0.5 cels"', "39: bodies.floor.segment", "cels"),
+        ("segment = 0.2", 'segment = "-1 cells"', "39: bodies.floor.segment", "is not a quantity"),
         ("end = 1\n", "", "8: time.end", "missing; expected a time in s"),
         ('output_interval = "10 ms"', "output_interval = 2", "10: time.output_interval", "time.end, which is 1 s"),  # noqa: E501
         ("end = 1\n", "end = 1\nstep = 1e-5\nsafety = 0.4\n", "11: time.safety", "has no effect with a fixed"),  # noqa: E501
@@ -161,6 +171,22 @@ def test_all_problems_are_listed_in_the_file_s_order(scene_file):
     assert [line.startswith(start) for line, start in zip(lines, starts, strict=True)] == [True] * 4
 
 
+@pytest.mark.parametrize(
+    ("key", "place"),
+    [
+        ("bodies.block", "s.toml:29: "),
+        ("bodies.block.rotation", "s.toml:29: "),
+        ("shape.method", "s.toml:13: "),
+        ("time.step", "--set "),
+    ],
+)
+def test_an_error_that_is_found_later_says_where_its_key_was_written(scene_file, key, place):
+    scene = load_scene(scene_file(), set={"time.step": 1e-3})
+    error = located(SceneError("wrong", key=key), scene)
+    assert str(error) == str(located(error, scene)) == f"{place}{key}: wrong"
+    assert str(located(SceneError("wrong", key=key), load_scene(scene.to_mapping()))) == f"{key}: wrong"
+
+
 def test_more_than_one_body_needs_a_contact_method():
     mapping = tomllib.loads(TEXT)
     del mapping["contact"]
@@ -179,18 +205,18 @@ def test_alternatives_are_not_validated_but_the_chosen_one_is(scene_file):
     ("key", "value", "message"),
     [
         ("grid.cell_size", "2 s", "--set grid.cell_size: '2 s' is not convertible to m"),
-        (
-            "bodies.blok.velocity",
-            "[1, 1]",
-            "--set bodies.blok.velocity: bodies.blok: no such name; did you mean 'block'?",
-        ),
+        ("bodies.blok.velocity", "[1, 1]", "--set bodies.blok.velocity: bodies.blok: no such name; did you"),
         ("contact.pairs[3].friction", "0.1", "--set contact.pairs[3].friction: contact.pairs has 1 entries"),
         ("grid..x", "1", "--set grid..x: 'grid..x' is not a key"),
         ("settle.tolerence", "1", "--set settle.tolerence: unknown key; did you mean 'tolerance'?"),
+        ("grid.cell_size", 0, "--set grid.cell_size: must be greater than 0"),
+        ("grid.cell_size", True, "--set grid.cell_size: true is a boolean"),
     ],
 )
 def test_a_wrong_override_names_its_key(scene_file, key, value, message):
-    assert refusal(scene_file(), set={key: value}).startswith(message)
+    said = refusal(scene_file(), set={key: value})
+    assert said.startswith(message)
+    assert "\n" not in said
 
 
 def test_overrides_are_toml_values_or_text(scene_file):

@@ -75,23 +75,6 @@ def test_the_estimate_covers_what_is_allocated(name):
     assert allocated <= sizing.most_memory(scene)
 
 
-@pytest.mark.parametrize(
-    ("geometry", "layout"),
-    [
-        ({"type": "disc", "centre": [0, 0], "radius": 1}, "fitted"),
-        ({**PLATE, "angle": 0.4}, "lattice"),
-        ({"type": "polygon", "points": [[-1, -1], [1, -1], [0, 1]]}, "lattice"),
-    ],
-)
-@pytest.mark.parametrize("size", [0.5, 0.11, 0.03])
-def test_there_are_at_most_so_many_points(geometry, layout, size):
-    table = {**DISC["bodies"]["a"], "geometry": geometry, "particles": {"layout": layout, "size": size}}
-    scene = load_scene({**DISC, "bodies": {"a": table}})
-    most = sizing.size_of(scene.bodies["a"], 0.5).points
-    count = Simulation(scene).state.particles.count
-    assert count <= most <= 12 * count + 20
-
-
 def test_a_forced_run_begins_whatever_its_length(monkeypatch):
     monkeypatch.setattr("mpmfw.runs.limits.MOST_STEPS", 1)
     assert "takes 4 steps, more than 1" in refusal(**{"time.end": 0.02, "time.step": 0.005})

@@ -37,24 +37,6 @@ def test_the_stiffness_is_that_of_small_motions_of_the_elements():
         np.testing.assert_allclose(linear, 0.5 * (behind - ahead).ravel(), atol=1e-6 * np.abs(linear).max())
 
 
-def test_a_free_block_has_three_motions_without_stiffness():
-    bodies = incline(0.1, elastic=False)
-    own = np.linalg.eigvalsh(
-        stiffness_matrix(bodies.block, len(bodies.points))[: 2 * bodies.n_block, : 2 * bodies.n_block]
-    )
-    assert np.sum(np.abs(own) < 1e-9 * own.max()) == 3
-    assert own.min() > -1e-9 * own.max()
-
-
-@pytest.mark.parametrize("elastic", [False, True])
-def test_the_faces_weights_leave_no_resultant_and_see_no_common_motion(elastic):
-    bodies = incline(0.1, elastic=elastic)
-    for axis in (0, 1):
-        rows = contact_matrix(bodies, axis).reshape(len(bodies.bottom), -1, 2)
-        np.testing.assert_allclose(rows.sum(1), 0.0, atol=1e-14)
-        np.testing.assert_allclose(rows[:, :, axis] @ bodies.points[:, 1], 0.0, atol=1e-14)
-
-
 @pytest.mark.parametrize("friction", [0.0, 0.3, 0.9])
 def test_steady_sliding_bears_the_weight_and_moves_pressure_to_the_front(friction):
     bodies = incline(0.05, elastic=True)
@@ -66,15 +48,6 @@ def test_steady_sliding_bears_the_weight_and_moves_pressure_to_the_front(frictio
     centre = forces @ bodies.points[bodies.bottom, 0] / forces.sum()
     # The moment of friction about the centre of mass: N e = T H / 2.
     assert centre == pytest.approx(0.5 * LENGTH + friction * 0.5 * HEIGHT, abs=2e-4)
-
-
-@pytest.mark.parametrize("contact", CONTACTS)
-@pytest.mark.parametrize("elastic", [False, True])
-def test_a_block_that_must_stick_stays(contact, elastic):
-    run = slide(0.1, 0.9, math.radians(30.0), contact=contact, elastic=elastic, end=0.3)
-    late = run.x[run.time > 0.2]
-    assert np.ptp(late) < 1e-4
-    assert run.stuck[-1] > 0.5
 
 
 @pytest.mark.parametrize("contact", CONTACTS)

@@ -4,7 +4,6 @@ measures.
 
 from __future__ import annotations
 
-import math
 import sys
 from pathlib import Path
 
@@ -33,26 +32,6 @@ def test_sphere_slides_throughout_beyond_the_limit_and_not_below(case, poisson):
         assert psi * elastic.rebound(psi / ratio, poisson) == pytest.approx(psi - limit - 1.0, abs=1e-6)
     psi = limit - 0.5
     assert psi * elastic.rebound(psi / ratio, poisson) > psi - limit - 1.0 + 1e-3
-
-
-def test_limit_of_sliding_is_that_of_maw_barber_and_fawcett(case):
-    """ψ1 = 4 χ − 1 with χ = 7 (1 − ν) / (2 (2 − ν)) of a solid sphere."""
-    assert case["elastic"].sliding_from(0.3) == pytest.approx(4.0 * 7.0 * 0.7 / (2.0 * 1.7) - 1.0)
-
-
-def test_hertz_brings_a_sphere_to_rest_and_back(case):
-    """Closed forms of force, approach and time of contact against the equation of motion, integrated."""
-    sphere = case["spheres"].SPHERES["1 glass"]
-    stiff = 4.0 / 3.0 * math.sqrt(sphere.radius) / sphere.compliance / sphere.mass
-    depth, speed, time, dt, deepest = 0.0, sphere.speed, 0.0, sphere.contact_time / 20000, 0.0
-    while depth >= 0.0:
-        depth += 0.5 * dt * speed
-        speed -= dt * stiff * max(depth, 0.0) ** 1.5
-        depth += 0.5 * dt * speed
-        time, deepest = time + dt, max(depth, deepest)
-    assert time == pytest.approx(sphere.contact_time, rel=1e-3)
-    assert deepest == pytest.approx(sphere.approach, rel=1e-3)
-    assert stiff * sphere.mass * deepest**1.5 == pytest.approx(sphere.force, rel=1e-3)
 
 
 def results(case, along: float, spin: float, back: float) -> xr.DataTree:

@@ -8,7 +8,7 @@ import pickle
 import numpy as np
 import pytest
 
-from mpmfw.kernels import Floats, Ints, Struct, device, kernel, struct
+from mpmfw.kernels import Floats, Ints, Struct, device, kernel
 
 
 class Points(Struct):
@@ -65,16 +65,6 @@ def test_arrays_that_take_others_places_are_seen():
     check(points)
     points.gap = np.zeros(70)
     check(points)
-
-
-def test_a_change_in_place_costs_no_new_addresses():
-    points = struct(gap=np.zeros(3))
-    numbers = points._numbers
-    points.gap += 1.0
-    assert points._numbers is numbers
-    points.gap = points.gap + 1.0
-    assert points._numbers is not numbers
-    np.testing.assert_array_equal(points.gap, [2.0, 2.0, 2.0])
 
 
 def test_a_copy_has_arrays_of_its_own():

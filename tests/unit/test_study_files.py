@@ -1,7 +1,9 @@
 """A study's file: its keys, its mistakes, its scenes and what makes two runs the same."""
 
 import functools
+import math
 
+import numpy as np
 import pytest
 
 from mpmfw.campaigns.keys import overrides_of
@@ -112,7 +114,8 @@ def test_gravity_as_a_vector_and_another_order_of_bodies_keep_the_closed_form():
     mapping["bodies"] = dict(reversed(mapping["bodies"].items()))
     found, before = declared(load_scene(mapping)), declared(scene)
     assert found.body == before.body
+    tilt = math.atan2(*np.abs(scene.gravity.at(0.0)))
+    friction = scene.pairs[0][2] if scene.pairs else scene.contact.friction
+    exact = 10.0 * (math.sin(tilt) - friction * math.cos(tilt))
+    assert before.solution.acceleration == pytest.approx(exact, rel=1e-12)
     assert found.solution.acceleration == pytest.approx(before.solution.acceleration, rel=1e-12)
-
-
-# -- the same run

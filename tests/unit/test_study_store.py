@@ -78,13 +78,6 @@ def test_prune_of_another_folder_says_so_and_removes_nothing(tmp_path):
     assert (tmp_path / "notes.json").exists()
 
 
-def test_what_would_not_last_is_not_stored(tmp_path):
-    store = Store(tmp_path)
-    store.put(replace(record("a", "failed: no disk"), lasting=False))
-    assert store.outcome("a").status == "failed: no disk"
-    assert Store(tmp_path).outcome("a") is None
-
-
 def write_for_ever(folder, mark):
     store = Store(folder)
     for k in range(100_000):

@@ -102,18 +102,12 @@ def test_the_decorator_parametrises_over_all_checks():
         contact_conformance("separate", only=["enrgy"])
 
 
-def broken_law(line):
-    """A subject whose every step fails at one line of a stranger's file."""
-    source = "def add_nodal_force():\n    x = 1\n    return x.force\n"
-    scope = {}
-    exec(compile(source, str(line), "exec"), scope)
-    return scope["add_nodal_force"]
-
-
 def test_an_error_says_file_and_line_of_the_strangers_code_and_one_cause_is_told_once(tmp_path):
     file = tmp_path / "my_law.py"
     file.write_text("def add_nodal_force():\n    x = 1\n    return x.force\n")
-    fails = broken_law(file)
+    scope = {}
+    exec(compile(file.read_text(), str(file), "exec"), scope)
+    fails = scope["add_nodal_force"]
     checks = [Check(name, "It works.", lambda _subject: fails()) for name in ("runs", "second", "third")]
     searched = Check(
         "searched", "Also.", lambda _subject: search({"_": ladder(0.0, 1.0, 3)}, lambda _: fails())

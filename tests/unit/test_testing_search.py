@@ -29,20 +29,6 @@ def test_the_counterexample_is_the_smallest_and_the_same_in_every_run():
     assert (first.value.measured, first.value.bound) == (1.0, 0.75)
 
 
-def test_a_search_ends_after_so_many_trials():
-    tried = []
-
-    def trial(a):
-        tried.append(a)
-        if a > 3:
-            raise Violation("beyond three")
-
-    with pytest.raises(Violation) as caught:
-        search({"a": ladder(0.0, 1000.0, 1001)}, trial, examples=50, most=12)
-    assert len(tried) <= 12
-    assert caught.value.counterexample["a"] > 3
-
-
 def test_an_error_of_the_plugin_is_a_violation_with_its_case():
     def trial(a):
         if a > 0:

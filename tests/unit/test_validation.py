@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 from mpmfw.cli import app
 from mpmfw.validation import Case, CaseRun, Method, Place, Row, Runs, RunSet, Verdict, methods
 from mpmfw.validation.page import BEGIN, END
-from mpmfw.validation.suite import CaseResult, find_cases, kept, run_cases
+from mpmfw.validation.suite import find_cases, kept, run_cases
 
 GREEN = """
 from measures import SIX
@@ -174,12 +174,6 @@ def test_a_pattern_that_fits_no_method_or_place_is_refused(tmp_path):
             misspelt()
 
 
-def test_a_case_of_full_runs_alone_has_no_quick_rows(suite, tmp_path):
-    folder = suite(late=f"import pytest\n\n@pytest.mark.full\n{RED}")
-    (quick,) = results(folder, tmp_path, quick=True)
-    assert (quick.rows, quick.error) == ((), "")
-
-
 def test_whatever_goes_wrong_is_said_and_ends_with_status_1(suite, tmp_path):
     cases = {"a": GREEN, "b": RED, "c": KNOWN.format(value=8.0), "d": KNOWN.format(value=6.0), "e": BROKEN}
     result = command(suite(**cases, z=KILLED), tmp_path)
@@ -197,13 +191,6 @@ def test_whatever_goes_wrong_is_said_and_ends_with_status_1(suite, tmp_path):
         assert [row["case"] for row in csv.DictReader(file) if row["verdict"] == "holds"] == ["a"]
     wrong = command(tmp_path / "suite", tmp_path, "aa")
     assert (wrong.exit_code, "did you mean 'a'?" in wrong.output) == (2, True)
-
-
-def test_an_error_and_a_red_gate_alone_decide_the_status(tmp_path):
-    red = Row("a", "by hand", "six", 8.0, "", "", 5.0, 7.0, binds=True)
-    assert CaseResult(tmp_path, (red,)).wrong
-    assert CaseResult(tmp_path, error="killed").wrong
-    assert not CaseResult(tmp_path, (replace(red, reason="eight is more"), replace(red, value=6.0))).wrong
 
 
 def test_table_figures_and_the_marked_part_of_a_page_are_written(suite, tmp_path):

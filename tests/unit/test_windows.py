@@ -44,12 +44,6 @@ def test_a_window_holds_its_points_and_the_margin() -> None:
     assert (grid.window_lower[0] + grid.window_shape[0] - 1).tolist() == last.tolist()
 
 
-def test_a_window_is_clipped_to_the_grid() -> None:
-    grid = laid([[-2.0, 2.9]])
-    assert grid.window_lower[0, 0] == 0
-    assert grid.window_lower[0, 1] + grid.window_shape[0, 1] == grid.nodes[1]
-
-
 def test_nodes_of_two_windows_lie_one_after_the_other_and_agree_to_the_last_bit() -> None:
     grid = laid([[0.1, 0.1]], [[0.4, 0.3]])
     assert grid.offset.tolist() == [0, *np.cumsum(np.prod(grid.window_shape, axis=1))]
@@ -75,16 +69,6 @@ def test_surface_nodes_widen_their_own_fields_window() -> None:
     plain, wide = laid([[0.1, 0.1]], [[0.1, 0.1]]), laid([[0.1, 0.1]], [[0.1, 0.1]], surface=surface)
     assert wide.window_shape[0].tolist() == plain.window_shape[0].tolist()
     assert wide.window_shape[1].tolist() == [plain.window_shape[1, 0] + 6, plain.window_shape[1, 1]]
-
-
-def test_laying_again_counts_and_forgets() -> None:
-    grid = laid([[0.1, 0.1]])
-    assert grid.frame == 1
-    grid.mass += 1.0
-    points = particles([[1.1, 0.1]])
-    fit_windows(grid, points, np.zeros((1, 2)), None)
-    assert grid.frame == 2
-    assert not grid.mass.any()
 
 
 @pytest.mark.parametrize("far", [np.nan, np.inf, -np.inf, 1e300])
