@@ -23,12 +23,14 @@ def test_six(case):
     case.gate("six", SIX, 6.0, (5.0, 7.0), "m", method="by hand")
     case.show("size", 2.0 if case.quick else 3.0)
 """
-RED = "def test_six(case): case.gate('six', 8.0, tolerance=(5.0, 7.0), method='by hand')"
-KNOWN = (
-    "from mpmfw.validation import known_red\n\n@known_red('by hand', 'six', 'eight is more')\n"
-    "def test_six(case): case.gate('six', {value}, tolerance=(5.0, 7.0), method='by hand')\n"
-)
-BROKEN = "def test_it(case):\n    case.show('before', 1.0)\n    raise ZeroDivisionError('no reference')"
+RED = "\ndef test_eight(case): case.gate('eight', 8.0, tolerance=(5.0, 7.0), method='by hand')\n"
+KNOWN = """
+from mpmfw.validation import known_red
+
+@known_red('by hand', '{name}', 'it is more')
+def test_{name}(case): case.gate('{name}', {value}, tolerance=(5.0, 7.0), method='by hand')
+"""
+BROKEN = "\ndef test_it(case):\n    case.show('before', 1.0)\n    raise ZeroDivisionError('no reference')\n"
 KILLED = "import os, signal\ndef test_it(case): os.kill(os.getpid(), signal.SIGKILL)"
 FIGURE = """
 from mpmfw.plots.style import new_figure
@@ -38,6 +40,7 @@ def test_line(case):
     figure.subplots().plot([0, 1])
     case.figure("line", figure)
 """
+NINE, FIVE = KNOWN.format(name="nine", value=9.0), KNOWN.format(name="five", value=5.5)
 RUNS = """
 from types import SimpleNamespace
 
@@ -175,41 +178,41 @@ def test_a_pattern_that_fits_no_method_or_place_is_refused(tmp_path):
 
 
 def test_whatever_goes_wrong_is_said_and_ends_with_status_1(suite, tmp_path):
-    cases = {"a": GREEN, "b": RED, "c": KNOWN.format(value=8.0), "d": KNOWN.format(value=6.0), "e": BROKEN}
-    result = command(suite(**cases, z=KILLED), tmp_path)
+    folder = suite(a=GREEN + RED + NINE + FIVE + BROKEN, z=KILLED)
+    result = command(folder, tmp_path)
     assert result.exit_code == 1, result.output
     output = " ".join(result.output.split())
     for said in (
-        "RED: b: by hand, six: 8 (5 … 7)",
-        "known red: c: by hand, six: 8 (5 … 7): eight is more",
+        "RED: a: by hand, eight: 8 (5 … 7)",
+        "known red: a: by hand, nine: 9 (5 … 7): it is more",
         "marked as known red",
         "no reference",
         "its process ended abruptly",
     ):
         assert said in output
     with (tmp_path / "out" / "validation.csv").open() as file:
-        assert [row["case"] for row in csv.DictReader(file) if row["verdict"] == "holds"] == ["a"]
-    wrong = command(tmp_path / "suite", tmp_path, "aa")
+        assert [row["quantity"] for row in csv.DictReader(file) if row["verdict"] == "holds"] == ["six"]
+    wrong = command(folder, tmp_path, "aa")
     assert (wrong.exit_code, "did you mean 'a'?" in wrong.output) == (2, True)
 
 
 def test_table_figures_and_the_marked_part_of_a_page_are_written(suite, tmp_path):
     page = tmp_path / "docs" / "page.md"
     page.parent.mkdir()
-    page.write_text(f"# Mine\n\n{BEGIN}\nold\n{END}\n\n![line](page/b-line.png)\n")
-    found = command(suite(a=GREEN, b=FIGURE, c=KNOWN.format(value=8.0)), tmp_path, "--document", str(page))
+    page.write_text(f"# Mine\n\n{BEGIN}\nold\n{END}\n\n![line](page/a-line.png)\n")
+    found = command(suite(a=GREEN + FIGURE + NINE), tmp_path, "--document", str(page))
     assert found.exit_code == 0, found.output
     text = page.read_text()
     assert text.startswith("# Mine\n")
     assert "\nold\n" not in text
-    assert "- `c`: by hand, six: 8 (5 … 7): eight is more" in text
-    assert (tmp_path / "docs" / "page" / "b-line.png").stat().st_size > 1000
+    assert "- `a`: by hand, nine: 9 (5 … 7): it is more" in text
+    assert (tmp_path / "docs" / "page" / "a-line.png").stat().st_size > 1000
     with (tmp_path / "docs" / "page" / "rows.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [(row["quantity"], float(row["value"]), row["verdict"]) for row in rows] == [
         ("six", 6.0, "holds"),
         ("size", 3.0, "shown"),
-        ("six", 8.0, "known red"),
+        ("nine", 9.0, "known red"),
     ]
 
 
