@@ -1,7 +1,5 @@
 """Options of classical contact, and of [H17]'s, that several cases try."""
 
-from __future__ import annotations
-
 from typing import Any
 
 POSITION = {"contact.bardenhagen.criterion": "position"}

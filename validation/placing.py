@@ -1,7 +1,5 @@
 """A scene at another place of the grid: shifted, turned, and with other cells."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from typing import Any

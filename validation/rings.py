@@ -3,8 +3,6 @@
 [H17] is Hamad, Giridharan & Moormann (2017), Procedia Engineering 175, 116-123. The reference are the finite
 elements of ``mpmfw/reference``; its README says where the tolerances come from."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

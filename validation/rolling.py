@@ -3,11 +3,8 @@
 [H17] is Hamad, Giridharan & Moormann (2017), Procedia Engineering 175, 116-123.
 """
 
-from __future__ import annotations
-
 import math
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -29,20 +26,11 @@ SERIES_ONLY = {"output.particles": False, "output.surface": False, "output.ledge
 LUMPED = {"bodies.cylinder.rotation": "lumped"}
 
 
-@dataclass(frozen=True)
-class Roll:
-    """One of the two cases of [H17].
+class Roll(NamedTuple):
+    """One of the two cases of [H17]."""
 
-    Attributes
-    ----------
-    scene
-        Name of the shipped scene.
-    solution
-        Rigid cylinder: eq. 13 of [H17], and the spin that belongs to it.
-    """
-
-    scene: str
-    solution: RollingSolution
+    scene: str  #: name of the shipped scene
+    solution: RollingSolution  #: rigid cylinder: eq. 13 of [H17], and the spin that belongs to it
 
     @property
     def name(self) -> str:
@@ -68,27 +56,14 @@ SLIP = _roll("rolling-cylinder-slip")
 NO_SLIP = _roll("rolling-cylinder-no-slip")
 
 
-@dataclass(frozen=True)
-class Motion:
-    """Series of one run.
+class Motion(NamedTuple):
+    """Series of one run, (time,)."""
 
-    Attributes
-    ----------
-    time
-        (time,) [s].
-    displacement, velocity
-        Of the centre of mass along the plane, (time,) [m], [m/s].
-    spin
-        Clockwise, positive when rolling down, (time,) [rad/s].
-    gap
-        Least distance of the surfaces in cells, negative where they penetrate, (time,).
-    """
-
-    time: FloatArray
-    displacement: FloatArray
-    velocity: FloatArray
-    spin: FloatArray
-    gap: FloatArray
+    time: FloatArray  #: [s]
+    displacement: FloatArray  #: of the centre of mass along the plane [m]
+    velocity: FloatArray  #: of it [m/s]
+    spin: FloatArray  #: clockwise, positive when rolling down [rad/s]
+    gap: FloatArray  #: least distance of the surfaces in cells, negative where they penetrate
 
 
 def motion_of(tree: xr.DataTree) -> Motion:
@@ -106,14 +81,11 @@ def motion_of(tree: xr.DataTree) -> Motion:
 
 
 def measures(motion: Motion, roll: Roll) -> dict[str, float]:
-    """What the gates are about.
+    """Return errors against the rigid cylinder [%], ``gap`` and ``penetration`` [cells].
 
-    Returns
-    -------
-    dict
-        Errors against the rigid cylinder [%]: ``displacement`` and ``spin`` when it has moved by 10 m,
-        ``acceleration`` and ``angular acceleration`` fitted to the last 80 % of that time; in cells the
-        ``gap`` at the end of the run and the ``penetration``, the mean over all outputs of the deepest.
+    ``displacement`` and ``spin`` are those when it has moved by 10 m, ``acceleration`` and ``angular
+    acceleration`` are fitted to the last 80 % of that time. The ``gap`` is that at the end of the run, the
+    ``penetration`` the mean over all outputs of the deepest.
     """
     exact, end = roll.solution, roll.end
     fitted = fitted_acceleration(motion.time, motion.displacement, 0.2 * end, end)
@@ -150,11 +122,6 @@ def lumping_loss(cell_size: Any, particle_size: Any) -> Any:
     g sin θ / (1 + I/(m R²)), then loses ε/3 of its acceleration, and the spin of a slipping cylinder ε, to
     first order."""
     return (cell_size**2 + particle_size**2) / 3.0 / (0.5 * RADIUS**2)
-
-
-def line(look: tuple[str, Any]) -> dict[str, Any]:
-    """Keywords of ``Axes.plot`` for a colour and a line style."""
-    return {"color": look[0], "linestyle": look[1], "linewidth": 1.2}
 
 
 #: The closed form, on top of all curves.

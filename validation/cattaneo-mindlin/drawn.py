@@ -1,20 +1,15 @@
 """The figure of the case: shear and pressure at half of the load that slides."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 from pressed import FRICTION
 from tractions import Tractions, half_way, of_forces, of_stress
 
 from mpmfw.plots.style import dress, new_figure
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from mpmfw.validation import CaseRun
+from mpmfw.validation import CaseRun
 
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#7F3C8D", "#D55E00")
 MARKERS = ("o", "s", "^", "D", "v")

@@ -1,7 +1,5 @@
 """The scene: a cylinder's underside on a block of the same solid, cut off and guided above."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -17,6 +15,8 @@ SIDE, HEIGHT = 5.0, 5.0
 #: The lowest point of the cylinder: off the grid lines [m]
 TOUCH = (0.011, 0.017)
 SHEAR, BULK = YOUNG / (2.0 * (1.0 + POISSON)), YOUNG / (3.0 * (1.0 - 2.0 * POISSON))  #: [Pa]
+SOLID = {"model": "linear_elastic", "density": DENSITY, "bulk_modulus": BULK, "shear_modulus": SHEAR}
+BLOCK = {"lower": [TOUCH[0] - SIDE, TOUCH[1] - HEIGHT], "upper": [TOUCH[0] + SIDE, TOUCH[1]]}
 #: Speed of shear waves [m/s]
 SHEAR_WAVE = float(np.sqrt(SHEAR / DENSITY))
 
@@ -35,14 +35,7 @@ def scene(crossings: float = 24.0, drift: float = 0.036) -> dict[str, Any]:
         "time": {"end": end, "output_interval": end / 24.0},
         "shape": {"method": "cpdi"},
         "contact": {"method": "penalty", "friction": FRICTION},
-        "materials": {
-            "solid": {
-                "model": "linear_elastic",
-                "density": DENSITY,
-                "bulk_modulus": BULK,
-                "shear_modulus": SHEAR,
-            }
-        },
+        "materials": {"solid": SOLID},
         "bodies": {
             "cylinder": {
                 "material": "solid",
@@ -57,11 +50,7 @@ def scene(crossings: float = 24.0, drift: float = 0.036) -> dict[str, Any]:
             },
             "block": {
                 "material": "solid",
-                "geometry": {
-                    "type": "rectangle",
-                    "lower": [TOUCH[0] - SIDE, TOUCH[1] - HEIGHT],
-                    "upper": [TOUCH[0] + SIDE, TOUCH[1]],
-                },
+                "geometry": {"type": "rectangle", **BLOCK},
                 "particles": {"layout": "fitted", "size": "0.5 cells"},
                 "segment": "0.25 cells",
                 "sides": [

@@ -29,27 +29,27 @@ scene = Runs(
 
 @scene
 def test_scene(run):
-    at = run.place.at
-    quantity = f"Q / (μ P) at the output nearest to a half, {at}"
-    run.gate(quantity, run.of(tractions.partial_slip_by_stress, "share"))
-    if run.method.matches("penalty*"):
-        for quantity, key, reference, tolerance, unit in (
-            (f"c / a by the shear, error, {at}", "stick", 0.0, 0.05, ""),
-            (f"shear, error in L2 of μ p, {at}", "shear", 0.0, (0.0, 10.0), "%"),
-            (f"pressure, error in L2, {at}", "pressure", 0.0, (0.0, 5.0), "%"),
-            (f"largest |T| / (μ N) of a node, {at}", "cone", 1.0, (0.0, 1.05), ""),
-        ):
-            run.gate(quantity, run.of(tractions.partial_slip, key), reference, tolerance, unit)
-    run.gate(f"Q over μ P when it slides, less one, {at}", run.of(tractions.sliding), 0.0, 1.0, "%")
-    if run.method.matches("penalty*"):
-        run.gate(f"c / a when it slides, {at}", run.of(tractions.stick_when_sliding), 0.0)
-        run.gate(f"shear that pressing leaves, of μ p, {at}", run.of(tractions.shear_before), 0.0, unit="%")
-    for quantity, key, tolerance, unit in (
-        (f"c / a by the points' shear, error, {at}", "stick", 0.05, ""),
-        (f"points' shear, error in L2 of μ p, {at}", "shear", (0.0, 10.0), "%"),
-        (f"points' pressure, error in L2, {at}", "pressure", (0.0, 5.0), "%"),
-    ):
-        run.gate(quantity, run.of(tractions.partial_slip_by_stress, key), 0.0, tolerance, unit, binds=False)
+    by_stress, forces = tractions.partial_slip_by_stress, run.method.matches("penalty*")
+    run.gates(by_stress, ("Q / (μ P) at the output nearest to a half, {at}", "share"))
+    if forces:
+        run.gates(
+            tractions.partial_slip,
+            ("c / a by the shear, error, {at}", "stick", 0.0, 0.05),
+            ("shear, error in L2 of μ p, {at}", "shear", 0.0, (0.0, 10.0), "%"),
+            ("pressure, error in L2, {at}", "pressure", 0.0, (0.0, 5.0), "%"),
+            ("largest |T| / (μ N) of a node, {at}", "cone", 1.0, (0.0, 1.05)),
+        )
+    run.gates(tractions.sliding, ("Q over μ P when it slides, less one, {at}", None, 0.0, 1.0, "%"))
+    if forces:
+        run.gates(tractions.stick_when_sliding, ("c / a when it slides, {at}", None, 0.0))
+        run.gates(tractions.shear_before, ("shear that pressing leaves, of μ p, {at}", None, 0.0, None, "%"))
+    run.gates(
+        by_stress,
+        ("c / a by the points' shear, error, {at}", "stick", 0.0, 0.05),
+        ("points' shear, error in L2 of μ p, {at}", "shear", 0.0, (0.0, 10.0), "%"),
+        ("points' pressure, error in L2, {at}", "pressure", 0.0, (0.0, 5.0), "%"),
+        binds=False,
+    )
 
 
 @full

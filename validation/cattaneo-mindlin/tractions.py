@@ -1,7 +1,5 @@
 """Pressure and shear along the contact, by nodal forces and by stress, beside the closed form."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +7,7 @@ import numpy.typing as npt
 import xarray as xr
 from pressed import E_STAR, FRICTION, HEIGHT, RADIUS, SIDE, TOUCH
 from scipy.optimize import minimize_scalar
+from surface_pressure import nodes_of
 
 Array = npt.NDArray[np.float64]
 
@@ -75,11 +74,9 @@ class Tractions:
 def of_forces(tree: xr.DataTree, k: int) -> Tractions:
     """At output ``k``, from the forces of the cylinder's nodes over the length that belongs to each."""
     position, force, length = _nodes(tree, k)
-    middle = float(np.sum(position[:, 0] * force[:, 1]) / force[:, 1].sum())
-    h = float(tree.attrs["cell_size"])
-    x, pressure = _windows(position[:, 0] - middle, force[:, 1], length, h)
-    _, shear = _windows(position[:, 0] - middle, -force[:, 0], length, h)
-    return Tractions(x, pressure, shear, float(force[:, 1].sum()), -float(force[:, 0].sum()), h)
+    x, whole = position[:, 0], force.sum(axis=0)
+    middle = float(np.sum(x * force[:, 1]) / whole[1])
+    return _tractions(x - middle, force[:, 1], -force[:, 0], length, whole, tree)
 
 
 def of_stress(tree: xr.DataTree, k: int) -> Tractions:
@@ -93,10 +90,9 @@ def of_stress(tree: xr.DataTree, k: int) -> Tractions:
     x, volume, stress = (points[name].values[rim] for name in ("position", "volume", "stress"))
     weight = stress[:, 1, 1] ** 2 * volume  # squared: the rest of the top is wide, and bears a little
     middle = float(np.sum(x[:, 0] * weight) / np.sum(weight))
-    windows, pressure = _windows(x[:, 0] - middle, -stress[:, 1, 1] * volume, volume, h)
-    _, shear = _windows(x[:, 0] - middle, stress[:, 0, 1] * volume, volume, h)
+    pressure, shear = -stress[:, 1, 1] * volume, stress[:, 0, 1] * volume
     whole = tree["series"]["contact_force"].isel(time=k, pair=0).values
-    return Tractions(windows, pressure, shear, float(whole[1]), -float(whole[0]), h)
+    return _tractions(x[:, 0] - middle, pressure, shear, volume, whole, tree)
 
 
 def half_way(tree: xr.DataTree) -> int:
@@ -161,21 +157,22 @@ def _over_the_cone(tree: xr.DataTree, k: int) -> float:
 
 def _nodes(tree: xr.DataTree, k: int) -> tuple[Array, Array, Array]:
     """Return position [m], force [N/m], (n, 2) each, and length (n,) [m] of nodes of the underside."""
-    surface = tree["surface/cylinder"].to_dataset().isel(time=k)
-    position, after = surface["position"].values, surface["next"].values
-    length = 0.5 * np.linalg.norm(position[after] - position, axis=1)
-    length += np.bincount(after, length, len(length))
+    position, force, length = nodes_of(tree, "cylinder", k)
     low = (position[:, 1] < TOUCH[1] + 0.3) & (np.abs(position[:, 0] - TOUCH[0]) < 0.9 * SIDE)
-    return position[low], surface["force"].values[low], length[low]
+    return position[low], force[low], length[low]
 
 
-def _windows(x: Array, load: Array, size: Array, width: float) -> tuple[Array, Array]:
-    """Middles of windows of ``width`` within the reach, and load over size in each."""
-    count = 2 * int(REACH / width) + 1
-    index = np.floor(x / width + 0.5 * count).astype(int)
+def _tractions(
+    x: Array, pressure: Array, shear: Array, size: Array, whole: Array, tree: xr.DataTree
+) -> Tractions:
+    """Loads over size in windows of one cell within the reach, and the ``whole`` force (2,)."""
+    h = float(tree.attrs["cell_size"])
+    count = 2 * int(REACH / h) + 1
+    index = np.floor(x / h + 0.5 * count).astype(int)
     within = (index >= 0) & (index < count)
-    loads, sizes = (np.bincount(index[within], of[within], count) for of in (load, size))
-    return width * (np.arange(count) - count // 2), loads / np.maximum(sizes, 1e-30)
+    sums = [np.bincount(index[within], of[within], count) for of in (pressure, shear, size)]
+    p, q = (load / np.maximum(sums[2], 1e-30) for load in sums[:2])
+    return Tractions(h * (np.arange(count) - count // 2), p, q, float(whole[1]), -float(whole[0]), h)
 
 
 def _rms(values: Array) -> float:

@@ -3,11 +3,12 @@
 
 from math import inf
 
+import blocks
 import figures
-import measures
 from classical import POSITION, specified
+from convergence import observed_order
 
-from mpmfw.validation import RECOMMENDED, SHAPES, Place, Runs, full, methods, together
+from mpmfw.validation import RECOMMENDED, SHAPES, Place, Runs, each, full, methods, together
 
 GIVEN = specified(0.0, 1.0)
 WRONG = {"wrong map": {"contact.penalty.map": "mass_weighted"}}
@@ -73,7 +74,7 @@ higher_wrong = Runs(
     when="full",
 )
 #: The interface is kept at the same place within a cell.
-convergence = Runs(
+cells = Runs(
     "convergence",
     methods=EVERYWHERE,
     places=[
@@ -85,61 +86,34 @@ convergence = Runs(
 )
 
 
-@every
-def test_every(run):
-    right_map(run)
+@each(every, higher)
+def test_right_map(run):
+    run.gates(
+        blocks.stress,
+        ("mean σ_yy, error, {at}", "mean", 0.0, 3.0, "%"),
+        ("largest departure, {at}", "departure", 0.0, (0.0, 3.0), "%"),
+    )
+    off = run.of(blocks.stress, "off the walls")
+    run.gate(f"largest departure off the walls, {run.place.at}", off, 0.0, (0.0, 3.0), "%", binds=False)
 
 
-@higher
-def test_higher(run):
-    right_map(run)
-
-
-@wrong
-def test_wrong(run):
-    wrong_map(run)
-
-
-@higher_wrong
-def test_higher_wrong(run):
-    wrong_map(run)
-
-
-def right_map(run):
-    """Record the stress at the interface."""
-    mean, most, off = (run.of(measures.stress, key) for key in ("mean", "departure", "off the walls"))
-    at = run.place.at
-    run.gate(f"mean σ_yy, error, {at}", mean, 0.0, 3.0, "%")
-    run.gate(f"largest departure, {at}", most, 0.0, (0.0, 3.0), "%")
-    run.gate(f"largest departure off the walls, {at}", off, 0.0, (0.0, 3.0), "%", binds=False)
-
-
-def wrong_map(run):
-    """Record that a wrong map is seen."""
-    off = run.of(measures.stress, "off the walls")
+@each(wrong, higher_wrong)
+def test_wrong_map(run):
+    off = run.of(blocks.stress, "off the walls")
     run.gate(f"departure off the walls, must be seen, {run.place.at}", off, "", (3.0, inf), "%", binds=True)
 
 
-@convergence
+@cells
 def test_convergence(run):
-    run.gate(f"L2 error of σ_yy, {run.place.at}", run.of(measures.stress, "l2"), 0.0, unit="%")
+    run.gate(f"L2 error of σ_yy, {run.place.at}", run.of(blocks.stress, "l2"), 0.0, unit="%")
 
 
 @full
-@together(convergence)
+@together(cells)
 def test_orders(case, runs):
     for method, same in runs.by_method():
+        sizes = [run.results.attrs["cell_size"] for run in same]
         for quantity, key in (("L2 error of σ_yy", "l2"), ("departure off the walls", "off the walls")):
-            case.gate(f"observed order, {quantity}", same.of(measures.orders, key), method=method)
-
-
-@full
-@together(every, wrong)
-def test_figure(case, runs):
-    case.figure("", figures.interface(runs))
-
-
-@full
-@together(convergence)
-def test_figure_convergence(case, runs):
+            order = observed_order(sizes, [run.of(blocks.stress, key) for run in same])
+            case.gate(f"observed order, {quantity}", order, method=method)
     case.figure("convergence", figures.convergence(runs))

@@ -3,8 +3,6 @@
 Closed form: Neo-Hookean (`split`) at F = diag(1, 1 − ε).
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

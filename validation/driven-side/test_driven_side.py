@@ -8,7 +8,7 @@ import math
 
 import strain
 
-from mpmfw.validation import RECOMMENDED, SHAPES, Place, Runs, methods
+from mpmfw.validation import RECOMMENDED, SHAPES, Place, Runs, each, methods
 
 
 def place(at, size, past=0.3, upper=1.6, when=""):
@@ -40,34 +40,22 @@ turned = Runs(
 )
 
 
-def extremes(run):
-    """Record the least and the largest stress."""
-    for key in ("least", "largest"):
-        run.gate(f"{key} σ_yy, error, {run.place.at}", run.of(strain.extremes, key), 0.0, 2.0, "%")
-
-
-@every
-def test_every(run):
-    extremes(run)
-
-
-@reduced
-def test_reduced(run):
-    extremes(run)
-
-
-@finer
-def test_finer(run):
-    extremes(run)
+@each(every, reduced, finer)
+def test_extremes(run):
+    run.gates(
+        strain.extremes,
+        ("least σ_yy, error, {at}", "least", 0.0, 2.0, "%"),
+        ("largest σ_yy, error, {at}", "largest", 0.0, 2.0, "%"),
+    )
 
 
 @turned
 def test_turned(run):
-    for quantity, key, tolerance in (
-        ("mean σ_yy, error", "mean", 1.0),
-        ("largest error farther than 3 h from sides", "far", (0.0, 2.0)),
-        ("largest error within 3 h of one side", "one", None),
-        ("largest error within 3 h of two", "two", None),
-    ):
-        value = run.of(strain.turned, key)
-        run.gate(f"{quantity}, turned by 30°, {run.place.at}", value, 0.0, tolerance, "%", binds=True)
+    run.gates(
+        strain.turned,
+        ("mean σ_yy, error, turned by 30°, {at}", "mean", 0.0, 1.0, "%"),
+        ("largest error farther than 3 h from sides, turned by 30°, {at}", "far", 0.0, (0.0, 2.0), "%"),
+        ("largest error within 3 h of one side, turned by 30°, {at}", "one", 0.0, None, "%"),
+        ("largest error within 3 h of two, turned by 30°, {at}", "two", 0.0, None, "%"),
+        binds=True,
+    )

@@ -53,38 +53,42 @@ def bound(run):
 @slip
 def test_slip(run):
     spin = 12.0 if run.method.matches(LUMPED) else 5.0
-    for quantity, key, reference, tolerance, unit in (
-        ("displacement at 10 m, error", "displacement", 0.0, 2.0, "%"),
-        ("fitted acceleration, error", "acceleration", 0.0, 0.2, "%"),
-        ("spin at 10 m, error", "spin", 0.0, spin, "%"),
-        ("fitted angular acceleration, error", "angular acceleration", 0.0, None, "%"),
-        ("mean penetration", "penetration", "", (0.0, 0.03), "h"),
-    ):
-        value = run.of(rolling.errors, key, roll="slip")
-        run.gate(f"slip: {quantity}", value, reference, tolerance, unit, binds=bound(run))
+    run.gates(
+        rolling.errors,
+        ("slip: displacement at 10 m, error", "displacement", 0.0, 2.0, "%"),
+        ("slip: fitted acceleration, error", "acceleration", 0.0, 0.2, "%"),
+        ("slip: spin at 10 m, error", "spin", 0.0, spin, "%"),
+        ("slip: fitted angular acceleration, error", "angular acceleration", 0.0, None, "%"),
+        ("slip: mean penetration", "penetration", "", (0.0, 0.03), "h"),
+        binds=bound(run),
+        roll="slip",
+    )
     as_published(run, "slip")
 
 
 @settled
 def test_settled(run):
-    displacement, angular = (
-        run.of(rolling.errors, key, roll="slip") for key in ("displacement", "angular acceleration")
+    run.gates(
+        rolling.errors,
+        ("slip: displacement at 10 m, error", "displacement", 0.0, 1.0, "%"),
+        ("slip: fitted angular acceleration, error", "angular acceleration", 0.0, None, "%"),
+        binds=run.method.matches("penalty, *"),
+        roll="slip",
     )
-    binds = run.method.matches("penalty, *")
-    run.gate("slip: displacement at 10 m, error", displacement, 0.0, 1.0, "%", binds=binds)
-    run.gate("slip: fitted angular acceleration, error", angular, 0.0, unit="%")
 
 
 @no_slip
 def test_no_slip(run):
-    for quantity, key, tolerance in (
-        ("displacement at 10 m, error", "displacement", 2.5 if run.method.matches(LUMPED) else 0.5),
-        ("fitted acceleration, error", "acceleration", None),
-        ("spin at 10 m, error", "spin", None),
-        ("fitted angular acceleration, error", "angular acceleration", None),
-    ):
-        value = run.of(rolling.errors, key, roll="no slip")
-        run.gate(f"no slip: {quantity}", value, 0.0, tolerance, "%", binds=bound(run))
+    displacement = 2.5 if run.method.matches(LUMPED) else 0.5
+    run.gates(
+        rolling.errors,
+        ("no slip: displacement at 10 m, error", "displacement", 0.0, displacement, "%"),
+        ("no slip: fitted acceleration, error", "acceleration", 0.0, None, "%"),
+        ("no slip: spin at 10 m, error", "spin", 0.0, None, "%"),
+        ("no slip: fitted angular acceleration, error", "angular acceleration", 0.0, None, "%"),
+        binds=bound(run),
+        roll="no slip",
+    )
     as_published(run, "no slip")
 
 
@@ -102,6 +106,3 @@ def as_published(run, roll):
 @together(slip, no_slip)
 def test_figure(case, runs):
     case.figure("", drawing.as_published(runs))
-    case.figure("spin", drawing.spin_and_departure(runs))
-    if not case.quick:
-        case.figure("shapes", drawing.all_shapes(runs))

@@ -1,20 +1,18 @@
 """Domains and surfaces of the cylinder at the start and at the end, counted and drawn."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.collections import PolyCollection
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from rolling import BODY, motion_of
 
 from mpmfw.plots.style import dress, legend_below, new_figure
-from mpmfw.state.fields import FloatArray
 from mpmfw.validation import CLASSICAL, CaseRun, Method
 
 _COLOURS = {"penalty": "#0072B2", **dict(zip(CLASSICAL, ("#D55E00", "#117733"), strict=True))}
@@ -34,13 +32,9 @@ def counted(runs: Sequence[CaseRun]) -> dict[str, float]:
     }
     for body, group in tree["particles"].children.items():
         corners = np.asarray(group["corners"].isel(time=0))
-        found |= {f"points {body}": float(len(corners)), f"edge {body}": _longest_edge(corners)}
+        edge = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max()
+        found |= {f"points {body}": float(len(corners)), f"edge {body}": float(edge)}
     return found
-
-
-def _longest_edge(corners: FloatArray) -> float:
-    """Longest edge of quadrilaterals (n, 4, 2) [m]."""
-    return float(np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max())
 
 
 def draw(every: Sequence[CaseRun]) -> Figure:
@@ -70,13 +64,12 @@ def _whole(axes: Any, method: Method, tree: xr.DataTree) -> None:
 def _near(axes: Any, method: Method, tree: xr.DataTree, frame: int) -> None:
     """Enlarge the place under the cylinder's centre, with the cells of the grid."""
     h = float(tree.attrs["cell_size"])
-    centre = float(_groups(tree, "particles")[BODY]["position"].isel(time=frame).sel(axis="x").mean())
+    centre = float(tree[f"particles/{BODY}"]["position"].isel(time=frame).sel(axis="x").mean())
     left, bottom = centre - 0.5 * _ZOOM[0], _TOP - 0.4 * _ZOOM[1]
     # Grid lines are at whole multiples of h from its lower corner, which the shipped scene has at -4 h
-    for position in h * np.arange(np.floor(left / h), np.ceil((left + _ZOOM[0]) / h) + 1):
-        axes.axvline(position, **_CELLS)
-    for position in h * np.arange(np.floor(bottom / h), np.ceil((bottom + _ZOOM[1]) / h) + 1):
-        axes.axhline(position, **_CELLS)
+    for draw_line, first, size in ((axes.axvline, left, _ZOOM[0]), (axes.axhline, bottom, _ZOOM[1])):
+        for position in h * np.arange(np.floor(first / h), np.ceil((first + size) / h) + 1):
+            draw_line(position, **_CELLS)
     _domains(axes, method, tree, frame, 0.4)
     _surfaces(axes, method, tree, frame, 1.3, "o")
     axes.set_aspect("equal")
@@ -86,45 +79,29 @@ def _near(axes: Any, method: Method, tree: xr.DataTree, frame: int) -> None:
     time, gap = motion.time[frame], float(motion.gap[frame])
     said = f"gap {gap:.2f} h" if gap > 0.0 else f"penetration {-gap:.3f} h"
     if gap > 0.05:
-        ends = {"xy": (centre, _TOP), "xytext": (centre, _TOP + gap * h)}
-        axes.annotate(
-            "", **ends, arrowprops={"arrowstyle": "<->", "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
-        )
+        arrow = {"arrowstyle": "<->", "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
+        axes.annotate("", (centre, _TOP), (centre, _TOP + gap * h), arrowprops=arrow)
     dress(axes, "x [m]", "y [m]", f"{time:.3f} s: {said}")
     axes.grid(False)
 
 
-def _groups(tree: xr.DataTree, kind: str) -> dict[str, xr.Dataset]:
-    return {str(body): group.to_dataset() for body, group in tree[kind].children.items()}
-
-
 def _domains(axes: Any, method: Method, tree: xr.DataTree, frame: int, width: float) -> None:
     """Quadrilaterals of the material points; a quarter of the cylinder is dark, to show how it turned."""
-    for body, group in _groups(tree, "particles").items():
+    for body, group in tree["particles"].children.items():
         corners = group["corners"]
         colours: Any = _GREY[body]
         if body == BODY:
-            marked = _quarter(group["position"].isel(time=0).values)
-            colours = [_tint(_COLOURS[method.contact], _SHADE if dark else 0.1) for dark in marked]
+            start = group["position"].isel(time=0).values
+            marked = (start > start.mean(axis=0)).all(axis=1)
+            colours = [to_rgba(_COLOURS[method.contact], _SHADE if dark else 0.1) for dark in marked]
         quads = PolyCollection(
             list(corners.isel(time=frame).values), facecolors=colours, edgecolors="0.45", linewidths=width
         )
         axes.add_collection(quads)
 
 
-def _quarter(position: FloatArray) -> FloatArray:
-    """Return True for points above and to the right of their centre."""
-    away = position - position.mean(axis=0)
-    return np.asarray((away > 0.0).all(axis=1))
-
-
-def _tint(colour: str, strength: float) -> tuple[float, ...]:
-    channels = (int(colour[k : k + 2], 16) / 255.0 for k in (1, 3, 5))
-    return tuple(1.0 - strength * (1.0 - channel) for channel in channels)
-
-
 def _surfaces(axes: Any, method: Method, tree: xr.DataTree, frame: int, width: float, marker: str) -> None:
-    for body, group in _groups(tree, "surface").items():
+    for body, group in tree["surface"].children.items():
         start = group["position"].isel(time=frame).values
         segments = np.stack([start, start[group["next"].values]], axis=1)
         colour = _COLOURS[method.contact] if body == BODY else "0.15"

@@ -5,7 +5,7 @@ import drawing
 import stresses
 from classical import POSITION
 
-from mpmfw.validation import CONTACTS, RECOMMENDED, SHAPES, Runs, full, methods, together
+from mpmfw.validation import CONTACTS, RECOMMENDED, SHAPES, Runs, methods, together
 
 rings = Runs(
     "rings",
@@ -55,9 +55,3 @@ def test_elements(case):
 @together(rings)
 def test_figure(case, runs):
     case.figure("", drawing.beside_finite_elements(runs))
-
-
-@full
-@together(rings)
-def test_figure_methods(case, runs):
-    case.figure("methods", drawing.histories(runs))

@@ -80,12 +80,6 @@ SHOWN = (
 )
 
 
-def judge(run, gates, binds):
-    """Record measures of a run."""
-    for quantity, key, reference, tolerance, unit in gates:
-        run.gate(quantity, run.of(rings.measures_of, key), reference, tolerance, unit, binds=binds)
-
-
 @known_red(
     "penalty, cpdi",
     "largest penetration",
@@ -99,13 +93,13 @@ def judge(run, gates, binds):
 )
 @bound
 def test_bound(run):
-    judge(run, (*IMPULSE, *APART, *FURTHER), None)
-    judge(run, SHOWN, False)
+    run.gates(rings.measures_of, *IMPULSE, *APART, *FURTHER)
+    run.gates(rings.measures_of, *SHOWN, binds=False)
 
 
 @others
 def test_others(run):
-    judge(run, (*IMPULSE, *APART, REBOUND), False)
+    run.gates(rings.measures_of, *IMPULSE, *APART, REBOUND, binds=False)
 
 
 def test_elements(case):
@@ -120,6 +114,3 @@ def test_elements(case):
 @together(bound, others)
 def test_figure(case, runs):
     case.figure("", drawing.forces(runs))
-    case.figure("impulse-energy", drawing.impulse_and_energy(runs))
-    if not case.quick:
-        case.figure("methods", drawing.methods_compared(runs))

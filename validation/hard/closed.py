@@ -1,14 +1,10 @@
 """Closed forms of the hard scenes: bodies as rigid, friction as Coulomb's, and what each run has instead."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 from criteria import scene_of
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Part of a run that is judged where it begins with a ramp, from here to its end: 0.155 s of 0.35 s.
 AFTER = 0.444
@@ -39,9 +35,8 @@ def _incline(run: xr.DataTree) -> tuple[float, np.ndarray, np.ndarray]:
     """Return a rigid block's acceleration [m/s²], below zero if it sticks, its way, and time."""
     scene = scene_of(run)
     given = scene["gravity"]
-    first, last = (
-        (np.array(given["table"])[[0, -1], 1:]) if "table" in given else [np.array(given["vector"])] * 2
-    )
+    table = np.array(given["table"])[:, 1:] if "table" in given else np.array([given["vector"]])
+    first, last = table[0], table[-1]
     down = first / np.linalg.norm(first)
     face = np.array([-down[1], down[0]])
     exact = last @ face - scene["contact"]["friction"] * (last @ down)
@@ -135,11 +130,7 @@ def presses(run: xr.DataTree) -> float:
     down = np.array(scene_of(run)["gravity"]["vector"])
     x = ground["position"].values @ [-down[1], down[0]] / np.linalg.norm(down)
     force = ground["force"].values @ down
-    middle = (
-        run["series"]["centre_of_mass"].sel(body="punch").values[-1]
-        @ [-down[1], down[0]]
-        / np.linalg.norm(down)
-    )
+    middle = _centre(run, "punch")[-1] @ [-down[1], down[0]] / np.linalg.norm(down)
     order = np.argsort(x)
     borne = np.cumsum(force[order]) - 0.5 * force[order]
     ends = np.interp([middle - 0.5, middle + 0.5], x[order], borne)

@@ -1,21 +1,16 @@
 """Limits of the hard scenes: penetration, energy, momentum, friction, mirror symmetry."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import made
 import numpy as np
+import xarray as xr
 
 from mpmfw.results.conservation import dissipation, energy_error, momentum_change
 from mpmfw.scene import load_scene
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from mpmfw.validation import CaseRun
+from mpmfw.validation import CaseRun
 
 #: The scene whose settings of μ and θ are places of their own.
 SLOPES = made.incline

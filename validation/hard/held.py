@@ -1,7 +1,5 @@
 """What every scene of the hard suite runs and must hold."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -12,7 +10,7 @@ import plain
 from matrix import matrix
 from placing import placed
 
-from mpmfw.validation import CLASSICAL, Case, CaseRun, Place, Runs, RunSet, Version, methods
+from mpmfw.validation import CLASSICAL, Case, CaseRun, Place, Runs, RunSet, Version, full, methods, together
 
 #: Penalty contact in its strongest form; what it holds are gates as well.
 STRONGEST = "penalty(kappa=16, linear_to=0.03)"
@@ -88,19 +86,25 @@ def held(run: CaseRun, *gates: tuple[Any, ...]) -> None:
         run.gate(quantity, run.of(measure), tolerance=tolerance, unit=unit, key=measure.__name__)
 
 
-def scores(case: Case, runs: RunSet) -> None:
-    """Record how much each method holds, and at what cost; draw the matrices."""
-    for method, same in runs.by_method():
-        for place in dict.fromkeys(run.place.at for run in same):
-            here = [run for run in same if run.place.at == place]
-            quantity = f"{place}: places and cells at which all holds, of 8"
-            case.gate(quantity, criteria.placed_well(here), tolerance=(8.0, 8.0), method=method, binds=False)
-        for quantity, measure, unit in (
-            ("scenes, places and cells at which all holds", criteria.share_held, "%"),
-            ("scenes as they stand in which all holds", criteria.hold, "1"),
-            ("largest dissipation of all scenes as they stand", criteria.largest_dissipation, "%"),
-            ("CPU time of all scenes as they stand", criteria.cost, "s"),
-        ):
-            case.gate(quantity, same.of(measure), unit=unit, method=method)
-    case.figure("", matrix(runs.only("penalty*", "lcp*")))
-    case.figure("others", matrix(runs.only("bardenhagen*", "nairn*", "surfaces+impulse*")))
+def scored(every: Runs) -> Callable[[Case, RunSet], None]:
+    """Return the test that records how much each method holds, and at what cost, and draws the matrices."""
+
+    @full
+    @together(every)
+    def test(case: Case, runs: RunSet) -> None:
+        for method, same in runs.by_method():
+            for place in dict.fromkeys(run.place.at for run in same):
+                here = [run for run in same if run.place.at == place]
+                quantity = f"{place}: places and cells at which all holds, of 8"
+                case.show(quantity, criteria.placed_well(here), tolerance=(8.0, 8.0), method=method)
+            for quantity, measure, unit in (
+                ("scenes, places and cells at which all holds", criteria.share_held, "%"),
+                ("scenes as they stand in which all holds", criteria.hold, "1"),
+                ("largest dissipation of all scenes as they stand", criteria.largest_dissipation, "%"),
+                ("CPU time of all scenes as they stand", criteria.cost, "s"),
+            ):
+                case.gate(quantity, same.of(measure), unit=unit, method=method)
+        case.figure("", matrix(runs.only("penalty*", "lcp*")))
+        case.figure("others", matrix(runs.only("bardenhagen*", "nairn*", "surfaces+impulse*")))
+
+    return test

@@ -1,7 +1,5 @@
 """A chain in the plane, of links with a knob in the socket of the one before."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

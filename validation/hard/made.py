@@ -1,7 +1,5 @@
 """Scenes from the few numbers that tell them apart: ``make`` of a place."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
@@ -48,41 +46,22 @@ def scene(
     room: float = 1.0,
     loads: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
-    """A scene of blocks, polygons and discs.
+    """Return a scene of blocks, polygons and discs.
 
-    Parameters
-    ----------
-    cell, end
-        Edge of a cell [m], and the time that is run [s].
-    bodies
-        By name: ``box`` (left, bottom, right, top) with ``angle``, ``points``, ``disc`` (x, y, radius) or
-        ``ring`` (x, y, radii) [m]; ``E`` [Pa], ``nu``, ``rho`` [kg/m³] as in :data:`SOLID` where they are
-        left out; ``fixed``, a side; everything else as a scene has it.
-    friction
-        Coulomb's μ.
-    gravity
-        Downwards, a vector, or rows in time [m/s²].
-    settled
-        Whether the scene is at rest first, under the gravity of time zero.
-    outputs
-        How many.
-    room
-        Grid beyond the bodies, over their whole extent.
-    loads
-        As a scene has them.
+    ``cell`` is the edge of a cell [m], ``end`` the time that is run [s]. Bodies have ``box`` (left, bottom,
+    right, top) with ``angle``, ``points``, ``disc`` (x, y, radius) or ``ring`` (x, y, radii) [m]; ``E`` [Pa],
+    ``nu``, ``rho`` [kg/m³] as in :data:`SOLID` where they are left out; ``fixed``, a side; everything else as
+    a scene has it. ``gravity`` is downwards, a vector, or rows in time [m/s²]. A ``settled`` scene is at rest
+    first, under the gravity of time zero. ``outputs`` are how many, ``room`` is the grid beyond the bodies,
+    over their whole extent.
     """
     corners = [corner for body in bodies.values() for corner in _extent(body)]
-    low = [min(c[k] for c in corners) for k in (0, 1)]
-    high = [max(c[k] for c in corners) for k in (0, 1)]
-    beyond = room * max(high[0] - low[0], high[1] - low[1])
-    whole = [[k(v / cell) * cell for v in vs] for k, vs in ((math.floor, low), (math.ceil, high))]
-    beyond = math.ceil(beyond / cell) * cell
+    low, high = ([of(corner[k] for corner in corners) for k in (0, 1)] for of in (min, max))
+    beyond = math.ceil(room * max(high[0] - low[0], high[1] - low[1]) / cell) * cell
+    lower = [math.floor(v / cell) * cell - beyond for v in low]
+    upper = [math.ceil(v / cell) * cell + beyond for v in high]
     made: dict[str, Any] = {
-        "grid": {
-            "cell_size": cell,
-            "lower": [v - beyond for v in whole[0]],
-            "upper": [v + beyond for v in whole[1]],
-        },
+        "grid": {"cell_size": cell, "lower": lower, "upper": upper},
         "time": {"end": end, "output_interval": end / outputs},
         "shape": {"method": "cpdi"},
         "contact": {"method": "penalty", "friction": friction},
@@ -124,13 +103,8 @@ def _body(name: str, body: Mapping[str, Any]) -> dict[str, Any]:
     made = {key: value for key, value in body.items() if key not in short}
     layout = "fitted"
     if "box" in body:
-        b = body["box"]
-        made["geometry"] = {
-            "type": "rectangle",
-            "lower": b[:2],
-            "upper": b[2:],
-            "angle": body.get("angle", 0.0),
-        }
+        corners = {"lower": body["box"][:2], "upper": body["box"][2:]}
+        made["geometry"] = {"type": "rectangle", **corners, "angle": body.get("angle", 0.0)}
     elif "disc" in body:
         *centre, radius = body["disc"]
         made["geometry"] = {"type": "disc", "centre": centre, "radius": radius}
@@ -151,18 +125,11 @@ def incline(friction: float, tilt: float, cell: float = 0.1) -> dict[str, Any]:
     for k in range(31):
         angle = math.radians(tilt) * 0.5 * (1.0 - math.cos(math.pi * k / 30))
         rows.append([0.005 * k, 10.0 * math.sin(angle), -10.0 * math.cos(angle)])
-    return scene(
-        cell,
-        0.35,
-        {
-            "block": {"box": [0.03, 0.013, 0.63, 0.313], **solid},
-            "plane": {"box": [-0.2, -0.187, 1.1, 0.013], **solid, "fixed": "bottom"},
-        },
-        friction,
-        rows,
-        settled=True,
-        outputs=70,
-    )
+    bodies = {
+        "block": box(0.03, 0.013, 0.63, 0.313, **solid),
+        "plane": plane(-0.2, -0.187, 1.1, 0.013, **solid),
+    }
+    return scene(cell, 0.35, bodies, friction, rows, settled=True, outputs=70)
 
 
 def saws(teeth: int, pitch: float = 0.1, cell: float = 0.05) -> dict[str, Any]:
@@ -181,9 +148,8 @@ def arch(stones: int, radius: float = 1.0, thickness: float = 0.3, cell: float =
     joint, bodies = 0.5e-4, {}
     for k in range(stones):
         first, last = (math.pi * (k + j) / stones + sign * joint for j, sign in ((0, 1), (1, -1)))
-        corners = [
-            (radius + s * 0.5 * thickness, a) for s, a in ((-1, first), (1, first), (1, last), (-1, last))
-        ]
+        turns = ((-1, first), (1, first), (1, last), (-1, last))
+        corners = [(radius + sign * 0.5 * thickness, angle) for sign, angle in turns]
         bodies[f"stone_{k}"] = {"points": _lists((r * math.cos(a), r * math.sin(a)) for r, a in corners)}
     for name, x in (("right", radius), ("left", -radius)):
         bodies[name] = {"box": [x - thickness, -0.15, x + thickness, 0.0], "fixed": "bottom"}
@@ -258,14 +224,11 @@ def compactor(across: int = 3, radius: float = 0.1, cell: float = 0.05) -> dict[
     bodies = _walls(half, pitch * across + 0.2 * radius)
     for k in range(across**2):
         row, column = divmod(k, across)
-        bodies[f"disc_{k}"] = {
-            "disc": [pitch * (column - 0.5 * (across - 1)), 1.02 * radius + pitch * row, radius]
-        }
+        x = pitch * (column - 0.5 * (across - 1))
+        bodies[f"disc_{k}"] = disc(x, 1.02 * radius + pitch * row, radius)
     low = pitch * across + 0.04 * radius
-    bodies["lid"] = {
-        "box": [-half + 0.01, low, half - 0.01, low + 0.15],
-        "sides": [{"side": "top", "velocity": [0.0, -1.0]}],
-    }
+    down = [{"side": "top", "velocity": [0.0, -1.0]}]
+    bodies["lid"] = box(-half + 0.01, low, half - 0.01, low + 0.15, sides=down)
     return scene(cell, 0.12, bodies, 0.1, gravity=0.0)
 
 
@@ -283,13 +246,11 @@ def cards(lean: float, length: float = 0.5, thickness: float = 0.05, cell: float
     bodies: Bodies = {"floor": {"box": [-0.4, -0.05, 0.4, 0.0], "fixed": "bottom", "E": 1e7}}
     for name, sign in (("left", -1), ("right", 1)):
         # The lowest corner is on the floor, and the inner upper one on the axis
-        y = 0.5 * (length * math.sin(angle) + thickness * math.cos(angle))
-        x = sign * 0.5 * (
-            length * math.cos(angle) - thickness * math.sin(angle)
-        ) + sign * thickness * math.sin(angle)
-        half = (0.5 * length, 0.5 * thickness)
-        box = [x - half[0], y - half[1], x + half[0], y + half[1]]
-        bodies[name] = {"box": box, "angle": -sign * angle, "E": 1e7}
+        c, s = math.cos(angle), math.sin(angle)
+        y = 0.5 * (length * s + thickness * c)
+        x = sign * 0.5 * (length * c - thickness * s) + sign * thickness * s
+        ends = (x - 0.5 * length, y - 0.5 * thickness, x + 0.5 * length, y + 0.5 * thickness)
+        bodies[name] = box(*ends, angle=-sign * angle, E=1e7)
     return scene(cell, 0.1, bodies, 0.9, settled=True, outputs=20)
 
 

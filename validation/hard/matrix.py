@@ -1,21 +1,15 @@
 """The matrix of scenes by methods, places and cells: what holds, and which limit does not."""
 
-from __future__ import annotations
-
 import itertools
 import re
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
 
 from mpmfw.plots.style import new_figure
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from mpmfw.validation import CaseRun
+from mpmfw.validation import CaseRun
 
 #: Limits by the letter that stands for them; every other one is a closed form's.
 LETTERS = {"penetration": "P", "energy": "E", "momentum": "M", "friction": "T", "symmetry": "S"}
@@ -42,7 +36,7 @@ def matrix(runs: Sequence[CaseRun]) -> Figure:
     for (row, scene), (k, column) in itertools.product(enumerate(scenes), enumerate(columns)):
         run = found.get((scene, column))
         if run is not None:
-            kind[row, k] = 0 if not run.broken else 1 if run.broken == ("energy",) else 2
+            kind[row, k] = 0 if not run.broken else 1 if run.broken == ["energy"] else 2
             text = "".join(sorted({LETTERS.get(key, CLOSED) for key in run.broken}))
             axes.text(k, row, text, ha="center", va="center")
     axes.imshow(kind, cmap=ListedColormap(COLOURS), vmin=-0.5, vmax=len(COLOURS) - 0.5, aspect="auto")
@@ -58,15 +52,8 @@ def matrix(runs: Sequence[CaseRun]) -> Figure:
             axes.axvline(k * len(versions) - 0.5, color="black", linewidth=1)
         middle = (k + 0.5) * len(versions) - 0.5
         name = re.sub(r"\(.*\)", "*", contact)
-        axes.annotate(
-            name,
-            (middle, 1.0),
-            (0, 66),
-            ("data", "axes fraction"),
-            "offset points",
-            ha="center",
-            fontweight="bold",
-        )
+        place = ((middle, 1.0), (0, 66), ("data", "axes fraction"), "offset points")
+        axes.annotate(name, *place, ha="center", fontweight="bold")
     figure.supxlabel(SAID)
     return figure
 

@@ -4,8 +4,6 @@ Erleben (2018), Methodology for assessing mesh-based contact point methods; para
 examples of contact in the plane.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any

@@ -1,21 +1,15 @@
 """Force and radius of the circle of contact, from the forces on the ball's surface nodes."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
+from convergence import observed_order
 
-if TYPE_CHECKING:
-    import xarray as xr
+from mpmfw.validation import CaseRun
 
-    from mpmfw.validation import CaseRun
-
-CENTRE, UNDERSIDE = (
-    (0.022, 0.034),
-    1.014,
-)  #: of the ball in the plane of contact, x and z, and the height of its centre [m]
+CENTRE = (0.022, 0.034)  #: of the ball in the plane of contact, x and z [m]
+UNDERSIDE = 1.014  #: height of its centre [m]
 WEIGHT = 1000.0 * 10.0 * 4.0 / 3.0 * np.pi  #: F [N]
 #: Hertz: a³ = 3 F R / (4 E*), for which the moduli are chosen; K. L. Johnson, Contact Mechanics (1985),
 #: section 4.2(a)
@@ -51,6 +45,6 @@ def orders(runs: Sequence[CaseRun]) -> dict[str, float]:
     fine, next_fine = np.argsort(sizes)[:2]
     slope = (error[next_fine] - error[fine]) / (sizes[next_fine] - sizes[fine])
     return {
-        "order": float(np.polyfit(np.log(sizes), np.log(np.abs(error)), 1)[0]),
+        "order": observed_order(sizes, error),
         "limit": float(error[fine] - slope * sizes[fine]),
     }

@@ -1,19 +1,14 @@
 """Contact pressure of the cylinder, by nodal forces and by the stress of points."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
+from convergence import observed_order
+from surface_pressure import nodes_of
 
-if TYPE_CHECKING:
-    from mpmfw.validation import CaseRun
-
-Array = npt.NDArray[np.float64]
+from mpmfw.validation import CaseRun
 
 RADIUS, CENTRE = 1.0, 0.011  #: of the cylinder, and abscissa of its centre [m]
 WEIGHT = 1000.0 * 10.0 * np.pi * RADIUS**2  #: F' [N/m]
@@ -28,94 +23,80 @@ PEAK = float(np.sqrt(WEIGHT * E_STAR / (np.pi * RADIUS)))
 
 @dataclass(frozen=True)
 class Profile:
-    """Contact pressure averaged over windows of one cell."""
+    """Contact pressure averaged over windows of one cell, within 4 half-widths of the centre."""
 
-    x: Array  #: from the centre [m]
-    pressure: Array  #: [Pa]
+    x: np.ndarray  #: from the centre [m]
+    pressure: np.ndarray  #: [Pa]
     cell_size: float  #: [m]
-    touching: float = np.nan  #: half the distance between the outermost nodes that carry force [m]
-    force: float = np.nan  #: sum of the contact forces [N/m]
 
     @property
-    def peak_error(self) -> float:
-        """Largest pressure against p0 [%]."""
-        return float(100.0 * (self.pressure.max() / PEAK - 1.0))
+    def errors(self) -> dict[str, float]:
+        """Errors of the ``peak`` and of p0, ``fitted peak`` [%], and of b, ``width`` [cells].
 
-    @property
-    def fit(self) -> tuple[float, float]:
-        """(p0 [Pa], b [m]) of p² = p0² (1 − x²/b²), by windows above a fifth of the peak."""
+        p² = p0² (1 − x²/b²) is fitted to windows above a fifth of the peak."""
+        peak, width = np.nan, np.nan
         chosen = self.pressure > 0.2 * self.pressure.max()
-        if chosen.sum() < 3:
-            return np.nan, np.nan
-        slope, level = np.polyfit(self.x[chosen] ** 2, self.pressure[chosen] ** 2, 1)
-        if level <= 0.0 or slope >= 0.0:
-            return np.nan, np.nan
-        return float(np.sqrt(level)), float(np.sqrt(-level / slope))
-
-    @property
-    def fitted_peak_error(self) -> float:
-        """p0 of the fit [%]."""
-        return 100.0 * (self.fit[0] / PEAK - 1.0)
-
-    @property
-    def width_error(self) -> float:
-        """b of the fit [cells]."""
-        return (self.fit[1] - HALF_WIDTH) / self.cell_size
-
-    @property
-    def touching_error(self) -> float:
-        """Half-width from the nodes that carry force [cells]."""
-        return (self.touching - HALF_WIDTH) / self.cell_size
-
-
-def from_forces(tree: xr.DataTree) -> Profile:
-    """Pressure from contact forces over tributary length; the penalty contact stores them."""
-    surface = tree["surface/cylinder"].to_dataset().isel(time=-1)
-    h = float(tree.attrs["cell_size"])
-    position, force = surface["position"].values, surface["force"].values[:, 1]
-    after = surface["next"].values
-    length = np.linalg.norm(position[after] - position, axis=1)
-    tributary = 0.5 * length
-    np.add.at(tributary, after, 0.5 * length)
-    low = position[:, 1] < 0.5 * RADIUS
-    x, force, tributary = position[low, 0] - CENTRE, force[low], tributary[low]
-    windows, pressure = _averages(x, force, tributary, h)
-    active = x[force > 0.0]
-    touching = 0.5 * float(np.ptp(active)) if len(active) else np.nan
-    return Profile(windows, pressure, h, touching, float(force.sum()))
-
-
-def from_stress(tree: xr.DataTree) -> Profile:
-    """Return the pressure as −σ_yy of points within half a cell of the rim, weighted by volume."""
-    points = tree["particles/cylinder"].to_dataset()
-    start, end = points.isel(time=0), points.isel(time=-1)
-    h = float(tree.attrs["cell_size"])
-    # Told by position within the undeformed disc: settled by far less than a cell outside the contact
-    rest = end["position"].values
-    depth = rest[:, 1] - _lower_rim(tree, rest[:, 0])
-    rim = (depth < 0.5 * h) & (rest[:, 1] < 0.5 * RADIUS)
-    volume = start["volume"].values[rim]
-    load = -end["stress"].values[rim, 1, 1] * volume
-    windows, pressure = _averages(rest[rim, 0] - CENTRE, load, volume, h)
-    return Profile(windows, pressure, h)
+        if chosen.sum() >= 3:
+            slope, level = np.polyfit(self.x[chosen] ** 2, self.pressure[chosen] ** 2, 1)
+            if level > 0.0 and slope < 0.0:
+                peak, width = np.sqrt(level), np.sqrt(-level / slope)
+        return {
+            "peak": float(100.0 * (self.pressure.max() / PEAK - 1.0)),
+            "fitted peak": float(100.0 * (peak / PEAK - 1.0)),
+            "width": float(width - HALF_WIDTH) / self.cell_size,
+        }
 
 
 def of_forces(tree: xr.DataTree) -> dict[str, float]:
-    """Return errors: ``peak``, ``fitted peak`` and ``load`` [%], ``width`` and ``touching`` [cells]."""
-    profile = from_forces(tree)
+    """Return errors of the profile by contact forces over tributary length.
+
+    Besides, that of the ``load`` [%], and of half the distance between the outermost nodes that carry force,
+    ``touching`` [cells]."""
+    position, force, length = nodes_of(tree, "cylinder", -1)
+    low, h = position[:, 1] < 0.5 * RADIUS, float(tree.attrs["cell_size"])
+    x, force = position[low, 0] - CENTRE, force[low, 1]
+    profile = _profile(x, force, length[low], h)
+    active = x[force > 0.0]
+    touching = 0.5 * float(np.ptp(active)) if len(active) else np.nan
     return {
-        "peak": profile.peak_error,
-        "fitted peak": profile.fitted_peak_error,
-        "width": profile.width_error,
-        "touching": profile.touching_error,
-        "load": 100.0 * (profile.force / WEIGHT - 1.0),
+        **profile.errors,
+        "touching": (touching - HALF_WIDTH) / h,
+        "load": 100.0 * (float(force.sum()) / WEIGHT - 1.0),
     }
 
 
 def of_stress(tree: xr.DataTree) -> dict[str, float]:
-    """Errors by the stress: ``peak`` [%] and ``width`` [cells]."""
-    profile = from_stress(tree)
-    return {"peak": profile.peak_error, "width": profile.width_error}
+    """Return errors of the profile by −σ_yy of points within half a cell of the rim, weighted by volume."""
+    points, h = tree["particles/cylinder"].to_dataset(), float(tree.attrs["cell_size"])
+    end = points.isel(time=-1)
+    position = end["position"].values
+    # The deformed underside: settled by far less than a cell outside the contact
+    rim = tree["surface/cylinder"]["position"].values[-1]
+    rim = rim[rim[:, 1] < 0.5 * RADIUS]
+    rim = rim[np.argsort(rim[:, 0])]
+    depth = position[:, 1] - np.interp(position[:, 0], rim[:, 0], rim[:, 1])
+    near = (depth < 0.5 * h) & (position[:, 1] < 0.5 * RADIUS)
+    volume = points["volume"].isel(time=0).values[near]
+    load = -end["stress"].values[near, 1, 1] * volume
+    return _profile(position[near, 0] - CENTRE, load, volume, h).errors
+
+
+def _profile(x: np.ndarray, load: np.ndarray, size: np.ndarray, h: float) -> Profile:
+    """Σ load / Σ size over windows of one cell, centred on x = 0."""
+    window = np.floor(x / h + 0.5).astype(int)
+    chosen = [window == k for k in np.unique(window) if abs(k * h) < 4.0 * HALF_WIDTH]
+    centre = np.array([np.average(x[own], weights=size[own]) for own in chosen])
+    return Profile(centre, np.array([load[own].sum() / size[own].sum() for own in chosen]), h)
+
+
+def by_size(runs: Sequence[CaseRun]) -> dict[str, np.ndarray]:
+    """Return cell sizes as ``h``, from the largest on [m], and magnitudes of the errors by forces."""
+    ordered = sorted(runs, key=lambda run: -run.results.attrs["cell_size"])
+    found = {
+        key: np.abs([run.of(of_forces, key) for run in ordered]) for key in ("peak", "fitted peak", "width")
+    }
+    sizes = np.array([float(run.results.attrs["cell_size"]) for run in ordered])
+    return {"h": sizes, **found, "width": found["width"] * sizes}
 
 
 def orders(runs: Sequence[CaseRun]) -> dict[str, float]:
@@ -123,35 +104,7 @@ def orders(runs: Sequence[CaseRun]) -> dict[str, float]:
 
     Errors below 1 % count as 1 %: they depend on where the contact lies in its cell.
     """
-    profiles = sorted((from_forces(run.results) for run in runs), key=lambda one: -one.cell_size)
-    sizes = np.array([one.cell_size for one in profiles])
-    errors = {
-        "peak": np.abs([one.peak_error for one in profiles]),
-        "fitted peak": np.abs([one.fitted_peak_error for one in profiles]),
-        "width": np.abs([one.width_error * one.cell_size for one in profiles]),
-    }
-    counted = np.maximum(errors["peak"], 1.0)
+    errors = by_size(runs)
+    sizes, counted = errors.pop("h"), np.maximum(errors["peak"], 1.0)
     most = float(np.max(counted[1:] / counted[:-1]))
     return {**{name: observed_order(sizes, error) for name, error in errors.items()}, "most": most}
-
-
-def _lower_rim(tree: xr.DataTree, x: Array) -> Array:
-    """Height of the cylinder's deformed underside [m]."""
-    rim = tree["surface/cylinder"]["position"].values[-1]
-    low = rim[rim[:, 1] < 0.5 * RADIUS]
-    order = np.argsort(low[:, 0])
-    return np.asarray(np.interp(x, low[order, 0], low[order, 1]))
-
-
-def _averages(x: Array, load: Array, size: Array, h: float) -> tuple[Array, Array]:
-    """Σ load / Σ size over windows of one cell, centred on x = 0, within 4 half-widths."""
-    window = np.floor(x / h + 0.5).astype(int)
-    numbers = [k for k in np.unique(window) if abs(k * h) < 4.0 * HALF_WIDTH]
-    chosen = [window == k for k in numbers]
-    centre = np.array([np.average(x[own], weights=size[own]) for own in chosen])
-    return centre, np.array([load[own].sum() / size[own].sum() for own in chosen])
-
-
-def observed_order(cell_sizes: Array, errors: Array) -> float:
-    """Slope of the least-squares line of log(error) over log(cell size)."""
-    return float(np.polyfit(np.log(cell_sizes), np.log(np.abs(errors)), 1)[0])

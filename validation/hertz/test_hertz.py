@@ -40,41 +40,40 @@ convergence = Runs(
 @every
 def test_every(run):
     if run.method.matches("penalty, *"):
-        for quantity, key, tolerance, unit in (
-            ("largest pressure, error", "peak", 10.0, "%"),
-            ("p0 of the fitted semi-ellipse, error", "fitted peak", 10.0, "%"),
-            ("b of the fitted semi-ellipse, error", "width", 1.0, "h"),
-            ("b by the nodes in contact, error", "touching", 1.0, "h"),
-            ("contact force against the weight", "load", None, "%"),
-        ):
-            run.gate(quantity, run.of(pressure.of_forces, key), 0.0, tolerance, unit)
-    peak, width = run.of(pressure.of_stress, "peak"), run.of(pressure.of_stress, "width")
-    run.gate("largest −σ_yy at the rim, error", peak, 0.0, 10.0, "%", binds=False)
-    run.gate("b of the ellipse fitted to −σ_yy, error", width, 0.0, 1.0, "h", binds=False)
+        run.gates(
+            pressure.of_forces,
+            ("largest pressure, error", "peak", 0.0, 10.0, "%"),
+            ("p0 of the fitted semi-ellipse, error", "fitted peak", 0.0, 10.0, "%"),
+            ("b of the fitted semi-ellipse, error", "width", 0.0, 1.0, "h"),
+            ("b by the nodes in contact, error", "touching", 0.0, 1.0, "h"),
+            ("contact force against the weight", "load", 0.0, None, "%"),
+        )
+    run.gates(
+        pressure.of_stress,
+        ("largest −σ_yy at the rim, error", "peak", 0.0, 10.0, "%"),
+        ("b of the ellipse fitted to −σ_yy, error", "width", 0.0, 1.0, "h"),
+        binds=False,
+    )
 
 
 @convergence
 def test_convergence(run):
-    at, peak, width = run.place.at, run.of(pressure.of_forces, "peak"), run.of(pressure.of_forces, "width")
-    run.gate(f"largest pressure, error, {at}", peak, 0.0, unit="%")
-    run.gate(f"b of the fit, error, {at}", width, 0.0, unit="h")
+    run.gates(
+        pressure.of_forces,
+        ("largest pressure, error, {at}", "peak", 0.0, None, "%"),
+        ("b of the fit, error, {at}", "width", 0.0, None, "h"),
+    )
 
 
 @full
 @together(every, convergence)
 def test_orders(case, runs):
+    penalty = runs.only("penalty, cpdi")
     for quantity, key, tolerance in (
         ("observed order, largest pressure", "peak", None),
         ("observed order, p0 of the fit", "fitted peak", None),
         ("observed order, b of the fit", "width", None),
         ("largest pressure, error over that of the coarser cells, at most", "most", (0.0, 1.0)),
     ):
-        value = runs.only("penalty, cpdi").of(pressure.orders, key)
-        case.gate(quantity, value, tolerance=tolerance, method="penalty, cpdi")
-
-
-@full
-@together(every, convergence)
-def test_figure(case, runs):
-    case.figure("", figures.pressures(runs))
-    case.figure("convergence", figures.convergence(runs))
+        case.gate(quantity, penalty.of(pressure.orders, key), tolerance=tolerance, method="penalty, cpdi")
+    case.figure("convergence", figures.convergence(penalty))

@@ -63,20 +63,20 @@ NOISE = (
 
 @springs
 def test_springs(run):
-    for quantity, key, reference in NOISE:
-        run.gate(quantity, run.of(noise.of_run, key), reference)
-    for quantity, key in (
-        ("energy lost, of the start", "lost"),
-        ("of it in contact dashpots", "damping"),
-        ("of it in the transfer", "transfer"),
-    ):
-        run.gate(quantity, run.of(noise.of_run, key, scale=100.0), 0.0, None, "%")
-    for quantity, key, reference, tolerance, unit in (
+    run.gates(noise.of_run, *NOISE)
+    run.gates(
+        noise.of_run,
+        ("energy lost, of the start", "lost", 0.0, None, "%"),
+        ("of it in contact dashpots", "damping", 0.0, None, "%"),
+        ("of it in the transfer", "transfer", 0.0, None, "%"),
+        scale=100.0,
+    )
+    run.gates(
+        noise.of_run,
         ("rebound velocity", "rebound", 25.03, None, "m/s"),
-        ("drift of linear momentum", "momentum", 0.0, (0.0, 1e-12), ""),
-        ("(energy + dissipation) / E0, most", "most", 1.0, (0.0, 1.005), ""),
-    ):
-        run.gate(quantity, run.of(noise.of_run, key), reference, tolerance, unit)
+        ("drift of linear momentum", "momentum", 0.0, (0.0, 1e-12)),
+        ("(energy + dissipation) / E0, most", "most", 1.0, (0.0, 1.005)),
+    )
     if run.method.matches("*damping*"):
         least = run.of(noise.of_run, "least_damping")
         run.gate("least increment of damping work / E0", least, tolerance=(-1e-12, 1.0), binds=True)

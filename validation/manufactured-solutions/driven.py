@@ -1,7 +1,5 @@
 """Runs of the product under a manufactured body force."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 
@@ -18,12 +16,7 @@ FOLDER = Path(__file__).parent
 class BodyForce:
     """f_i += Σ_p φ_ip m_p b(X_p, t), with the shape functions of the step.
 
-    Parameters
-    ----------
-    motion
-        Gives b.
-    start
-        X_p (n, 2) [m].
+    ``motion`` gives b, and ``start`` is X_p (n, 2) [m].
     """
 
     name = "body_force"

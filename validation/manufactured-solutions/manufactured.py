@@ -5,8 +5,6 @@ Computers 31, 193–213. Theirs are for another stored energy; the body forces h
 1)/2 − ln J] + G/2 [J^(−2/3) tr b − 3], plane strain, by hand: b = ü − Div P / ρ0. Nothing of the product's
 stress is used."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple, Protocol
 

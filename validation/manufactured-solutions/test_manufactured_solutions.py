@@ -2,8 +2,6 @@
 
 # cost: 45
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

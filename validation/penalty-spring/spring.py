@@ -1,18 +1,15 @@
 """Two rigid masses on one penalty spring: the product's steps, and the same motion as two numbers."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from mpmfw.errors import SimulationError
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
-from mpmfw.state.fields import FloatArray
 
 FOLDER = Path(__file__).parent
 
@@ -72,19 +69,15 @@ def bisect(stable: Callable[[float], bool], low: float, high: float, relative: f
     return math.sqrt(low * high)
 
 
-class Impact(NamedTuple):
-    """What a free impact left."""
+def impact(steps: float, phase: float) -> tuple[float, int]:
+    """Let the masses meet: ``steps`` a contact, the first touch after ``phase`` of a step.
 
-    gain: float  #: relative velocity squared over that before, less 1 [1]
-    touching: int  #: steps with a contact force
-
-
-def impact(steps: float, phase: float, shape: str = "cpdi") -> Impact:
-    """Let the masses meet: ``steps`` a contact, the first touch after ``phase`` of a step."""
+    Returns the relative velocity squared over that before, less 1, and the steps with a contact force.
+    """
     step = CONTACT / steps
     share = SPEED / (LIGHT + HEAVY)
     moving = {"tip__velocity": [share * HEAVY, 0.0], "plate__velocity": [-share * LIGHT, 0.0]}
-    sim = Simulation(scene(max(phase, 1e-9) * SPEED * step, shape, **moving))
+    sim = Simulation(scene(max(phase, 1e-9) * SPEED * step, **moving))
     sim.start()
     touching = 0
     for _ in range(4 + math.ceil(3.0 * steps)):
@@ -96,7 +89,7 @@ def impact(steps: float, phase: float, shape: str = "cpdi") -> Impact:
         touching += acts
     p, bodies = sim.state.particles, sim.state.bodies
     velocity = [np.average(p.velocity[b.particles, 0], weights=p.mass[b.particles]) for b in bodies]
-    return Impact(float((velocity[1] - velocity[0]) / SPEED) ** 2 - 1.0, touching)
+    return float((velocity[1] - velocity[0]) / SPEED) ** 2 - 1.0, touching
 
 
 def exact_gain(steps: float, phase: float) -> float:
@@ -110,42 +103,38 @@ def exact_gain(steps: float, phase: float) -> float:
     return velocity**2 - 1.0
 
 
-class Pair(NamedTuple):
-    """A realistic pair."""
+def realistic(values: dict[str, Any], steps: int) -> tuple[float, float]:
+    """Press two blocks and find the step at which velocities pass four times those of a small step.
 
-    reported: float  #: least limit of the strategy while the pair was pressed, before the safety factor [s]
-    found: float  #: by bisection [s]
-    bulk: float  #: h / c [s]
-
-
-def realistic(values: dict[str, Any], steps: int) -> Pair:
-    """Press two blocks and find the step at which velocities pass four times those of a small step."""
+    Returns the least limit of the strategy while the pair was pressed, before the safety factor, and the step
+    that holds, by bisection [h/c]."""
     loaded = load_scene(FOLDER / "pair.toml", set=values)
-    sim = Simulation(loaded)
-    bulk = sim.limits()[0][0]
+    bulk = Simulation(loaded).limits()[0][0]
     reported: list[float] = []
-    calm = press(loaded, 0.1 * bulk, 40.0 * bulk, reported).max()
+    calm = press(loaded, 0.1 * bulk, 40.0 * bulk, reported)
 
     def stable(step: float) -> bool:
-        speed = press(loaded, step, steps * step)
-        return bool(np.isfinite(speed).all() and speed.max() < 4.0 * calm)
+        return press(loaded, step, steps * step) < 4.0 * calm
 
-    return Pair(min(reported), bisect(stable, 0.1 * bulk, 2.0 * bulk, 0.01), bulk)
+    return min(reported) / bulk, bisect(stable, 0.1 * bulk, 2.0 * bulk, 0.01) / bulk
 
 
-def press(loaded: Any, step: float, end: float, reported: list[float] | None = None) -> FloatArray:
-    """Largest speed of a point after every step [m/s]; infinite where the run broke down."""
+def press(loaded: Any, step: float, end: float, reported: list[float] | None = None) -> float:
+    """Largest speed of a point in all steps [m/s], infinite where the run broke down.
+
+    Limits of the step while the pair is pressed are added to ``reported``."""
     sim = Simulation(loaded)
     sim.start()
-    speed = []
+    fastest = 0.0
     while sim.state.time < end:
         try:
             sim.step(step)
         except SimulationError:
-            return np.array([*speed, np.inf])
-        speed.append(float(np.abs(sim.state.particles.velocity).max()))
+            return math.inf
+        speed = float(np.abs(sim.state.particles.velocity).max())
+        if not speed < 1e3:
+            return math.inf
+        fastest = max(fastest, speed)
         if reported is not None and sim.contact.last_rows.count:
             reported.append(min(limit for limit, _ in sim.limits()))
-        if not speed[-1] < 1e3:
-            break
-    return np.array(speed)
+    return fastest

@@ -5,7 +5,8 @@ Lengths between the powers of two put the blocks' nodes off the grid's: 34, 25, 
 cells. Gates bind up to the longest that the guide recommends."""
 # cost: 70
 
-import questions
+import blocks
+from questions import COST, FEW_POINTS, IMPACT, ROLL, of_rings, of_rolling, record
 from rolling import SERIES_ONLY
 
 from mpmfw.validation import Runs, methods
@@ -23,9 +24,9 @@ def segments(bodies, lengths=POWERS, when=""):
     return methods(settings=settings, when=when)
 
 
-BLOCKS, ROLL, RINGS = ("lower", "upper"), ("cylinder", "plane"), ("left", "right")
+BLOCKS, CYLINDER, RINGS = ("lower", "upper"), ("cylinder", "plane"), ("left", "right")
 
-blocks = Runs(
+at_rest = Runs(
     "blocks",
     "../contact-stress/scene.toml",
     [
@@ -37,24 +38,24 @@ blocks = Runs(
 rolling = Runs(
     "rolling",
     "rolling-cylinder-slip",
-    [*segments(ROLL, when="full"), *segments(ROLL, (0.25, 1), "quick")],
+    [*segments(CYLINDER, when="full"), *segments(CYLINDER, (0.25, 1), "quick")],
     set={**SERIES_ONLY, "time.output_interval": 0.002},
     quick={"grid.cell_size": 0.8},
 )
-rings = Runs("rings", "colliding-rings", segments(RINGS), set=questions.FEW_POINTS, when="full")
+rings = Runs("rings", "colliding-rings", segments(RINGS), set=FEW_POINTS, when="full")
 #: κ = 1 instead of the shipped 0.25: whether long segments or stiff springs make the noise.
 stiff_rings = Runs(
     "stiff rings",
     "colliding-rings",
     segments(RINGS),
-    set={**questions.FEW_POINTS, "contact.penalty.kappa": 1.0},
+    set={**FEW_POINTS, "contact.penalty.kappa": 1.0},
     when="full",
 )
 
 
-@blocks
+@at_rest
 def test_blocks(run):
-    most, off = (run.of(questions.of_blocks, key) for key in ("departure", "off the walls"))
+    most, off = (run.of(blocks.stress, key) for key in ("departure", "off the walls"))
     binds = run.method.matches(*BOUND)
     run.gate("blocks: largest departure of σ_yy", most, 0.0, (0.0, 3.0), "%", binds=binds)
     run.gate("blocks: largest departure off the walls", off, 0.0, unit="%")
@@ -62,14 +63,15 @@ def test_blocks(run):
 
 @rolling
 def test_rolling(run):
-    questions.record_roll(run, "rolling", "slip", *questions.COST, noise=True)
+    noise = ("noise of the normal force", "noise", "", None, "%")
+    record(run, "rolling", of_rolling, *ROLL, *COST, noise, roll="slip")
 
 
 @rings
 def test_rings(run):
-    questions.record_impact(run, "rings", *questions.IMPACT, questions.COST[0])
+    record(run, "rings", of_rings, *IMPACT, COST[0])
 
 
 @stiff_rings
 def test_stiff_rings(run):
-    questions.record_impact(run, "rings, kappa 1", *questions.IMPACT[:3])
+    record(run, "rings, kappa 1", of_rings, *IMPACT[:3])

@@ -1,11 +1,12 @@
 """Question: balanced two-pass contact against master and slave: symmetry, noise, accuracy, cost."""
 # cost: 60
 
-import questions
-import sliding
+import blocks
+import incline
+from questions import COST, IMPACT, ROLL, of_rings, of_rolling, record
 from rolling import SERIES_ONLY
 
-from mpmfw.validation import Place, Runs, methods
+from mpmfw.validation import Place, Runs, each, methods
 
 
 def passes(one, other):
@@ -36,7 +37,7 @@ block = Runs(
     when="full",
 )
 #: What the surfaces of the two blocks are made of: like meshes, and one four times or eight times as coarse.
-blocks = Runs(
+pressed = Runs(
     "blocks",
     "../contact-stress/scene.toml",
     passes("lower", "upper"),
@@ -48,32 +49,30 @@ blocks = Runs(
 )
 
 
+NOISE = ("noise of the normal force", "noise", "", None, "%")
+
+
 @rings
 def test_rings(run):
-    run.gate("rings: mirror error", run.of(questions.of_rings, "mirror"), 0.0, (0.0, 0.01), "h")
-    impulse, force, noise, penetration = questions.IMPACT
-    whole_impact = () if run.case.quick else (impulse, force, penetration)
-    questions.record_impact(run, "rings", noise, *questions.COST, *whole_impact)
+    impulse, force, noise, penetration = IMPACT
+    whole = () if run.case.quick else (impulse, force, penetration)
+    record(run, "rings", of_rings, ("mirror error", "mirror", 0.0, (0.0, 0.01), "h"), noise, *COST, *whole)
 
 
-@no_slip
-def test_no_slip(run):
-    questions.record_roll(run, "rolling, no slip", "no slip", *questions.COST, noise=True)
-
-
-@slip
-def test_slip(run):
-    questions.record_roll(run, "rolling, slip", "slip", *questions.COST, noise=True)
+@each(no_slip, slip)
+def test_rolling(run):
+    record(run, f"rolling, {run.runs}", of_rolling, *ROLL, *COST, NOISE, roll=run.runs)
 
 
 @block
 def test_block(run):
     acceleration = run.of("acceleration", relative=True, scale=100.0)
     run.gate("sliding block: fitted acceleration, error", acceleration, 0.0, unit="%")
-    run.gate("sliding block: T / (mu N), error", run.of(sliding.friction_error), 0.0, unit="%")
+    friction = run.of(incline.sliding, "friction", scale=100.0)
+    run.gate("sliding block: T / (mu N), error", friction, 0.0, unit="%")
 
 
-@blocks
-def test_blocks(run):
-    departure = run.of(questions.of_blocks, "departure")
+@pressed
+def test_pressed(run):
+    departure = run.of(blocks.stress, "departure")
     run.gate(f"blocks, {run.place.at}: largest departure of σ_yy", departure, 0.0, unit="%")

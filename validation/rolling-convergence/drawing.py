@@ -1,7 +1,5 @@
 """Errors over the cell size."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -53,15 +51,8 @@ def _no_slip(axes: Any, methods: Mapping[str, tuple[Errors, str, str]]) -> list[
     for name, (errors, colour, marker) in methods.items():
         sizes = np.array(sorted(errors))
         values = [abs(errors[h]["displacement"]) for h in sizes]
-        handles += axes.loglog(
-            sizes,
-            values,
-            color=colour,
-            marker=marker,
-            markersize=4,
-            linewidth=1.1,
-            label=name,
-        )
+        look = {"color": colour, "marker": marker, "markersize": 4, "linewidth": 1.1}
+        handles += axes.loglog(sizes, values, **look, label=name)
     (exact, *_), (lumped, *_) = methods["penalty"], methods["penalty, lumped"]
     sizes = np.array(sorted(set(exact) & set(lumped)))
     loss = [exact[h]["acceleration"] - lumped[h]["acceleration"] for h in sizes]
@@ -70,12 +61,7 @@ def _no_slip(axes: Any, methods: Mapping[str, tuple[Errors, str, str]]) -> list[
     handles += axes.plot(sizes, closed, **EXACT, label="ε/3")
     if len(sizes) > 2:
         _triangle(axes, 0.32, 0.012, 2.0)
-    dress(
-        axes,
-        "cell size h [m]",
-        "size of the error [%]",
-        "no slip: displacement; acceleration lost to lumping",
-    )
+    dress(axes, "cell size h [m]", "size of the error [%]", "no slip: displacement; lost to lumping")
     _ticks(axes, sizes)
     return handles
 
@@ -84,16 +70,8 @@ def _slip(axes: Any, errors: Errors, elastic: Mapping[str, float]) -> None:
     sizes = np.array(sorted(errors))
     for name, (marker, style, label) in _SLIP_LOOKS.items():
         values = [errors[h][name] for h in sizes]
-        axes.semilogx(
-            sizes,
-            values,
-            color=_BLUE,
-            marker=marker,
-            linestyle=style,
-            markersize=4,
-            linewidth=1.1,
-            label=label,
-        )
+        look = {"color": _BLUE, "marker": marker, "linestyle": style, "markersize": 4, "linewidth": 1.1}
+        axes.semilogx(sizes, values, **look, label=label)
         axes.axhline(elastic[name], color="0.4", linestyle=style, linewidth=0.8, zorder=1)
     axes.axhline(0.0, **EXACT)
     axes.text(sizes[-1], 0.05, "rigid", ha="right", va="bottom")

@@ -2,8 +2,6 @@
 
 # cost: 440
 
-from __future__ import annotations
-
 import math
 
 from drawing import convergence

@@ -1,19 +1,14 @@
 """The sphere's motion against the rigid one's."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
 from mpmfw.geometry.solid import turning
 from mpmfw.results.analysis import fitted_acceleration
 from mpmfw.results.references import RollingReference, reference_of
 from mpmfw.scene import shipped_scenes
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 
 def errors(

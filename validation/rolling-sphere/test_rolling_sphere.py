@@ -6,10 +6,10 @@ long one.
 # cost: 1000
 
 import rigid
+from rolling import SERIES_ONLY
 
-from mpmfw.validation import CLASSICAL, Runs, methods
+from mpmfw.validation import CLASSICAL, Runs, each, methods
 
-SERIES_ONLY = {"output.particles": False, "output.surface": False, "output.ledger": False}
 SHIPPED = {"no slip": "rolling-sphere-no-slip", "slip": "rolling-sphere-slip"}
 METHODS = [*methods(), *methods(CLASSICAL, when="full")]
 #: Everything but the grid, about the plane's centre by (20°, 35°, 50°) about x, then y, then z.
@@ -43,57 +43,37 @@ STIFF = {
 }
 
 
-def rolling(name, roll, values=None, every=None, when="full"):
+def rolls(name, roll, values=None, every=None, when="full"):
     """Return the runs of a roll."""
     settings = {**SERIES_ONLY, **(values or {})}
     return Runs(name, SHIPPED[roll], every or methods(), set=settings, when=when)
 
 
-no_slip = rolling("no slip", "no slip", every=METHODS, when="")
-slip = rolling("slip", "slip", every=METHODS)
-turned = rolling("turned", "no slip", TURNED)
-long = rolling("long", "no slip", LONG)
-stiff_no_slip = rolling("no slip, ten times the moduli, cells of 0.2 m", "no slip", STIFF)
-stiff_slip = rolling("slip, ten times the moduli, cells of 0.2 m", "slip", STIFF)
+no_slip = rolls("no slip", "no slip", every=METHODS, when="")
+slip = rolls("slip", "slip", every=METHODS)
+turned = rolls("no slip, turned plane", "no slip", TURNED)
+long = rolls("no slip, 12 m", "no slip", LONG)
+stiff_no_slip = rolls("no slip, ten times the moduli", "no slip", STIFF)
+stiff_slip = rolls("slip, ten times the moduli", "slip", STIFF)
+#: By name of the runs: limits of displacement, acceleration and angular acceleration [%].
+LIMITS = {
+    no_slip.name: (0.5, 0.5, 1.5),
+    slip.name: (1.0, 0.5, 2.0),
+    turned.name: (0.5, 0.5, 1.5),
+    long.name: (0.5, 0.5, 1.0),
+    stiff_no_slip.name: (0.5, 0.5, 0.5),
+    stiff_slip.name: (0.5, 0.5, 1.0),
+}
 
 
-def judge(run, at, most, penetration=True, **rigid_args):
-    """Record errors against the rigid sphere, of displacement, acceleration and angular acceleration."""
-    for quantity, tolerance in zip(
-        ("displacement", "fitted acceleration", "fitted angular acceleration"), most, strict=True
-    ):
-        value, binds = run.of(rigid.errors, quantity, **rigid_args), run.method.matches("penalty, *")
-        run.gate(f"{at}: {quantity}, error", value, 0.0, tolerance, "%", binds=binds)
-    if penetration:
-        run.gate(f"{at}: deepest penetration", run.of(rigid.errors, "penetration", **rigid_args), unit="h")
-
-
-@no_slip
-def test_no_slip(run):
-    judge(run, "no slip", (0.5, 0.5, 1.5), scene=SHIPPED["no slip"])
-
-
-@slip
-def test_slip(run):
-    judge(run, "slip", (1.0, 0.5, 2.0), scene=SHIPPED["slip"])
-
-
-@turned
-def test_turned(run):
-    angles = [20.0, 35.0, 50.0]
-    judge(run, "no slip, turned plane", (0.5, 0.5, 1.5), scene=SHIPPED["no slip"], angles=angles)
-
-
-@long
-def test_long(run):
-    judge(run, "no slip, 12 m", (0.5, 0.5, 1.0))
-
-
-@stiff_no_slip
-def test_stiff_no_slip(run):
-    judge(run, "no slip, ten times the moduli", (0.5, 0.5, 0.5), False, scene=SHIPPED["no slip"])
-
-
-@stiff_slip
-def test_stiff_slip(run):
-    judge(run, "slip, ten times the moduli", (0.5, 0.5, 1.0), False, scene=SHIPPED["slip"])
+@each(no_slip, slip, turned, long, stiff_no_slip, stiff_slip)
+def test_errors(run):
+    at, binds = run.runs, run.method.matches("penalty, *")
+    scene = None if at == long.name else SHIPPED[at.partition(",")[0]]
+    args = {"scene": scene, "angles": (20.0, 35.0, 50.0) if at == turned.name else (0.0, 0.0, 0.0)}
+    quantities = ("displacement", "fitted acceleration", "fitted angular acceleration")
+    for quantity, most in zip(quantities, LIMITS[at], strict=True):
+        value = run.of(rigid.errors, quantity, **args)
+        run.gate(f"{at}: {quantity}, error", value, 0.0, most, "%", binds=binds)
+    if at not in (stiff_no_slip.name, stiff_slip.name):
+        run.gate(f"{at}: deepest penetration", run.of(rigid.errors, "penetration", **args), unit="h")

@@ -4,8 +4,6 @@ The nodal gradient g_i = Σ_p V_p ∇φ_ip = ∮ N_i n dS is that of the shape f
 with the bilinear N_i and an axis-parallel rectangle the integral is a product of two integrals along the
 axes. Coordinates are in cells, x along the plane."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

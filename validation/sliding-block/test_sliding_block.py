@@ -5,7 +5,7 @@ grid line, in cells of 0.1 m; the scene's is 0.13.
 """
 # cost: 70
 
-import friction
+import incline
 import normals
 from classical import LITERAL, MASTER, POSITION, specified
 
@@ -52,8 +52,8 @@ slides = Runs(
 def test_slides(run):
     acceleration = run.of("acceleration", scale=100.0, relative=True)
     run.gate("fitted acceleration, error", acceleration, 0.0, 0.5, "%")
-    run.gate("mean T / (mu N), error", run.of(friction.forces, "friction", scale=100.0), 0.0, 0.5, "%")
-    run.gate("mean N / (m g cos theta)", run.of(friction.forces, "normal"), 1.0)
+    run.gate("mean T / (mu N), error", run.of(incline.sliding, "friction", scale=100.0), 0.0, 0.5, "%")
+    run.gate("mean N / (m g cos theta)", run.of(incline.sliding, "normal"), 1.0)
 
 
 def test_normals(case):

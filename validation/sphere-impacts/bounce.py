@@ -1,21 +1,15 @@
 """The sphere after the impact, against rigid spheres, Maw, Barber and Fawcett's elastic one, and Hertz."""
 
-from __future__ import annotations
-
 import tomllib
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 from elastic import LEVER, rebound
 from spheres import ACROSS, ALONG, NORMAL, SPHERES, Sphere
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    import xarray as xr
-
-    from mpmfw.validation import CaseRun
+from mpmfw.validation import CaseRun
 
 #: Energies of bodies, and what a contact keeps or takes of them.
 STORED = ("kinetic_energy", "affine_energy", "strain_energy")

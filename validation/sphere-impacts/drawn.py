@@ -1,23 +1,17 @@
 """The figure of the case: what the point of contact has along the plane before the impact and after it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from bounce import impact
 from elastic import psi, rebound, sliding_from
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from spheres import SPHERES
 
 from mpmfw.plots.style import dress, legend_below, new_figure
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-    from matplotlib.lines import Line2D
-
-    from mpmfw.validation import CaseRun
+from mpmfw.validation import CaseRun
 
 #: Methods by the start of their names: what the legend calls them, colour and marker.
 LOOKS = {

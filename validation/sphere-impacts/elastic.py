@@ -6,8 +6,6 @@ see each other, E* dx along the normal and G* dx along the plane, under a parabo
 partial slip are those of the sphere, whatever the history. What is left does not depend on stiffness, mass or
 speed: R, m, E* and the approach are one here."""
 
-from __future__ import annotations
-
 import functools
 import math
 

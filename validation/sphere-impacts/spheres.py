@@ -4,8 +4,6 @@ Ooi's numbers.
 Slab and cap are free, and so heavy and stiff that they hardly move.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import Any, Literal

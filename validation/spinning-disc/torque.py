@@ -1,9 +1,6 @@
 """A torque that is known from the material points alone, and the inertia with which a body answers it."""
 
-from __future__ import annotations
-
 import math
-from typing import Any
 
 import numpy as np
 
@@ -26,12 +23,7 @@ def moment(particles: Particles, vectors: FloatArray, lever: FloatArray) -> floa
 class Torque:
     """Nodal forces Σ_p φ_ip m_p α e_z × r_p on the points at least ``inner`` [m] from the centre of mass.
 
-    Parameters
-    ----------
-    acceleration
-        α [rad/s²].
-    inner
-        Points nearer than this [m] are left out, so that the body shears as well as turns.
+    ``acceleration`` is α [rad/s²]. Without the points within ``inner`` the body shears as well as turns.
     """
 
     name = "torque"
@@ -62,12 +54,7 @@ def inertia(scene: Scene) -> dict[str, float]:
     return {name: effective_inertia(scene, inner) - 1.0 for name, inner in (("disc", 0.0), ("rim", 0.7))}
 
 
-def answer(found: dict[str, float]) -> dict[str, float]:
-    """What :func:`inertia` found, as it is."""
-    return found
-
-
-def effective_inertia(scene: Any, inner: float, end: float = 0.1) -> float:
+def effective_inertia(scene: Scene, inner: float, end: float = 0.1) -> float:
     """I of ∫ τ dt = I ω, least squares over all steps until ``end`` [s], over m R² / 2.
 
     ω = Σ m r × v / Σ m |r|² over the points: how fast the material turns, whatever inertia the grid gives it.

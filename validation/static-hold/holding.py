@@ -3,14 +3,9 @@
 Closed form (Coulomb): a block at rest on an incline stays at rest if tan θ ≤ μ; friction then is T = m g sin
 θ, so T / N = tan θ, below μ."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
-
-if TYPE_CHECKING:
-    import xarray as xr
+import xarray as xr
+from incline import forces
 
 HEIGHT = 0.3  # of the block [m]
 
@@ -36,12 +31,10 @@ def drift(run: xr.DataTree) -> float:
 
 
 def friction(run: xr.DataTree) -> float | None:
-    """T / N in the last second; none without a contact force."""
+    """T / N in the last second; None without a contact force."""
     series = run["series"].to_dataset()
-    if "contact_force" not in series:
-        return None
-    force = series["contact_force"].sel(pair="block-plane")[_last_second(series)].mean("time")
-    return -float(force.sel(axis="x") / force.sel(axis="y"))
+    found = forces(series, _last_second(series))
+    return None if found is None else found[0] / found[1]
 
 
 def _last_second(series: xr.Dataset) -> np.ndarray:

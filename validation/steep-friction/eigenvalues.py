@@ -1,7 +1,5 @@
 """Eigenvalues of the finite elements about steady sliding: growth over friction and element size."""
 
-from __future__ import annotations
-
 import numpy as np
 from slider_fem import Incline, growth, incline, slide_steadily
 

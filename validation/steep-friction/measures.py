@@ -1,18 +1,13 @@
 """What is read off a slide of the block, the same for the material points and the finite elements."""
 
-from __future__ import annotations
-
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
 import numpy as np
+import xarray as xr
 from scipy.optimize import least_squares
 from slider_fem import Slide, acceleration_of
 from slider_fem.motion import JUDGED, RAMP
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 GRAVITY = 10.0  #: [m/s²]
 MASS = 1000.0 * 0.6 * 0.3  #: of the block [kg/m]
@@ -21,8 +16,7 @@ MASS = 1000.0 * 0.6 * 0.3  #: of the block [kg/m]
 GROWING = (0.155, 0.2)
 
 
-@dataclass(frozen=True)
-class Measured:
+class Measured(NamedTuple):
     """One slide, or one block that must stick."""
 
     friction: float  #: μ
@@ -30,7 +24,6 @@ class Measured:
     acceleration: float  #: fitted [m/s²]
     speed: float  #: mean over the same time [m/s]
     ratio: float  #: mean T over μ times mean N
-    least: float  #: least N over its mean
 
     @property
     def exact(self) -> float:
@@ -72,15 +65,13 @@ def _measured(
     friction: float, tilt: float, time: np.ndarray, x: np.ndarray, tangential: np.ndarray, normal: np.ndarray
 ) -> Measured:
     inside = (time >= JUDGED[0] - 1e-9) & (time <= JUDGED[1] + 1e-9)
-    mean = normal[inside].mean()
     speed = np.ptp(x[inside]) / np.ptp(time[inside])
     return Measured(
         friction,
         tilt,
         acceleration_of(time, x),
         float(speed),
-        float(tangential[inside].mean() / (friction * mean)),
-        float(normal[inside].min() / mean),
+        float(tangential[inside].mean() / (friction * normal[inside].mean())),
     )
 
 

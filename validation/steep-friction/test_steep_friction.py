@@ -6,13 +6,11 @@ of the finite elements about steady sliding, and their motion, with springs and 
 
 # cost: 340
 
-from __future__ import annotations
-
 import math
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -24,9 +22,6 @@ from measures import Measured, gravity_table, growth_of, of_elements, of_points,
 from slider_fem import incline, slide
 
 from mpmfw.validation import Case, Method, known_red, methods
-
-if TYPE_CHECKING:
-    from slider_fem import Slide
 
 FRICTIONS, TILTS = (0.1, 0.3, 0.5, 0.7, 0.9), (10.0, 20.0, 30.0, 40.0, 50.0)  # of the map [1], [deg]
 STEEP, FINER = 40.0, (0.3, 0.4, 0.5, 0.55, 0.6, 0.65, 0.7, 0.75)  # round the onset [deg], [1]
@@ -76,25 +71,17 @@ def check_growth(case: Case) -> None:
         with case.timed():
             run = slide(size, friction, tilt, contact=contact, elastic=True, end=end)
         _growth(case, named(contact, size), run.time, run.y, size, friction, contact)
-    for size, friction in ((0.1, 0.3),) if case.quick else ((0.1, 0.3), (0.05, 0.2), (0.05, 0.3)):
-        _growth_of_points(case, _sized("penalty", "", size, {}), size, friction, "springs")
+    points: list[tuple[Any, ...]] = [("penalty", "", {}, 0.1, 0.3, "springs", None)]
     if not case.quick:
-        for size in SIZES:
-            master = _sized("bardenhagen", "normal master", size, MASTER)
-            _growth_of_points(case, master, size, 0.3, "impulses", binds=False)
-        for size in SIZES:
-            pic = _sized("penalty", PIC_LABEL, size, PIC)
-            _growth_of_points(case, pic, size, 0.3, "springs", binds=False)
-
-
-def _growth_of_points(
-    case: Case, method: Method, size: float, friction: float, contact: str, binds: bool | None = None
-) -> None:
-    """Judge the bounce over the first 0.2 s of a run."""
-    for _, tree in case.runs([method], set={**_scene(friction, STEEP), **ONCE}):
-        series = tree["series"].to_dataset()
-        time, y = series["time"].values, series["centre_of_mass"].sel(body="block", axis="y").values
-        _growth(case, method, time, y, size, friction, contact, binds)
+        points += [("penalty", "", {}, 0.05, friction, "springs", None) for friction in (0.2, 0.3)]
+        points += [("bardenhagen", "normal master", MASTER, size, 0.3, "impulses", False) for size in SIZES]
+        points += [("penalty", PIC_LABEL, PIC, size, 0.3, "springs", False) for size in SIZES]
+    for name, label, values, size, friction, contact, binds in points:
+        method = _sized(name, label, size, values)
+        for _, tree in case.runs([method], set={**_scene(friction, STEEP), **ONCE}):
+            series = tree["series"].to_dataset()
+            time, y = series["time"].values, series["centre_of_mass"].sel(body="block", axis="y").values
+            _growth(case, method, time, y, size, friction, contact, binds)
 
 
 def _growth(
@@ -188,7 +175,7 @@ def _elements(
     found = []
     with case.timed():
         for friction, tilt in at:
-            run: Slide = slide(
+            run = slide(
                 size, friction, math.radians(tilt), contact=contact, elastic=True, viscosity=viscosity
             )
             found.append(of_elements(friction, math.radians(tilt), run))

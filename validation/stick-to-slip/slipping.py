@@ -4,16 +4,11 @@ Closed form (Coulomb, rigid block): T = m r t sticks until T = μ N = μ m g, at
 block's acceleration is r (t − t_s), so it has slid r (t − t_s)³ / 6, and passes the distance s at t_s + (6 s
 / r)^(1/3)."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
+import xarray as xr
+from incline import forces
 
 from mpmfw.results.references import scene_of
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 FRICTION, GRAVITY = 0.3, 10.0  # [1], [m/s²]
 LENGTH = 0.6  # of the block [m]
@@ -43,13 +38,11 @@ def slid_before(run: xr.DataTree) -> float | None:
 
 
 def friction_at_end(run: xr.DataTree) -> float | None:
-    """T / N of the last 0.05 s; none without a contact force, or of a run that ends before slip begins."""
+    """T / N of the last 0.05 s; None without a contact force, or of a run that ends before slip begins."""
     series = run["series"].to_dataset()
     time = series["time"].values
-    if "contact_force" not in series or time[-1] < FRICTION * GRAVITY / rate_of(run):
-        return None
-    force = series["contact_force"].sel(pair="block-plane").values[time >= time[-1] - 0.05].mean(0)
-    return float(-force[0] / force[1])
+    found = forces(series, time >= time[-1] - 0.05)
+    return None if found is None or time[-1] < FRICTION * GRAVITY / rate_of(run) else found[0] / found[1]
 
 
 def sliding(run: xr.DataTree) -> np.ndarray:

@@ -1,15 +1,9 @@
 """Stress of the turned blocks along their common axis."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
+import xarray as xr
 
 from mpmfw.geometry.solid import turning
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 PRESSURE = 2e3  #: on both ends [Pa]
 AXIS = turning(tuple(np.radians([20.0, 35.0, 50.0])))[:, 2]  #: of the stack, n

@@ -9,7 +9,7 @@ import itertools
 import rolling
 import turning
 
-from mpmfw.validation import CLASSICAL, Place, Runs, full, methods, together
+from mpmfw.validation import CLASSICAL, Place, Runs, each, full, methods, together
 
 CONTACTS = (
     "penalty",
@@ -75,79 +75,39 @@ stress = runs(
 )
 
 
-def judge(run, errors, limits, bound="penalty, cpdi", layout="*", **args):
-    """Record errors of one run; limits bind one method, at one layout of points or all."""
+#: By name of the runs: errors of a run, their arguments, and limits by key.
+ERRORS = {
+    block.name: (turning.slides, {}, {"acceleration": 0.1}),
+    slip.name: (turning.rolls, {"roll": rolling.SLIP}, {"displacement": 2.0, "spin": 10.0}),
+    fine_slip.name: (turning.rolls, {"roll": rolling.SLIP}, {"displacement": 2.0, "spin": 8.0}),
+    no_slip.name: (turning.rolls, {"roll": rolling.NO_SLIP}, {"displacement": 2.0, "spin": 10.0}),
+    fine_no_slip.name: (turning.rolls, {"roll": rolling.NO_SLIP}, {"displacement": 1.0, "spin": 5.0}),
+    rings.name: (turning.collides, {}, {"impulse": 7.0}),
+    stress.name: (turning.presses, {}, {"stress": 1.0}),
+}
+ALL = (block, slip, no_slip, fine_slip, fine_no_slip, rings, stress)
+
+
+@each(*ALL)
+def test_errors(run):
+    errors, args, limits = ERRORS[run.runs]
+    bound, layout = (
+        ("penalty, cpdi, segments*", "fitted") if run.runs == stress.name else ("penalty, cpdi", "*")
+    )
     binds = run.method.matches(bound) and run.at(f"*, {layout}, *")
     for key, limit in limits.items():
         value = run.of(errors, key, angle=run.place.make["angle"], **args)
         run.gate(f"{key}, error, {run.place.at}", value, 0.0, limit, "%", binds=binds)
 
 
-SLIP = {"errors": turning.rolls, "roll": rolling.SLIP}
-NO_SLIP = {"errors": turning.rolls, "roll": rolling.NO_SLIP}
-
-
-@block
-def test_block(run):
-    judge(run, turning.slides, {"acceleration": 0.1})
-
-
-@slip
-def test_slip(run):
-    judge(run, limits={"displacement": 2.0, "spin": 10.0}, **SLIP)
-
-
-@no_slip
-def test_no_slip(run):
-    judge(run, limits={"displacement": 2.0, "spin": 10.0}, **NO_SLIP)
-
-
-@fine_slip
-def test_fine_slip(run):
-    judge(run, limits={"displacement": 2.0, "spin": 8.0}, **SLIP)
-
-
-@fine_no_slip
-def test_fine_no_slip(run):
-    judge(run, limits={"displacement": 1.0, "spin": 5.0}, **NO_SLIP)
-
-
-@rings
-def test_rings(run):
-    judge(run, turning.collides, {"impulse": 7.0})
-
-
-@stress
-def test_stress(run):
-    judge(run, turning.presses, {"stress": 1.0}, "penalty, cpdi, segments*", "fitted")
-
-
-#: Errors of each scene whose worst is shown: function, its arguments, and keys.
-SHOWN = {
-    block.name: (turning.slides, {}, ("acceleration",)),
-    **{
-        one.name: (turning.rolls, {"roll": rolling.SLIP}, ("displacement", "spin"))
-        for one in (slip, fine_slip)
-    },
-    **{
-        one.name: (turning.rolls, {"roll": rolling.NO_SLIP}, ("displacement", "spin"))
-        for one in (no_slip, fine_no_slip)
-    },
-    rings.name: (turning.collides, {}, ("impulse",)),
-    stress.name: (turning.presses, {}, ("stress",)),
-}
-
-
 @full
-@together(block, slip, no_slip, fine_slip, fine_no_slip, rings, stress)
+@together(*ALL)
 def test_worst(case, runs):
     """Record the worst error of each method, of all six runs and of the three with fitted points."""
-    for (name, (errors, args, keys)), (method, all_runs) in itertools.product(
-        SHOWN.items(), runs.by_method()
-    ):
-        same = [run for run in all_runs if run.runs == name]
-        fitted = [run for run in same if run.at("*, fitted, *")]
-        for key, (of, chosen) in itertools.product(keys, (("six", same), ("three, fitted", fitted))):
+    for (name, (errors, args, keys)), (method, same) in itertools.product(ERRORS.items(), runs.by_method()):
+        own = [run for run in same if run.runs == name]
+        fitted = [run for run in own if run.at("*, fitted, *")]
+        for key, (of, chosen) in itertools.product(keys, (("six", own), ("three, fitted", fitted))):
             if chosen:
                 value = turning.worst(chosen, errors, key, **args)
                 case.show(f"{key}, error, worst of {of}, {name}", value, 0.0, unit="%", method=method)

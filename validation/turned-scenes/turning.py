@@ -1,11 +1,9 @@
 """The scenes of the shipped studies turned against the grid, and their errors along the turned axes."""
 
-from __future__ import annotations
-
 import math
 import tomllib
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import rolling
@@ -16,9 +14,7 @@ from mpmfw.results.analysis import fitted_acceleration, impulse, value_at
 from mpmfw.results.references import rings_table
 from mpmfw.scene import load_scene
 from mpmfw.units import to_si
-
-if TYPE_CHECKING:
-    from mpmfw.validation import CaseRun
+from mpmfw.validation import CaseRun
 
 ANGLES = (0.0, 0.35, 0.6)  #: [rad]
 LAYOUTS = ("fitted", "lattice")

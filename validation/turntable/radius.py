@@ -1,14 +1,9 @@
 """Way of a block on a turntable, against that of a rigid one."""
 
-from __future__ import annotations
-
 import tomllib
-from typing import TYPE_CHECKING
 
 import numpy as np
-
-if TYPE_CHECKING:
-    import xarray as xr
+import xarray as xr
 
 GRAVITY = 10.0  # m/s², as in scene.toml
 STEPS = 20000

@@ -163,13 +163,7 @@ class Runs:
             _fits("", patterns, names)
 
     def __call__(self, function: Callable[..., Any]) -> Any:
-        params = []
-        for place, version, method in itertools.product(self.places, self.versions, self.methods):
-            point = (self, place, version, method)
-            name = " | ".join(filter(None, (place.at, version.at, str(method))))
-            marks = [getattr(pytest.mark, one.when) for one in point if one.when]
-            params.append(pytest.param(point, id=name, marks=marks))
-        return pytest.mark.parametrize("run", params, indirect=True)(function)
+        return each(self)(function)
 
     def count(self, now: str) -> int:
         """Return how many run in the ``full`` or ``quick`` version of the case."""
@@ -202,6 +196,18 @@ class Runs:
                 results = self.by(scene)
         self.done.append(CaseRun(case, self.name, place, method, scene, results, version))
         return self.done[-1]
+
+
+def each(*runs: Runs) -> Any:
+    """Decorate a test that takes each run of these as ``run``."""
+    params = []
+    for one in runs:
+        for point in itertools.product([one], one.places, one.versions, one.methods):
+            _, place, version, method = point
+            name = " | ".join(filter(None, (one.name, place.at, version.at, str(method))))
+            marks = [getattr(pytest.mark, part.when) for part in point if part.when]
+            params.append(pytest.param(point, id=name, marks=marks))
+    return pytest.mark.parametrize("run", params, indirect=True)
 
 
 def together(*runs: Runs) -> Any:
@@ -277,6 +283,20 @@ class CaseRun:
             binds = self.method.recommended if binds is None else binds
             binds = binds and not (key and self.place.is_open(key, self.method))
             self.case.gate(quantity, value, reference, tolerance, unit, self.method, binds)
+
+    def gates(
+        self,
+        measure: str | Callable[..., Any],
+        *rows: tuple[Any, ...],
+        binds: bool | None = None,
+        **args: Any,
+    ) -> None:
+        """Record several values of one measure; ``args`` as :meth:`of` takes them.
+
+        A row has the quantity, in which ``{at}`` is the place, the key, and what :meth:`gate` takes next.
+        """
+        for quantity, key, *rest in rows:
+            self.gate(quantity.format(at=self.place.at), self.of(measure, key, **args), *rest, binds=binds)
 
 
 class RunSet(list[CaseRun]):

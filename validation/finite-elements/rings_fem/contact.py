@@ -5,13 +5,12 @@ both outlines take each part once, with half of the stiffness (two passes). The 
 the springs' energy, because the closest point is stationary under a shift along its segment. No friction: the
 problem is its own mirror image, so that neither ring can slide along the other."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
 
-from rings_fem.compiled import Floats, Integers, compiled
+from mpmfw.kernels import kernel
+from rings_fem.mesh import Floats, Integers
 
 
 class Outline(NamedTuple):
@@ -27,7 +26,7 @@ def outline_of(points: Floats, nodes: Integers, modulus_per_length: float) -> Ou
     return Outline(nodes, 0.5 * modulus_per_length * 0.5 * (ahead + np.roll(ahead, 1)))
 
 
-@compiled
+@kernel
 def side(points: Floats, nodes: Integers, k: int, dx: float, dy: float) -> float:
     """(dx, dy) along the outward normal of segment k, times its length; positive outside."""
     a, b = nodes[k], nodes[(k + 1) % len(nodes)]
@@ -35,7 +34,7 @@ def side(points: Floats, nodes: Integers, k: int, dx: float, dy: float) -> float
     return outward
 
 
-@compiled
+@kernel
 def closest(points: Floats, nodes: Integers, x: float, y: float) -> tuple[int, float]:
     """Closest segment k of an outline to (x, y), and the place 0 ≤ ξ ≤ 1 on it."""
     segment, place, least = 0, 0.0, np.inf
@@ -50,7 +49,7 @@ def closest(points: Floats, nodes: Integers, x: float, y: float) -> tuple[int, f
     return segment, place
 
 
-@compiled
+@kernel
 def inside(points: Floats, nodes: Integers, k: int, xi: float, dx: float, dy: float) -> bool:
     """Return True if a point at (dx, dy) from its closest point on segment k is inside the outline."""
     outward = side(points, nodes, k, dx, dy)
@@ -61,7 +60,7 @@ def inside(points: Floats, nodes: Integers, k: int, xi: float, dx: float, dy: fl
     return outward < 0.0
 
 
-@compiled
+@kernel
 def box(points: Floats, nodes: Integers) -> tuple[float, float, float, float]:
     """Return least and greatest x, least and greatest y of an outline [m]."""
     left, right, bottom, top = np.inf, -np.inf, np.inf, -np.inf
@@ -71,7 +70,7 @@ def box(points: Floats, nodes: Integers) -> tuple[float, float, float, float]:
     return left, right, bottom, top
 
 
-@compiled
+@kernel
 def add_one_pass(points: Floats, slave: Outline, master: Outline, force: Floats) -> float:
     """Push the slave's nodes out of the master; returns the springs' energy [J/m]."""
     energy = 0.0
@@ -95,7 +94,7 @@ def add_one_pass(points: Floats, slave: Outline, master: Outline, force: Floats)
     return energy
 
 
-@compiled
+@kernel
 def add_contact_force(points: Floats, left: Outline, right: Outline, force: Floats) -> float:
     """Add the contact forces of both passes [N/m] to (n_nodes, 2) ``force``; returns their energy [J/m]."""
     return add_one_pass(points, left, right, force) + add_one_pass(points, right, left, force)

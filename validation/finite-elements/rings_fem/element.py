@@ -8,14 +8,12 @@ three-field form Simo, Taylor & Pister 1985), in the energy itself:
 with tr b = F:F + 1 in plane strain. The nodal force is the exact gradient of W_h, so that energy is conserved
 but for the error of the time integration."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
 
-from rings_fem.compiled import Floats, Integers, compiled
-from rings_fem.mesh import Mesh
+from mpmfw.kernels import kernel
+from rings_fem.mesh import Floats, Integers, Mesh
 
 BULK, SHEAR, DENSITY = 121.7e6, 26.1e6, 1010.0  #: of the rings [Pa], [Pa], [kg/m³]
 DILATATIONAL = float(np.sqrt((BULK + 4.0 * SHEAR / 3.0) / DENSITY))  #: speed of sound [m/s]
@@ -37,27 +35,16 @@ def solid_of(mesh: Mesh, bulk: float = BULK, shear: float = SHEAR, density: floa
     corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
     gauss = corners / np.sqrt(3.0)
     shape = 0.25 * (1.0 + gauss[:, None, 0] * corners[:, 0]) * (1.0 + gauss[:, None, 1] * corners[:, 1])
-    slope = 0.25 * np.stack(
-        [
-            corners[:, 0] * (1.0 + gauss[:, None, 1] * corners[:, 1]),
-            corners[:, 1] * (1.0 + gauss[:, None, 0] * corners[:, 0]),
-        ],
-        axis=-1,
-    )
+    slope = 0.25 * corners * (1.0 + gauss[:, None, ::-1] * corners[:, ::-1])
     jacobian = np.einsum("eai,qaj->eqij", mesh.points[mesh.elements], slope)
     weights = np.linalg.det(jacobian)
     gradients = np.einsum("qaj,eqji->eqai", slope, np.linalg.inv(jacobian))
-    mass = np.bincount(
-        mesh.elements.ravel(),
-        density * np.einsum("qa,eq->ea", shape, weights).ravel(),
-        minlength=len(mesh.points),
-    )
-    return Solid(
-        mesh.elements, np.ascontiguousarray(gradients), weights, np.asarray(mass, np.float64), bulk, shear
-    )
+    share = density * np.einsum("qa,eq->ea", shape, weights).ravel()
+    mass = np.bincount(mesh.elements.ravel(), share, minlength=len(mesh.points))
+    return Solid(mesh.elements, np.ascontiguousarray(gradients), weights, mass, bulk, shear)
 
 
-@compiled
+@kernel
 def deform(points: Floats, solid: Solid, e: int, gradient: Floats) -> float:
     """Fill F11, F12, F21, F22 at the quadrature points, (4, 4), and return θ, the mean of det F."""
     volume, reference = 0.0, 0.0
@@ -77,22 +64,9 @@ def deform(points: Floats, solid: Solid, e: int, gradient: Floats) -> float:
     return volume / reference
 
 
-@compiled
+@kernel
 def add_internal_force(points: Floats, solid: Solid, force: Floats) -> float:
-    """Add -∂W_h/∂x to the nodal forces and return W_h.
-
-    Parameters
-    ----------
-    points
-        (n_nodes, 2) current positions [m].
-    force
-        (n_nodes, 2) [N/m], changed.
-
-    Returns
-    -------
-    float
-        Strain energy [J/m].
-    """
+    """Add -∂W_h/∂x at ``points`` [m] to ``force`` [N/m], (n_nodes, 2) each, and return W_h [J/m]."""
     energy, gradient = 0.0, np.empty((4, 4))
     for e in range(len(solid.elements)):
         theta = deform(points, solid, e, gradient)
@@ -119,14 +93,11 @@ def add_internal_force(points: Floats, solid: Solid, force: Floats) -> float:
     return energy
 
 
-@compiled
+@kernel
 def cauchy_stress(points: Floats, solid: Solid) -> Floats:
-    """Cauchy stress σ = G J^(-5/3) (b - tr b/3 I) + U'(θ) I.
+    """Return σ = G J^(-5/3) (b - tr b/3 I) + U'(θ) I at the quadrature points [Pa].
 
-    Returns
-    -------
-    ndarray
-        (n_elements, 4, 4) σ_xx, σ_yy, σ_zz, σ_xy at the quadrature points [Pa].
+    The components of (n_elements, 4, 4) are σ_xx, σ_yy, σ_zz, σ_xy.
     """
     stress, gradient = np.empty((len(solid.elements), 4, 4)), np.empty((4, 4))
     for e in range(len(solid.elements)):

@@ -1,12 +1,10 @@
 """Central differences in time with a lumped mass (Belytschko, Liu, Moran & Elkhodary 2014, section 6.2)."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
-from rings_fem.compiled import Floats
 from rings_fem.contact import Outline, add_contact_force
 from rings_fem.element import Solid, add_internal_force
+from rings_fem.mesh import Floats
 
 #: Columns of the history.
 FORCE, KINETIC, STRAIN, SPRINGS, MOMENTUM_LEFT, MOMENTUM_RIGHT = range(6)

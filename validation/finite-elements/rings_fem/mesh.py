@@ -1,12 +1,12 @@
 """Structured meshes of four-node quadrilaterals."""
 
-from __future__ import annotations
-
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
-from rings_fem.compiled import Floats, Integers
+Floats: TypeAlias = npt.NDArray[np.float64]
+Integers: TypeAlias = npt.NDArray[np.int64]
 
 INNER, OUTER = 0.030, 0.040  #: radii of the rings [m]
 DISTANCE = 0.004  #: between the two rings at the start [m]
@@ -23,16 +23,10 @@ class Mesh(NamedTuple):
 def ring(size: float, centre: float = 0.0, turn: float = 0.0) -> Mesh:
     """Mesh a ring with quadrilaterals of about ``size``.
 
-    Parameters
-    ----------
-    size
-        Edge through the thickness [m]; should divide the thickness of 10 mm. Around the ring there are
-        24 cm/size quadrilaterals, 120 at 2 mm: edges of 0.79 to 1.05 ``size``.
-    centre
-        x of the centre [m]; y is 0.
-    turn
-        Rotation of the mesh in its own plane, in units of one quadrilateral. A node lies at angle 0 if it is
-        0.
+    ``size`` is the edge through the thickness [m] and should divide the thickness of 10 mm. Around the
+    ring there are 24 cm/size quadrilaterals, 120 at 2 mm: edges of 0.79 to 1.05 ``size``. ``centre`` is x
+    of the centre [m]; y is 0. ``turn`` rotates the mesh in its plane, in quadrilaterals: a node lies at
+    angle 0 if it is 0.
     """
     around, through = round(0.24 / size), round((OUTER - INNER) / size)
     angle = 2.0 * np.pi * (np.arange(around) + turn) / around

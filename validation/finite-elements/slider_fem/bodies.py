@@ -1,26 +1,16 @@
 """The block and the plane that it slides on, of the scenes of the sliding block."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
-from rings_fem.compiled import Floats, Integers
 from rings_fem.element import Solid, solid_of
-from rings_fem.mesh import Mesh, block
+from rings_fem.mesh import Floats, Integers, Mesh, block
 
 LENGTH, HEIGHT = 0.6, 0.3  #: of the block [m]
-PLANE = (
-    -0.43,
-    -0.213,
-    2.0,
-    0.213,
-)  #: left and bottom from the block's lower left corner, length and height [m]
-BULK, SHEAR, DENSITY = (
-    12e6,
-    6e6,
-    1000.0,
-)  #: of the block; the plane's moduli are twice that [Pa], [Pa], [kg/m³]
+#: Left and bottom of the plane from the block's lower left corner, length and height [m]
+PLANE = (-0.43, -0.213, 2.0, 0.213)
+BULK, SHEAR = 12e6, 6e6  #: of the block; the plane's are twice that [Pa]
+DENSITY = 1000.0  #: [kg/m³]
 MODULUS = BULK + 4.0 * SHEAR / 3.0  #: M of the block, the softer body [Pa]
 GRAVITY = 10.0  #: [m/s²]
 
@@ -50,9 +40,8 @@ def incline(size: float, *, elastic: bool, kappa: float = 1.0) -> Incline:
     if elastic:
         under = _rectangle(size, *PLANE)
         tops = np.flatnonzero(np.isclose(under.points[:, 1], 0.0, atol=1e-9))
-        held = np.isclose(under.points[:, 1], PLANE[1]) | np.isin(
-            under.points[:, 0], [under.points[:, 0].min(), under.points[:, 0].max()]
-        )
+        x, y = under.points.T
+        held = np.isclose(y, PLANE[1]) | np.isin(x, [x.min(), x.max()])
     else:
         ends = np.array([[PLANE[0], 0.0], [PLANE[0] + PLANE[2], 0.0]])
         under = Mesh(ends, np.zeros((0, 4), dtype=np.int64), np.arange(2))

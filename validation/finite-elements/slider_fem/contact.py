@@ -11,16 +11,16 @@ that the normal is y and the tangent x: gap and slip are linear in the displacem
   by Gauss-Seidel sweeps.
 """
 
-from __future__ import annotations
-
 import numpy as np
-from rings_fem.compiled import Floats, Integers, compiled
+from rings_fem.mesh import Floats, Integers
+
+from mpmfw.kernels import kernel
 
 SWEEPS = 200  #: of Gauss-Seidel, at most
 ENOUGH = 1e-10  #: change of the velocities in a sweep, over the largest velocity, at which they end
 
 
-@compiled
+@kernel
 def segment_below(points: Floats, top: Integers, x: float) -> tuple[int, float]:
     """Segment k of the upper face below x, and the place 0 ≤ ξ ≤ 1 on it."""
     low, high = 0, len(top) - 1
@@ -34,14 +34,14 @@ def segment_below(points: Floats, top: Integers, x: float) -> tuple[int, float]:
     return low, min(max((x - a) / (b - a), 0.0), 1.0)
 
 
-@compiled
+@kernel
 def relative(values: Floats, node: int, first: int, second: int, xi: float, axis: int) -> float:
     """Value of the node less that of the place ξ of the segment."""
     difference: float = values[node, axis] - (1.0 - xi) * values[first, axis] - xi * values[second, axis]
     return difference
 
 
-@compiled
+@kernel
 def add_springs(
     points: Floats,
     velocity: Floats,
@@ -85,7 +85,7 @@ def add_springs(
     return normal, along, stuck / normal if normal > 0.0 else 0.0
 
 
-@compiled
+@kernel
 def project(
     points: Floats,
     velocity: Floats,
@@ -135,7 +135,7 @@ def project(
     return normal / step, along / step, stuck / normal if normal > 0.0 else 0.0
 
 
-@compiled
+@kernel
 def push(
     velocity: Floats,
     inverse_mass: Floats,

@@ -10,13 +10,11 @@ a stiffness that is not symmetric. Two modes of neighbouring frequencies may the
 with σ > 0, flutter (Martins, Guimarães & Faria 1995, J. Vib. Acoust. 117, 445-451). Without springs the gaps
 are held at zero by multipliers, which are the limit of k to infinity."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
-from rings_fem.compiled import Floats
 from rings_fem.element import Solid
+from rings_fem.mesh import Floats
 from scipy.linalg import eigvals
 
 from slider_fem.bodies import GRAVITY, Incline
@@ -77,9 +75,8 @@ def slide_steadily(bodies: Incline, friction: float, *, rigid_contact: bool = Fa
     weight = bodies.mass * bodies.free * GRAVITY
     load = np.zeros(len(free))
     load[1::2] = -weight
-    load[0 : 2 * bodies.n_block : 2] = (
-        friction * weight[: bodies.n_block]
-    )  # d'Alembert: friction stands against it
+    # d'Alembert: friction stands against it
+    load[0 : 2 * bodies.n_block : 2] = friction * weight[: bodies.n_block]
     centre = np.zeros(len(free))  # the block as a whole may not move along the plane
     centre[0 : 2 * bodies.n_block : 2] = bodies.mass[: bodies.n_block]
     pressed = np.ones(len(bodies.bottom), dtype=bool)
@@ -118,19 +115,9 @@ def growth(
     """Growth rates σ [1/s] and frequencies ω/2π [Hz] of the growing small motions, (n, 2), the lowest
     frequency first.
 
-    Parameters
-    ----------
-    bodies, friction
-        The block on its plane, and μ.
-    rigid_contact
-        Gaps held at zero in place of the springs.
-    viscosity
-        β of a Kelvin-Voigt solid [s].
-    damping
-        Dashpots across the faces beside the springs, as a fraction of critical 2 √(k m) with m the lower
-        node's mass.
-    pressed
-        Which lower nodes bear; all, if it is not given.
+    ``rigid_contact`` holds the gaps at zero instead of springs. ``viscosity`` is β of a Kelvin-Voigt solid
+    [s], ``damping`` that of dashpots beside the springs, as a fraction of critical 2 √(k m) with m the lower
+    node's mass. ``pressed`` are the lower nodes that bear, all if it is left out.
     """
     used = np.ones(len(bodies.bottom), dtype=bool) if pressed is None else np.asarray(pressed, dtype=bool)
     bulk = _bulk(bodies)

@@ -1,13 +1,12 @@
 """The block's motion down the incline: central differences with a lumped mass."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
-from rings_fem.compiled import Floats, compiled
 from rings_fem.element import add_internal_force
+from rings_fem.mesh import Floats
 
+from mpmfw.kernels import kernel
 from slider_fem.bodies import DENSITY, GRAVITY, MODULUS, Incline, incline
 from slider_fem.contact import add_springs, project
 from slider_fem.flutter import rest
@@ -56,33 +55,19 @@ def slide(
 ) -> Slide:
     """Let the block, at rest under gravity at zero tilt, slide while gravity is tilted smoothly.
 
-    Parameters
-    ----------
-    size
-        Of the quadrilaterals [m].
-    friction, tilt
-        μ and θ [rad]: gravity is g (sin ϑ, -cos ϑ), ϑ = θ (1 - cos(π t / 0.15 s)) / 2 until 0.15 s.
-    contact
-        ``springs`` or ``impulses`` (:mod:`slider_fem.contact`).
-    elastic
-        Whether the plane is elastic, or rigid.
-    speed
-        Of the block down the incline at the start [m/s].
-    viscosity
-        β [s] of a Kelvin-Voigt solid: the elements' forces are those of x + β v.
-    courant
-        Time step over the shortest edge's travel time of the dilatational wave in the block, before
-        viscosity.
-    end
-        Of the motion [s].
+    ``size`` is that of the quadrilaterals [m]. Gravity is g (sin ϑ, -cos ϑ), ϑ = θ (1 - cos(π t / 0.15
+    s)) / 2 until 0.15 s, with θ the ``tilt`` [rad]. ``contact`` is ``springs`` or ``impulses``
+    (:mod:`slider_fem.contact`), on an ``elastic`` plane or a rigid one. ``speed`` is that of the block
+    down the incline at the start [m/s]. With the ``viscosity`` β [s] of a Kelvin-Voigt solid the
+    elements' forces are those of x + β v. ``courant`` is the time step over the shortest edge's travel
+    time of the dilatational wave in the block, before viscosity, ``end`` that of the motion [s].
     """
     bodies = incline(size, elastic=elastic)
     wave = float(np.sqrt(MODULUS / DENSITY))
     damping = viscosity * wave / size
     limit = courant * size / wave * (np.sqrt(1.0 + damping**2) - damping)
-    count = int(
-        np.ceil(end / (limit / np.sqrt(2.0) if elastic else limit))
-    )  # the plane's moduli are twice as large
+    limit /= np.sqrt(2.0) if elastic else 1.0  # the plane's moduli are twice as large
+    count = int(np.ceil(end / limit))
     points = rest(bodies, rigid_contact=contact == "impulses")
     velocity, history = np.zeros_like(points), np.zeros((count, 6))
     velocity[: bodies.n_block, 0] = speed
@@ -92,7 +77,7 @@ def slide(
     return Slide(*np.ascontiguousarray(history.T), points, momentum)
 
 
-@compiled
+@kernel
 def advance(
     points: Floats,
     velocity: Floats,

@@ -2,10 +2,10 @@
 
 # cost: 60
 
-from held import held, place, scenes, scores, shared
+from held import held, place, scenes, scored, shared
 from made import plane, polygon
 
-from mpmfw.validation import full, known_red, together
+from mpmfw.validation import known_red
 
 #: A half plane with a crack of 1 m by 0.5 m.
 CRACK = polygon(
@@ -87,7 +87,4 @@ def test_scene(run):
     held(run)
 
 
-@full
-@together(every)
-def test_scores(case, runs):
-    scores(case, runs)
+test_scores = scored(every)

@@ -5,10 +5,8 @@
 # Drawn along the incline, whose slope is 0.1; pushed with 0.6 of its weight.
 
 import closed
-from held import FRICTION, held, place, scenes, scores, shared
+from held import FRICTION, held, place, scenes, scored, shared
 from made import box, disc, force, plane
-
-from mpmfw.validation import full, together
 
 BLOCK = {"E": 15.4e6, "nu": 0.286}
 PLANE = {"E": 30.8e6, "nu": 0.286}
@@ -61,7 +59,4 @@ def test_scene(run):
     held(run, *(gate for places, *gate in GATES if run.at(*places)))
 
 
-@full
-@together(every)
-def test_scores(case, runs):
-    scores(case, runs)
+test_scores = scored(every)

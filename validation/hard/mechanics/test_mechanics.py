@@ -6,10 +6,8 @@
 
 import closed
 import criteria
-from held import FRICTION, SYMMETRY, held, place, scenes, scores
+from held import FRICTION, SYMMETRY, held, place, scenes, scored
 from made import box, disc, force, plane, polygon
-
-from mpmfw.validation import full, together
 
 EDGES = (
     "soft springs share out the edges' pressure: 12 %, in cells twice as large 18 and 7.7 with 16 times the "
@@ -21,6 +19,8 @@ SHAKEN = {
         "times the stiffness"
     )
 }
+PULLS = ((0.0, 0.0), (0.05, 8.0), (0.1, 8.0), (0.15, -8.0), (0.3, -8.0), (0.35, 8.0))
+SHAKING = [[time, along, -10.0] for time, along in PULLS]
 #: The transfer takes it, whatever the contact.
 THIN = {
     "*": "thin bodies vibrate within few cells, which the transfer damps: 19 to 21 % on the beam of one "
@@ -78,17 +78,7 @@ every = scenes(
             end=0.4,
             friction=0.3,
             settled=True,
-            gravity=[
-                [time, along, -10.0]
-                for time, along in (
-                    (0.0, 0.0),
-                    (0.05, 8.0),
-                    (0.1, 8.0),
-                    (0.15, -8.0),
-                    (0.3, -8.0),
-                    (0.35, 8.0),
-                )
-            ],
+            gravity=SHAKING,
             bodies={
                 "block": box(0.03, 0.013, 0.63, 0.313, E=154e6, nu=0.286),
                 "plane": plane(-0.3, -0.187, 1.0, 0.013, E=308e6, nu=0.286),
@@ -203,7 +193,4 @@ def test_scene(run):
     held(run, *(gate for places, *gate in gates if run.at(*places)))
 
 
-@full
-@together(every)
-def test_scores(case, runs):
-    scores(case, runs)
+test_scores = scored(every)

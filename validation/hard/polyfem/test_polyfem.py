@@ -5,10 +5,8 @@
 # Tip on tip: the right one is 0.013 aside, exactly opposite rounding decides to which side they go.
 
 import closed
-from held import FRICTION, SYMMETRY, held, place, scenes, scores, shared
+from held import FRICTION, SYMMETRY, held, place, scenes, scored, shared
 from made import box, disc, plane, polygon
-
-from mpmfw.validation import full, together
 
 VERTEX = {
     "energy": "error in time of springs that change at the corner, 0.67 %",
@@ -147,7 +145,4 @@ def test_scene(run):
     held(run, *gates)
 
 
-@full
-@together(every)
-def test_scores(case, runs):
-    scores(case, runs)
+test_scores = scored(every)

@@ -2,9 +2,7 @@
 
 # cost: 100
 
-from held import held, scenes, scores, shared
-
-from mpmfw.validation import full, together
+from held import held, scenes, scored, shared
 
 PRESSED = "the small square is pressed by half of its modulus: 0.69 cells"
 SOFT = "springs as soft as the softer square, which is pressed by 10 % of its modulus: 0.19 cells"
@@ -21,7 +19,4 @@ def test_scene(run):
     held(run)
 
 
-@full
-@together(every)
-def test_scores(case, runs):
-    scores(case, runs)
+test_scores = scored(every)

@@ -4,10 +4,8 @@
 
 import links
 import made
-from held import RESTS, held, place, scenes, scores
+from held import RESTS, held, place, scenes, scored
 from made import disc
-
-from mpmfw.validation import full, together
 
 #: Reasons for the energy's error, which is one in time.
 TEETH = (
@@ -54,7 +52,4 @@ def test_scene(run):
     held(run, *([RESTS] if run.at("tower*", "pyramid*") else []))
 
 
-@full
-@together(every)
-def test_scores(case, runs):
-    scores(case, runs)
+test_scores = scored(every)

@@ -8,9 +8,7 @@
 
 import closed
 import made
-from held import FRICTION, held, place, scenes, scores
-
-from mpmfw.validation import full, together
+from held import FRICTION, held, place, scenes, scored
 
 #: Also in the reduced version.
 QUICK = ((0.7, 40), (0.7, 50))
@@ -48,7 +46,4 @@ def test_scene(run):
     held(run, *GATES)
 
 
-@full
-@together(every)
-def test_scores(case, runs):
-    scores(case, runs)
+test_scores = scored(every)

@@ -3,9 +3,7 @@
 # cost: 100
 
 import made
-from held import RESTS, held, place, scenes, scores
-
-from mpmfw.validation import full, together
+from held import RESTS, held, place, scenes, scored
 
 every = scenes(
     [
@@ -20,7 +18,4 @@ def test_scene(run):
     held(run, RESTS)
 
 
-@full
-@together(every)
-def test_scores(case, runs):
-    scores(case, runs)
+test_scores = scored(every)

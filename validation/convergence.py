@@ -1,0 +1,10 @@
+"""Orders of convergence that several cases observe."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+
+def observed_order(sizes: Sequence[float], errors: Sequence[float]) -> float:
+    """Slope of the least-squares line of log |error| over log(cell size)."""
+    return float(np.polyfit(np.log(sizes), np.log(np.abs(errors)), 1)[0])
