@@ -22,8 +22,7 @@ for folder in ("finite-elements", "steep-friction"):
     sys.path.insert(0, str(VALIDATION / folder))
 
 from measures import GRAVITY, gravity_table  # noqa: E402
-from slider_fem import slide  # noqa: E402
-from slider_fem.motion import RAMP  # noqa: E402
+from slider_fem.motion import RAMP, slide  # noqa: E402
 
 FRICTIONS = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
 ABOVE, BELOW = 1.06, 0.999  # tan θ over μ

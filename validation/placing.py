@@ -19,50 +19,54 @@ def placed(
     is fixed below goes on to a level side there."""
     cell = coarser * float(scene["grid"]["cell_size"])
     angle = math.radians(turn)
-    rotation = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
-    offset = cell * np.array(shift)
-    made = {**scene, "grid": _grid(scene["grid"], coarser, rotation, offset), "bodies": {}}
+    turning, offset = rotation(angle), cell * np.array(shift)
+    made = {**scene, "grid": _grid(scene["grid"], coarser, turning, offset), "bodies": {}}
     for name, body in scene["bodies"].items():
-        changed = {**body, "geometry": _moved(body, rotation, offset, angle)}
+        changed = {**body, "geometry": _moved(body, turning, offset, angle)}
         if "velocity" in body:
-            changed["velocity"] = (rotation @ body["velocity"]).tolist()
+            changed["velocity"] = (turning @ body["velocity"]).tolist()
         made["bodies"][name] = changed
     if "gravity" in scene:
-        made["gravity"] = {key: _turned(given, rotation) for key, given in scene["gravity"].items()}
+        made["gravity"] = {key: _turned(given, turning) for key, given in scene["gravity"].items()}
     for name, load in scene.get("loads", {}).items():
-        made["loads"] = {**made["loads"], name: {**load, "force": _turned(load["force"], rotation)}}
+        made["loads"] = {**made["loads"], name: {**load, "force": _turned(load["force"], turning)}}
     return made
 
 
-def _grid(grid: dict[str, Any], coarser: float, rotation: np.ndarray, offset: np.ndarray) -> dict[str, Any]:
+def rotation(angle: float) -> np.ndarray:
+    """Return the rotation by ``angle`` [rad]; its columns are the turned axes."""
+    return np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+
+
+def _grid(grid: dict[str, Any], coarser: float, turning: np.ndarray, offset: np.ndarray) -> dict[str, Any]:
     """A grid in whose cells the origin lies as in the scene's."""
     low, high = np.array(grid["lower"], float), np.array(grid["upper"], float)
-    corners = np.array(list(itertools.product(*zip(low, high, strict=True)))) @ rotation.T + offset
+    corners = np.array(list(itertools.product(*zip(low, high, strict=True)))) @ turning.T + offset
     cell, low = coarser * float(grid["cell_size"]), coarser * low
     lower = low - np.ceil((low - corners.min(0)) / cell) * cell
     return {**grid, "cell_size": cell, "lower": lower.tolist(), "upper": corners.max(0).tolist()}
 
 
-def _turned(given: Any, rotation: np.ndarray) -> Any:
+def _turned(given: Any, turning: np.ndarray) -> Any:
     """A vector, or rows of time and vector."""
     rows = np.array(given, float)
     if rows.ndim == 1:
-        return (rotation @ rows).tolist()
-    return np.column_stack([rows[:, 0], rows[:, 1:] @ rotation.T]).tolist()
+        return (turning @ rows).tolist()
+    return np.column_stack([rows[:, 0], rows[:, 1:] @ turning.T]).tolist()
 
 
-def _moved(body: dict[str, Any], rotation: np.ndarray, offset: np.ndarray, angle: float) -> dict[str, Any]:
+def _moved(body: dict[str, Any], turning: np.ndarray, offset: np.ndarray, angle: float) -> dict[str, Any]:
     shape = body["geometry"]
     if "centre" in shape:
-        return {**shape, "centre": (rotation @ shape["centre"] + offset).tolist()}
+        return {**shape, "centre": (turning @ shape["centre"] + offset).tolist()}
     if shape["type"] == "polygon":
         points = np.array(shape["points"], float)
-        moved = points @ rotation.T + offset
+        moved = points @ turning.T + offset
         if any("fixed" in side for side in body.get("sides", ())) and angle:
             moved = _to_level(points, moved)
         return {**shape, "points": moved.tolist()}
     lower, upper = np.array(shape["lower"], float), np.array(shape["upper"], float)
-    centre, half = rotation @ (0.5 * (lower + upper)) + offset, 0.5 * (upper - lower)
+    centre, half = turning @ (0.5 * (lower + upper)) + offset, 0.5 * (upper - lower)
     own = float(to_si(shape.get("angle", 0.0), "rad"))
     return {
         **shape,

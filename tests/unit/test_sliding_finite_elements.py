@@ -11,16 +11,9 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[2] / "validation" / "finite-elements"))
 
 from rings_fem.element import add_internal_force
-from slider_fem import (
-    acceleration_of,
-    contact_matrix,
-    growth,
-    incline,
-    slide,
-    slide_steadily,
-    stiffness_matrix,
-)
-from slider_fem.bodies import DENSITY, GRAVITY, HEIGHT, LENGTH
+from slider_fem.bodies import DENSITY, GRAVITY, HEIGHT, LENGTH, incline
+from slider_fem.flutter import contact_matrix, growth, slide_steadily, stiffness_matrix
+from slider_fem.motion import acceleration_of, slide
 
 CONTACTS = ("springs", "impulses")
 MASS = DENSITY * LENGTH * HEIGHT

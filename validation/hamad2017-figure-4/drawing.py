@@ -1,6 +1,5 @@
 """Finite elements of the resolution of [H17], and the figure of the case."""
 
-import functools
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,7 +15,7 @@ from mpmfw.results.analysis import averaged, impulse
 from mpmfw.validation import CaseRun
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "finite-elements"))
-from rings_fem import Collision, collide, distance
+from rings_fem import collide
 
 INTERVAL = 5e-6  #: over which every force that is called raw is a mean: the runs' outputs [s]
 FINE: dict[str, Any] = {"color": "black", "linewidth": 1.3, "label": "finite elements, 9-node, 0.5 mm"}
@@ -39,17 +38,6 @@ LOOKS: dict[str, dict[str, Any]] = {
 }
 
 
-@functools.cache
-def collision() -> Collision:
-    """Return rings of four-node quadrilaterals of 2 mm."""
-    return collide(2e-3)
-
-
-def apart() -> dict[str, float]:
-    """Return distances from the fine elements: ``total``, ``impulse``, ``force`` and ``kinetic``."""
-    return distance(collision())
-
-
 def forces(runs: Sequence[CaseRun]) -> Figure:
     """[H17] fig. 4: the force as it comes, and averaged over 50, 100 and 200 µs."""
     figure = new_figure(2, 2, 55.0)
@@ -60,7 +48,7 @@ def forces(runs: Sequence[CaseRun]) -> Figure:
         if run.method.contact == "penalty" and run.method.shape == "cpdi" and run.method.label in LOOKS
     }
     time, _ = next(iter(drawn.values()))
-    elements = np.interp(time, collision().time, collision().impulse)
+    elements = np.interp(time, collide(2e-3).time, collide(2e-3).impulse)
     windows = zip(
         panels.flat, (INTERVAL, 50e-6, 100e-6, 200e-6), ("(a) raw,", "(b)", "(c)", "(d)"), strict=True
     )

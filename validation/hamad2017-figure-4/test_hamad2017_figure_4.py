@@ -8,6 +8,7 @@ only. [H17] with the stiffness that the scene has for the penalty contact.
 import drawing
 import rings
 from classical import LITERAL, POSITION, specified
+from rings_fem import collide, distance
 
 from mpmfw.validation import CLASSICAL, RECOMMENDED, SHAPES, Runs, known_red, methods, together
 
@@ -106,7 +107,7 @@ def test_elements(case):
     names = ("total", "impulse", "force", "kinetic")
     for name, (quantity, _, _, tolerance, unit) in zip(names, IMPULSE, strict=True):
         with case.timed():
-            value = (100.0 if unit else 1.0) * drawing.apart()[name]
+            value = (100.0 if unit else 1.0) * distance(collide(2e-3))[name]
         method = "finite elements, 4-node, 2 mm"
         case.gate(quantity, value, "", tolerance, unit, method, binds=False)
 

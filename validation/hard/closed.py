@@ -80,13 +80,17 @@ def rests(run: xr.DataTree) -> float:
 
 def bounces(run: xr.DataTree) -> float:
     """Speed after a bounce over that before, less 1 [%]."""
-    momentum = run["series"]["linear_momentum"].sel(body="disc").values
-    return float(100.0 * (-momentum[-1] @ momentum[0] / (momentum[0] @ momentum[0]) - 1.0))
+    return -100.0 - _kept(run, "disc")
 
 
 def hands_over(run: xr.DataTree) -> float:
     """Return the momentum that a bar keeps which meets a longer one of the same section and solid [%]."""
-    momentum = run["series"]["linear_momentum"].sel(body="short").values
+    return _kept(run, "short")
+
+
+def _kept(run: xr.DataTree, body: str) -> float:
+    """Return a body's momentum at the end along that at the start, over it [%]."""
+    momentum = run["series"]["linear_momentum"].sel(body=body).values
     return float(100.0 * (momentum[-1] @ momentum[0]) / (momentum[0] @ momentum[0]))
 
 

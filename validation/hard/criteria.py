@@ -79,12 +79,12 @@ def scene_of(run: xr.DataTree) -> dict[str, Any]:
 
 
 def placed_well(runs: Sequence[CaseRun]) -> float:
-    """Of a scene's runs at all places and with all cells, how many keep every limit."""
+    """Return how many of these runs, at all places and with all cells, keep every limit."""
     return float(sum(not run.broken for run in runs))
 
 
 def share_held(runs: Sequence[CaseRun]) -> float:
-    """Of a method's runs of all scenes at all places and with all cells, how many keep every limit [%]."""
+    """Return the share of these runs that keep every limit [%]."""
     return 100.0 * placed_well(runs) / len(runs)
 
 

@@ -7,7 +7,6 @@ import closed
 import criteria
 import made
 import plain
-from matrix import matrix
 from placing import placed
 
 from mpmfw.validation import CLASSICAL, Case, CaseRun, Place, Runs, RunSet, Version, full, methods, together
@@ -24,8 +23,6 @@ MOVES: dict[str, dict[str, Any]] = {
 COARSER = {"coarser": {"coarser": 1.4}} | {
     f"coarser, {at}": {"coarser": 1.4, **move} for at, move in MOVES.items()
 }
-
-
 #: Limits of a scene with sharp corners, whose last node bears all.
 SHARP = {"penetration": (0.0, 0.2)}
 #: Gates of several cases: quantity, function, limits and unit; the function's name is the gate's key.
@@ -41,7 +38,7 @@ EVERYWHERE = (
 
 def place(
     at: str,
-    scene: str | Callable[..., Any] | None = None,
+    scene: Mapping[str, Any] | Callable[..., Any] | None = None,
     sharp: bool = False,
     misses: Mapping[str, Any] | None = None,
     set: Mapping[str, Any] | None = None,
@@ -62,7 +59,7 @@ def shared(
     name: str, sharp: bool = False, misses: Mapping[str, Any] | None = None, when: str = "full"
 ) -> Place:
     """Return a scene of :mod:`plain`, which other cases run as well."""
-    return place(name, plain.named, sharp, misses, when=when, name=name)
+    return place(name, plain.SCENES[name], sharp, misses, when=when)
 
 
 def scenes(places: Sequence[Place], set: Mapping[str, Any] | None = None) -> Runs:
@@ -87,7 +84,7 @@ def held(run: CaseRun, *gates: tuple[Any, ...]) -> None:
 
 
 def scored(every: Runs) -> Callable[[Case, RunSet], None]:
-    """Return the test that records how much each method holds, and at what cost, and draws the matrices."""
+    """Return the test that records how much each method holds, which limits it breaks, and at what cost."""
 
     @full
     @together(every)
@@ -96,7 +93,8 @@ def scored(every: Runs) -> Callable[[Case, RunSet], None]:
             for place in dict.fromkeys(run.place.at for run in same):
                 here = [run for run in same if run.place.at == place]
                 quantity = f"{place}: places and cells at which all holds, of 8"
-                case.show(quantity, criteria.placed_well(here), tolerance=(8.0, 8.0), method=method)
+                broken = ", ".join(sorted({key for run in here for key in run.broken}))
+                case.show(quantity, criteria.placed_well(here), broken, (8.0, 8.0), method=method)
             for quantity, measure, unit in (
                 ("scenes, places and cells at which all holds", criteria.share_held, "%"),
                 ("scenes as they stand in which all holds", criteria.hold, "1"),
@@ -104,7 +102,5 @@ def scored(every: Runs) -> Callable[[Case, RunSet], None]:
                 ("CPU time of all scenes as they stand", criteria.cost, "s"),
             ):
                 case.gate(quantity, same.of(measure), unit=unit, method=method)
-        case.figure("", matrix(runs.only("penalty*", "lcp*")))
-        case.figure("others", matrix(runs.only("bardenhagen*", "nairn*", "surfaces+impulse*")))
 
     return test

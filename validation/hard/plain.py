@@ -45,7 +45,7 @@ def stopping(friction: float, end: float, right: float, upper: float) -> dict[st
         "block": box(0.03, 0.013, 0.63, 0.313, E=12e6, nu=0.3, velocity=[1.0, 0.0]),
         "plane": plane(-0.4, -0.2, right, 0.013, E=100e6, nu=0.3),
     }
-    return _plain(bodies, [-0.8, -0.4], [upper, 0.8], end, friction, 10.0, settled=True)
+    return _plain(bodies, [-0.8, -0.4], [upper, 0.8], end, friction=friction, gravity=10.0, settled=True)
 
 
 def _plain(
@@ -53,13 +53,11 @@ def _plain(
     lower: Sequence[float],
     upper: Sequence[float],
     end: float = 1.0,
-    friction: float = 0.0,
-    gravity: float = 9.81,
     cell: float = 0.1,
-    settled: bool = False,
+    **further: Any,
 ) -> dict[str, Any]:
-    made = scene(cell, end, bodies, friction, gravity, settled)
-    return {**made, "grid": {"cell_size": cell, "lower": list(lower), "upper": list(upper)}}
+    grid = {"cell_size": cell, "lower": list(lower), "upper": list(upper)}
+    return {**scene(cell, end, bodies, **further), "grid": grid}
 
 
 SCENES = {
@@ -138,8 +136,3 @@ SCENES = {
         *([-2.0, -0.6], [2.0, 4.0]),
     ),
 }
-
-
-def named(name: str) -> dict[str, Any]:
-    """Return one of the scenes."""
-    return SCENES[name]

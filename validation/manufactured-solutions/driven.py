@@ -5,39 +5,24 @@ from pathlib import Path
 
 import numpy as np
 from manufactured import WAVE, Motion
+from point_forces import PointForces
 
-from mpmfw.api import FloatArray, Grid, State, Stencil, hookimpl
+from mpmfw.api import FloatArray, State
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
 
 FOLDER = Path(__file__).parent
 
 
-class BodyForce:
-    """f_i += Σ_p φ_ip m_p b(X_p, t), with the shape functions of the step.
-
-    ``motion`` gives b, and ``start`` is X_p (n, 2) [m].
-    """
-
-    name = "body_force"
+class BodyForce(PointForces):
+    """b(X_p, t) of a motion, at points that start at X_p (n, 2) [m]."""
 
     def __init__(self, motion: Motion, start: FloatArray) -> None:
         self.motion, self.start = motion, start
 
-    @hookimpl
-    def after_momentum_projection(self, phi: Stencil) -> None:
-        """Keep this step's table of shape functions."""
-        self.phi = phi
-
-    @hookimpl
-    def add_nodal_force(self, grid: Grid, state: State) -> None:
-        """Add the forces of all points."""
-        phi, force = self.phi, self.motion.body_force(self.start, state.time)
-        force *= state.particles.mass[:, None]
-        point = np.repeat(np.arange(len(force)), np.diff(phi.row))
-        for axis in range(2):
-            share = phi.weight * force[point, axis]
-            grid.force[:, axis] += np.bincount(phi.nodes, share, minlength=len(grid.force))
+    def acceleration(self, state: State, dt: float) -> FloatArray:  # noqa: ARG002
+        """Return b."""
+        return self.motion.body_force(self.start, state.time)
 
 
 def displaced(

@@ -6,7 +6,7 @@ Computers 31, 193–213. Theirs are for another stored energy; the body forces h
 stress is used."""
 
 import math
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,21 +14,6 @@ from mpmfw.state.fields import FloatArray
 
 BULK, SHEAR, DENSITY = 1.0, 0.5, 1.0  # Pa, Pa, kg/m³: as in the scenes
 WAVE = math.sqrt((BULK + 4.0 * SHEAR / 3.0) / DENSITY)  # m/s
-
-
-class Motion(Protocol):
-    """A motion x(X, t) and what drives it."""
-
-    end: float  #: [s], when the displacement is at its largest
-
-    def position(self, start: FloatArray, time: float) -> FloatArray:
-        """x(X, t) (n, 2) [m]."""
-
-    def velocity(self, start: FloatArray, time: float) -> FloatArray:
-        """v(X, t) (n, 2) [m/s]."""
-
-    def body_force(self, start: FloatArray, time: float) -> FloatArray:
-        """b(X, t) per mass (n, 2) [m/s²]."""
 
 
 class AxisAligned(NamedTuple):
@@ -39,7 +24,7 @@ class AxisAligned(NamedTuple):
 
     amplitude: float = 0.05  #: m; stretches to 1 ± 0.31
     rate: float = math.pi * WAVE  #: ω [rad/s], a standing wave of about the solid's own
-    end: float = 0.75 * 2.0 / WAVE  #: s, three quarters of a period
+    end: float = 0.75 * 2.0 / WAVE  #: s, three quarters of a period, the displacement at its largest
 
     def _signs(self) -> FloatArray:
         return self.amplitude * np.array([1.0, -1.0])
@@ -121,3 +106,7 @@ class Vortex(NamedTuple):
         e_r = self.position(start, time) / r[:, None]
         e_t = np.stack([-e_r[:, 1], e_r[:, 0]], axis=1)
         return b_r[:, None] * e_r + b_t[:, None] * e_t
+
+
+#: x(X, t) (n, 2) [m], its velocity [m/s] and the body force per mass [m/s²] that drives it.
+Motion = AxisAligned | Vortex

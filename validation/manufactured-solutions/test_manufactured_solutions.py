@@ -18,12 +18,11 @@ MOTIONS: dict[str, tuple[str, Motion]] = {
 
 #: Expected order in space (axis-aligned, vortex), at a fixed Courant number and with four points a cell.
 #: linear: ∇φ jumps where points cross cells, a quadrature error of the stress that no refinement lessens.
-#: gimp: domains that do not stretch leave gaps and overlaps in proportion to the strain, which refinement
-#: does not
-#:   close: a part of the error stays, and shows sooner where volumes change.
-#: cpdi, cpdi2: bilinear interpolation, and domains that tile the body to second order in h. bspline: a wall
-#: that fixes single nodes of a quadratic basis holds the boundary to first order; without walls 2, until
-#:   the quadrature by points that lie anyhow among the knots is all that is left.
+#: gimp: domains that do not stretch leave gaps and overlaps in proportion to the strain, which no refinement
+#: closes: a part of the error stays, and shows sooner where volumes change.
+#: cpdi, cpdi2: bilinear interpolation, and domains that tile the body to second order in h.
+#: bspline: a wall that fixes single nodes of a quadratic basis holds the boundary to first order. Without
+#: walls 2, until the quadrature by points that lie anyhow among the knots is all that is left.
 ORDER = {
     "linear": ("≤ 0", "≤ 0"),
     "gimp": ("1, falls", "2, falls"),

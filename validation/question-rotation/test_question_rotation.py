@@ -5,22 +5,25 @@ sizes. Errors are of the rigid cylinder; where the converged elastic one is know
 reference, as in rolling-convergence."""
 # cost: 230
 
+import itertools
+
 import numpy as np
 import rolling
+from classical import over
 
 from mpmfw.validation import Place, Runs, each, full, methods, together
 
-TREATMENTS = {
-    "": {},
-    "exact": {"bodies.cylinder.rotation": "exact"},
-    "lumped": {"bodies.cylinder.rotation": "lumped"},
-}
+TREATMENTS = {"": {}, **over("bodies.cylinder.rotation", "{}", ("exact", "lumped"))}
 OFFSETS = {"(0, 0)": [-1.6, -1.6], "(0.37, 0.21)": [-1.748, -1.6840000000000002]}
 ELASTIC = {
     ("no slip", "acceleration"): "rigid 0 %, elastic -0.2 %",
     ("slip", "angular acceleration"): "rigid 0 %, elastic -1.25 %",
 }
-LUMPING = {0.8: "ε/3 = 6.94 %", 0.4: "ε/3 = 1.74 %", 0.2: "ε/3 = 0.434 %"}
+LUMPING = {
+    "no slip, h = 0.8 m": "ε/3 = 6.94 %",
+    "no slip, h = 0.4 m": "ε/3 = 1.74 %",
+    "no slip, h = 0.2 m": "ε/3 = 0.434 %",
+}
 
 
 def cells(roll, size, offsets=("(0, 0)",), treatments=tuple(TREATMENTS), when="full"):
@@ -30,7 +33,7 @@ def cells(roll, size, offsets=("(0, 0)",), treatments=tuple(TREATMENTS), when="f
         for at in offsets
     ]
     return Runs(
-        f"{roll}, {size} m",
+        f"{roll}, h = {size} m",
         f"rolling-cylinder-{roll.replace(' ', '-')}",
         methods(settings={name: TREATMENTS[name] for name in treatments}),
         places,
@@ -68,58 +71,39 @@ def errors(runs, rotation, key):
     return np.array([run.of(rolling.errors, key, roll=roll_of(run)) for run in own] or [np.nan])
 
 
-def causal(case, runs, at):
-    """Record that the local spin correction, which is causal, rolls as the exact one, which is not."""
+def compare(case, runs, at):
+    """Record that the local spin correction, which is causal, rolls as the exact one, which is not.
+
+    Without slip also what lumping costs, means over the offsets, beside ε/3."""
     for key, most in (("acceleration", 0.3), ("angular acceleration", 0.5)):
         apart = np.subtract(errors(runs, "spin", key), errors(runs, "exact", key))
         largest = apart[np.argmax(np.abs(apart))]
         case.gate(f"{at}: fitted {key}, spin less exact", largest, 0.0, most, "%")
-
-
-def gained(case, runs, size):
-    """Record what lumping costs without slip, means over the offsets, beside ε/3."""
+    if at not in LUMPING or case.quick:
+        return
     for rotation, method in (("spin", "penalty, cpdi"), ("exact", "penalty, cpdi, exact")):
         own, lumped = (np.mean(errors(runs, how, "acceleration")) for how in (rotation, "lumped"))
-        quantity = f"no slip, h = {size} m: acceleration gained over lumped"
-        case.gate(quantity, own - lumped, LUMPING[size], unit="%", method=method)
+        quantity = f"{at}: acceleration gained over lumped"
+        case.gate(quantity, own - lumped, LUMPING[at], unit="%", method=method)
 
 
 @together(no_slip_8)
-def test_no_slip_8(case, runs):
-    causal(case, runs, "no slip, h = 0.8 m")
-    if not case.quick:
-        gained(case, runs, 0.8)
+def test_coarse(case, runs):
+    compare(case, runs, no_slip_8.name)
+
+
+@full
+@together(no_slip_4, slip_4, no_slip_2, slip_2)
+def test_fine(case, runs):
+    for at in dict.fromkeys(run.runs for run in runs):
+        compare(case, [run for run in runs if run.runs == at], at)
 
 
 @full
 @together(no_slip_4)
-def test_no_slip_4(case, runs):
-    causal(case, runs, "no slip, h = 0.4 m")
-    gained(case, runs, 0.4)
-    for rotation in ("spin", "exact"):
-        for quantity, key in (
-            ("displacement at 10 m", "displacement"),
-            ("fitted acceleration", "acceleration"),
-        ):
-            own, lumped = (np.max(np.abs(errors(runs, how, key))) for how in (rotation, "lumped"))
-            quantity = f"no slip, h = 0.4 m: {quantity}, error of {rotation} over that of lumped"
-            case.gate(quantity, own / lumped, "below 1", (0.0, 0.5))
-
-
-@full
-@together(no_slip_2)
-def test_no_slip_2(case, runs):
-    causal(case, runs, "no slip, h = 0.2 m")
-    gained(case, runs, 0.2)
-
-
-@full
-@together(slip_4)
-def test_slip_4(case, runs):
-    causal(case, runs, "slip, h = 0.4 m")
-
-
-@full
-@together(slip_2)
-def test_slip_2(case, runs):
-    causal(case, runs, "slip, h = 0.2 m")
+def test_gain(case, runs):
+    quantities = (("displacement at 10 m", "displacement"), ("fitted acceleration", "acceleration"))
+    for rotation, (quantity, key) in itertools.product(("spin", "exact"), quantities):
+        own, lumped = (np.max(np.abs(errors(runs, how, key))) for how in (rotation, "lumped"))
+        quantity = f"{no_slip_4.name}: {quantity}, error of {rotation} over that of lumped"
+        case.gate(quantity, own / lumped, "below 1", (0.0, 0.5))

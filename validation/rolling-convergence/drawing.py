@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from rolling import EXACT, NO_SLIP, SLIP, Roll, lumping_loss
+from rolling import EXACT, NO_SLIP, SLIP, lumping_loss
 
 from mpmfw.plots.style import dress, legend_below, new_figure
 from mpmfw.validation import Method
@@ -21,27 +21,27 @@ _SLIP_LOOKS = {
 
 
 def convergence(
-    found: Mapping[tuple[Roll, Method], Errors],
-    elastic: Mapping[Roll, Mapping[str, float]],
+    found: Mapping[tuple[str, Method], Errors],
+    elastic: Mapping[str, Mapping[str, float]],
     exact: Method,
     lumped: Method,
     classical: Sequence[Method],
 ) -> Figure:
     """No slip: sizes of errors on logarithmic axes; slip: errors with the values that they must tend to."""
-    columns = 2 if (SLIP, exact) in found else 1
+    columns = 2 if (SLIP.name, exact) in found else 1
     figure = new_figure(columns, 1, 68.0)
     panels = figure.subplots(1, columns, squeeze=False)[0]
     methods = {
-        "penalty": (found[NO_SLIP, exact], _BLUE, "o"),
-        "penalty, lumped": (found[NO_SLIP, lumped], _LIGHT, "D"),
+        "penalty": (found[NO_SLIP.name, exact], _BLUE, "o"),
+        "penalty, lumped": (found[NO_SLIP.name, lumped], _LIGHT, "D"),
         **{
-            method.contact: (found[NO_SLIP, method], colour, marker)
+            method.contact: (found[NO_SLIP.name, method], colour, marker)
             for method, colour, marker in zip(classical, (_RED, _GREEN), ("s", "^"), strict=True)
         },
     }
     handles = _no_slip(panels[0], methods)
     if columns == 2:
-        _slip(panels[1], found[SLIP, exact], elastic[SLIP])
+        _slip(panels[1], found[SLIP.name, exact], elastic[SLIP.name])
     legend_below(figure, [handles] if columns == 2 else [handles[:3], handles[3:]])
     return figure
 

@@ -21,12 +21,8 @@ def errors(
     and of the rolling."""
     reference = reference_of(run.attrs if scene is None else {"scene": shipped_scenes()[scene]})
     assert isinstance(reference, RollingReference)
-    series, solution, axes = (
-        run["series"].to_dataset(),
-        reference.solution,
-        turning(tuple(np.radians(angles))),
-    )
-    time = series["time"].values
+    series, solution = run["series"].to_dataset(), reference.solution
+    axes, time = turning(tuple(np.radians(angles))), series["time"].values
     way = series["centre_of_mass"].sel(body="sphere").values @ axes[:, 0]
     spin = series["angular_velocity"].sel(body="sphere").values @ axes[:, 2]
     end = float(time[-1])

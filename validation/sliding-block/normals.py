@@ -10,29 +10,17 @@ import numpy as np
 
 
 def corner_tilt(corner: float, interface: float) -> float:
-    """Steepest tilt [°] of the averaged normal, out of the block and towards its front, at the shared nodes
-    of the leading corner.
+    """Steepest tilt [°] of the averaged normal at the leading corner, out of the block and towards its front.
 
-    Parameters
-    ----------
-    corner
-        Position of the block's leading face, 0 to 1, behind it the block is long [cells].
-    interface
-        Height of the plane's surface and the block's lower face over a grid line, 0 ≤ interface < 1 [cells].
+    The block's leading face is at ``corner``, 0 to 1; behind it the block is long. The plane's surface and
+    the block's lower face lie ``interface`` cells over a grid line, 0 ≤ interface < 1.
     """
     tilts = []
-    for node_x in (-1.0, 0.0, 1.0):
-        for node_y in (0.0, 1.0):
-            block = np.array(
-                [
-                    _hat(corner - node_x) * _hat_integral(interface - node_y, math.inf),
-                    -_hat(interface - node_y) * _hat_integral(-math.inf, corner - node_x),
-                ]
-            )
-            plane = np.array([0.0, _hat(interface - node_y)])
-            if plane[1] > 0.0 and _hat_integral(-math.inf, corner - node_x) > 0.0:
-                normal = block - plane
-                tilts.append(math.degrees(math.atan2(normal[0], -normal[1])))
+    for x in (corner + 1.0, corner, corner - 1.0):  # from the nodes that both bodies share
+        for y in (interface, interface - 1.0):
+            block = _hat(x) * _hat_integral(y, math.inf), -_hat(y) * _hat_integral(-math.inf, x)
+            if _hat(y) > 0.0 and _hat_integral(-math.inf, x) > 0.0:
+                tilts.append(math.degrees(math.atan2(block[0], _hat(y) - block[1])))
     return max(tilts)
 
 

@@ -3,8 +3,9 @@
 import math
 
 import numpy as np
+from point_forces import PointForces
 
-from mpmfw.api import FloatArray, Grid, Particles, State, Stencil, hookimpl
+from mpmfw.api import FloatArray, Particles, State
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import Scene
 
@@ -20,33 +21,24 @@ def moment(particles: Particles, vectors: FloatArray, lever: FloatArray) -> floa
     return float(particles.mass @ (lever[:, 0] * vectors[:, 1] - lever[:, 1] * vectors[:, 0]))
 
 
-class Torque:
-    """Nodal forces Σ_p φ_ip m_p α e_z × r_p on the points at least ``inner`` [m] from the centre of mass.
+class Torque(PointForces):
+    """α e_z × r_p at the points at least ``inner`` [m] from the centre of mass, α = 20 rad/s².
 
-    ``acceleration`` is α [rad/s²]. Without the points within ``inner`` the body shears as well as turns.
+    Without the points within ``inner`` the body shears as well as turns.
     """
 
-    name = "torque"
+    def __init__(self, inner: float) -> None:
+        self.inner, self.impulse = inner, 0.0
 
-    def __init__(self, acceleration: float, inner: float = 0.0) -> None:
-        self.acceleration, self.inner, self.impulse = acceleration, inner, 0.0
-
-    @hookimpl
-    def after_momentum_projection(self, phi: Stencil) -> None:
-        """Keep this step's table of shape functions."""
-        self.phi = phi
-
-    @hookimpl
-    def add_nodal_force(self, grid: Grid, state: State, dt: float) -> None:
-        """Add the forces, and Σ m r × a over the step to the impulse [kg m²/s/m]."""
-        p, phi = state.particles, self.phi
+    def acceleration(self, state: State, dt: float) -> FloatArray:
+        """Add Σ m r × a over the step to the impulse [kg m²/s/m] as well."""
+        p = state.particles
         lever, _ = about_centre(p)
-        a = self.acceleration * np.stack([-lever[:, 1], lever[:, 0]], axis=1)
+        a = 20.0 * np.stack([-lever[:, 1], lever[:, 0]], axis=1)
         a *= ((lever**2).sum(axis=1) >= self.inner**2)[:, None]
         a -= p.mass @ a / p.mass.sum()
         self.impulse += dt * moment(p, a, lever)
-        point = np.repeat(np.arange(p.count), np.diff(phi.row))
-        np.add.at(grid.force, phi.nodes, phi.weight[:, None] * (p.mass[:, None] * a)[point])
+        return a
 
 
 def inertia(scene: Scene) -> dict[str, float]:
@@ -59,9 +51,7 @@ def effective_inertia(scene: Scene, inner: float, end: float = 0.1) -> float:
 
     ω = Σ m r × v / Σ m |r|² over the points: how fast the material turns, whatever inertia the grid gives it.
     """
-    sim = Simulation(scene)
-    torque = Torque(20.0, inner)
-    rows = []
+    sim, torque, rows = Simulation(scene), Torque(inner), []
     sim.start()
     p = sim.state.particles
     with sim.extra_plugin(torque):

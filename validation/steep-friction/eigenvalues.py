@@ -1,7 +1,8 @@
 """Eigenvalues of the finite elements about steady sliding: growth over friction and element size."""
 
 import numpy as np
-from slider_fem import Incline, growth, incline, slide_steadily
+from slider_fem.bodies import Incline, incline
+from slider_fem.flutter import growth, slide_steadily
 
 from mpmfw.validation import Case
 

@@ -6,8 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 from scipy.optimize import least_squares
-from slider_fem import Slide, acceleration_of
-from slider_fem.motion import JUDGED, RAMP
+from slider_fem.motion import JUDGED, RAMP, Slide, acceleration_of
 
 GRAVITY = 10.0  #: [m/s²]
 MASS = 1000.0 * 0.6 * 0.3  #: of the block [kg/m]

@@ -19,7 +19,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "finite-elements"))
 from classical import MASTER, POSITION
 from eigenvalues import CONTACTS, VISCOSITY, check_modes, lowest, modes_of, named
 from measures import Measured, gravity_table, growth_of, of_elements, of_points, onset
-from slider_fem import incline, slide
+from slider_fem.bodies import incline
+from slider_fem.motion import slide
 
 from mpmfw.validation import Case, Method, known_red, methods
 

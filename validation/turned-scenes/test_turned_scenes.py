@@ -24,8 +24,6 @@ CONTACTS = (
     "particles",
 )
 METHODS = [*methods(), *methods(CONTACTS[1:], when="full")]
-
-
 #: Segments as long as the points' sides, whose ends lie where the points' corners do.
 SEGMENTS = {"segments of half a cell": {f"bodies.{body}.segment": "0.5 cells" for body in ("lower", "upper")}}
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import rolling
 import xarray as xr
-from placing import placed
+from placing import placed, rotation
 
 from mpmfw.results.analysis import fitted_acceleration, impulse, value_at
 from mpmfw.results.references import rings_table
@@ -39,7 +39,7 @@ def turned(name: str, angle: float, layout: str, changes: dict[str, Any]) -> dic
     if settle is None:
         return made
     if "gravity" in settle:
-        settle["gravity"] = {"vector": (_rotation(angle) @ settle["gravity"]["vector"]).tolist()}
+        settle["gravity"] = {"vector": (rotation(angle) @ settle["gravity"]["vector"]).tolist()}
     return {**made, "settle": settle}
 
 
@@ -61,11 +61,6 @@ def _metres(value: Any) -> Any:
 def _vector(gravity: dict[str, Any]) -> dict[str, Any]:
     tilt, g = float(to_si(gravity["tilt"], "rad")), float(gravity["magnitude"])
     return {"vector": [g * math.sin(tilt), -g * math.cos(tilt)]}
-
-
-def _rotation(angle: float) -> np.ndarray:
-    """Return the rotation by ``angle`` [rad]; its columns are the turned axes."""
-    return np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
 
 
 def slides(run: xr.DataTree, angle: float) -> dict[str, float]:
@@ -91,7 +86,7 @@ def collides(run: xr.DataTree, angle: float) -> dict[str, float]:
     """Return the largest departure of the rings' impulse from the finite elements' [% of the total]."""
     series, table = run["series"], rings_table("force")
     time, exact = series["time"].values, table["fine_impulse_Ns_per_m"]
-    ours = impulse(time, -series["contact_force"].values[:, 0] @ _rotation(angle)[:, 0])
+    ours = impulse(time, -series["contact_force"].values[:, 0] @ rotation(angle)[:, 0])
     return {"impulse": 100.0 * float(np.abs(ours - np.interp(time, table["time"], exact)).max() / exact[-1])}
 
 
@@ -99,7 +94,7 @@ def presses(run: xr.DataTree, angle: float) -> dict[str, float]:
     """Return the departure of −n·σ·n from the pressure within a cell of the interface [%, root mean square].
 
     n is the turned y axis, along which the interface lies at 1.037 m."""
-    n, near, volume = _rotation(angle)[:, 1], [], []
+    n, near, volume = rotation(angle)[:, 1], [], []
     for body in ("lower", "upper"):
         points = run[f"particles/{body}"].to_dataset().isel(time=-1)
         chosen = np.abs(points["position"].values @ n - _interface(run, n)) < run.attrs["cell_size"]
@@ -122,7 +117,7 @@ def _way(run: xr.DataTree, body: str, angle: float) -> tuple[np.ndarray, np.ndar
     """Return the way of a body's centre along the turned x axis (time,) [m], and the times [s]."""
     series = run["series"]
     centre = series["centre_of_mass"].sel(body=body).values
-    return (centre - centre[0]) @ _rotation(angle)[:, 0], series["time"].values
+    return (centre - centre[0]) @ rotation(angle)[:, 0], series["time"].values
 
 
 def worst(runs: Sequence[CaseRun], errors: Any, key: str, **args: Any) -> float:

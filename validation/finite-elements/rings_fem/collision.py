@@ -1,6 +1,6 @@
 """The collision of two rings ([H17] section 4.2) from the element size to force, energies and stresses."""
 
-from collections.abc import Sequence
+import functools
 from typing import NamedTuple
 
 import numpy as np
@@ -67,11 +67,12 @@ class Collision(NamedTuple):
     snapshots: list[Snapshot]  #: at the times that were asked for
 
 
+@functools.cache
 def collide(
     size: float = 2e-3,
     *,
     end: float = 3.2e-3,
-    times: Sequence[float] = TIMES,
+    times: tuple[float, ...] = TIMES,
     stiffness: float = 1.0,
     courant: float = 0.4,
     turn: float = 0.5,

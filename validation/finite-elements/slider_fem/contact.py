@@ -56,10 +56,7 @@ def add_springs(
     """Add the springs' forces [N/m] to (n_nodes, 2) ``force``; ``tangential`` (n_bottom,) is kept from step
     to step.
 
-    Returns
-    -------
-    tuple of float
-        N on the block and T against its motion [N/m], and the share of N that is carried by nodes that stick.
+    Returns N on the block and T against its motion [N/m], and the share of N carried by nodes that stick.
     """
     normal, along, stuck = 0.0, 0.0, 0.0
     for i in range(len(bottom)):
