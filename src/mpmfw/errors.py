@@ -181,3 +181,12 @@ def status_code(status: str) -> str:
 def is_complete(status: str) -> bool:
     """Return whether a run with this status came to its end: ``ok``, or ``suspect: …``."""
     return status_code(status) in ("ok", "suspect")
+
+
+class OutsideGrid(Exception):
+    """A point left the background grid; carries its index."""
+
+    def __init__(self, index: int, *, surface: bool = False) -> None:
+        super().__init__(index)
+        self.index = index
+        self.surface = surface

@@ -1,4 +1,4 @@
-"""Quantities: a bare number in SI, or a string with a unit ("6 MPa", "60 deg", "2 mm").
+"""Quantities: a bare number in SI, or a string with a unit ("6 MPa", "60 deg", "2 mm"); values in time.
 
 Every physical key of a scene is annotated with one of the types below. The unit stands in the field's
 metadata, so that the JSON schema, the messages and the documentation name the same one.
@@ -7,11 +7,15 @@ metadata, so that the JSON schema, the messages and the documentation name the s
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 import re
+from collections.abc import Iterator, Sequence
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, BeforeValidator, Field
+import numpy as np
+import numpy.typing as npt
+from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Strict, Tag
 
 #: A quantity that is not zero has a magnitude between one over this and this, in SI: products of four of
 #: them, such as an energy, then stay within what a number of double precision holds (1e-308 to 1e+308).
@@ -183,3 +187,97 @@ Pressure = quantity("Pa")
 Force = quantity("N")
 Density = quantity("kg/m^3")
 Number = quantity("1")
+
+
+class TimeTable:
+    """Rows (t, values …), (m, 1 + n): linear in time [s] between them, constant outside."""
+
+    def __init__(self, rows: Sequence[Sequence[float]]) -> None:
+        table = np.array(rows, dtype=float)
+        self.times, self.values = table[:, 0], np.ascontiguousarray(table[:, 1:])
+
+    @classmethod
+    def constant(cls, values: Sequence[float]) -> TimeTable:
+        """Return a table with the same ``values`` (n,) at all times."""
+        return cls([(0.0, *values)])
+
+    @classmethod
+    def of(cls, given: Any) -> TimeTable:
+        """Return the table of a scene's key: a number, a vector (n,), or rows of a time [s] and either."""
+        if not isinstance(given, tuple):
+            return cls.constant([given])
+        return cls(given) if isinstance(given[0], tuple) else cls.constant(given)
+
+    def at(self, time: float) -> npt.NDArray[np.float64]:
+        """Values (n,) at a ``time`` [s]."""
+        if len(self.times) == 1:
+            return np.asarray(self.values[0])
+        return np.array([np.interp(time, self.times, column) for column in self.values.T])
+
+
+def number_in_time(quantity: Any) -> Any:
+    """Return the annotation of a ``quantity`` that is constant, or rows (t, value)."""
+    rows = tuple[Annotated[tuple[Time, quantity], Strict(False)], ...]  # type: ignore[valid-type]
+    return Annotated[
+        Annotated[quantity, Tag("single")]
+        | Annotated[rows, Strict(False), Field(min_length=2), Tag("array")],
+        Discriminator(array_or_single),
+    ]
+
+
+def vector_in_time(quantity: Any) -> Any:
+    """Return the annotation of a vector of a ``quantity``: constant, or rows (t, x, y[, z])."""
+    rows = tuple[row_in_time(quantity), ...]  # type: ignore[misc, valid-type]
+    vector = tuple[quantity, ...]
+    return Annotated[
+        Annotated[vector, Strict(False), Field(min_length=2, max_length=3), Tag("vector")]
+        | Annotated[rows, Strict(False), Field(min_length=2), Tag("rows")],
+        Discriminator(_vector_or_rows),
+    ]
+
+
+def row_in_time(quantity: Any) -> Any:
+    """Return the annotation of one row (t, x, y[, z]) of a ``quantity``."""
+    in_plane = tuple[Time, quantity, quantity]  # type: ignore[valid-type]
+    in_space = tuple[Time, quantity, quantity, quantity]  # type: ignore[valid-type]
+    return Annotated[
+        Annotated[in_plane, Strict(False), Tag("two")] | Annotated[in_space, Strict(False), Tag("three")],
+        Discriminator(_length),
+    ]
+
+
+def problems_in_time(given: Any, components: int) -> Iterator[tuple[tuple[int, ...], str]]:
+    """Yield problems of a number, a vector or rows in time, with the index of a row.
+
+    Every row, or the vector, must have so many ``components``."""
+    if not isinstance(given, tuple):
+        return
+    if not isinstance(given[0], tuple):
+        if len(given) != components:
+            yield (), wrong_length(len(given), components)
+        return
+    for index, row in enumerate(given):
+        if len(row) != components + 1:
+            yield (index,), f"has {len(row)} entries; expected the time and {components} components"
+    for index, (before, after) in enumerate(itertools.pairwise(given)):
+        if after[0] <= before[0]:
+            yield (index + 1,), f"times must increase, but {after[0]:g} s follows {before[0]:g} s"
+
+
+def wrong_length(given: int, dim: int) -> str:
+    """``has 3 entries; expected 2, because the grid is 2D``."""
+    return f"has {given} entries; expected {dim}, because the grid is {dim}D"
+
+
+def array_or_single(value: Any) -> str:
+    """Return a tag, so that one branch of a union complains and not all of them."""
+    return "array" if isinstance(value, list | tuple) else "single"
+
+
+def _length(value: Any) -> str:
+    return "three" if isinstance(value, list | tuple) and len(value) == 4 else "two"
+
+
+def _vector_or_rows(value: Any) -> str:
+    rows = isinstance(value, list | tuple) and len(value) > 0 and isinstance(value[0], list | tuple)
+    return "rows" if rows else "vector"

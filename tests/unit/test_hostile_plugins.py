@@ -3,7 +3,6 @@ stays.
 """
 
 import json
-import os
 import sys
 import textwrap
 
@@ -183,13 +182,6 @@ def test_a_material_that_answers_wrongly_is_named():
         table["model"] = f"{__name__}:Mute"
     with pytest.raises(MpmfwError, match=r"'mute' of .* failed in energy_of_points: ValueError: values"):
         mpmfw.run(scene)
-
-
-def test_a_module_that_fails_changes_no_folder(install, tmp_path):
-    install("", head="import os\nos.chdir('/')\nraise KeyError('k')\n")
-    with pytest.raises(SceneError, match=r"cannot be imported from strange_law:Law: KeyError: 'k'"):
-        run()
-    assert os.getcwd() == str(tmp_path)
 
 
 def test_a_folder_that_is_changed_loses_no_file(install, tmp_path):

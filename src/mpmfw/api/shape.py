@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from mpmfw.errors import OutsideGrid
 from mpmfw.geometry.layout import Layout
 from mpmfw.plugin.base import ShapeFunction, check_inside, empty_stencil
-from mpmfw.state.structs import OutsideGrid
 
 __all__ = ["Layout", "OutsideGrid", "ShapeFunction", "check_inside", "empty_stencil"]

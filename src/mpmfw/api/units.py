@@ -8,7 +8,6 @@ unit."""
 
 from __future__ import annotations
 
-from mpmfw.state.time_table import TimeTable, number_in_time, problems_in_time, vector_in_time
 from mpmfw.units import (
     Acceleration,
     Angle,
@@ -19,8 +18,12 @@ from mpmfw.units import (
     Number,
     Pressure,
     Time,
+    TimeTable,
     Velocity,
+    number_in_time,
+    problems_in_time,
     quantity,
+    vector_in_time,
 )
 
 __all__ = [

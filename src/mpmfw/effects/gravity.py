@@ -11,7 +11,7 @@ from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.state.fields import FloatArray
 from mpmfw.state.structs import Grid, State
-from mpmfw.state.time_table import TimeTable
+from mpmfw.units import TimeTable
 
 if TYPE_CHECKING:
     from mpmfw.scene.tables import Settle

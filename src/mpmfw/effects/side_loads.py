@@ -11,7 +11,7 @@ from mpmfw.plugin.load import LoadedFacets, SurfaceLoad
 from mpmfw.plugin.setup import FLAT, Acts, Setup
 from mpmfw.state.fields import FloatArray, IntArray
 from mpmfw.state.structs import Body
-from mpmfw.state.time_table import TimeTable
+from mpmfw.units import TimeTable
 
 if TYPE_CHECKING:
     from mpmfw.scene.tables import Side

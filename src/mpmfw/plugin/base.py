@@ -8,8 +8,9 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
+from mpmfw.errors import OutsideGrid
 from mpmfw.state.fields import FloatArray
-from mpmfw.state.structs import OutsideGrid, Particles, Stencil
+from mpmfw.state.structs import Particles, Stencil
 
 
 class NoOptions(BaseModel):

@@ -27,9 +27,9 @@ class Boundary(NamedPlugIn):
     """Base of boundary conditions: one instance for each table ``[boundaries.NAME]`` of the scene, with that
     table's options.
 
-    Subclasses say which material points are held, :meth:`holds`, and how they move, :meth:`velocity`. Grid
-    nodes of their body that have most of their mass of held points move so; the others are free. The region's
-    edge is thus known to half a cell; plane sides of a body are held exactly by its ``sides``.
+    Subclasses say which material points are held, :meth:`holds`, and how they move, :meth:`velocity`. Nodes
+    with most of their mass from held points move so. The region's edge is thus known to half a cell; plane
+    sides of a body are held exactly by its ``sides``.
     """
 
     ledger_term = ("external", "boundary conditions")
@@ -37,21 +37,18 @@ class Boundary(NamedPlugIn):
     work = 0.0  #: on the bodies so far [J/m]
 
     def holds(self, position: FloatArray) -> AnyArray:
-        """Return which of the points at ``position`` (n, dim) [m] of a body at the start are held, as
-        booleans (n,).
-        """
+        """Return which points of a body, at ``position`` (n, dim) [m] at the start, are held: (n,)."""
         raise NotImplementedError
 
     def velocity(self, position: FloatArray, time: float) -> FloatArray:
-        """Velocity (n, dim) [m/s] of nodes at ``position`` (n, dim) [m] at a ``time`` [s]; NaN leaves a
-        component free."""
+        """Return the velocity (n, dim) [m/s] of nodes at ``position`` (n, dim) [m] at a ``time`` [s].
+
+        NaN leaves a component free."""
         raise NotImplementedError
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        """Find the points that are held; raise SceneError if there are none, or bodies share the velocity
-        field.
-        """
+        """Find the held points; raise SceneError without any, or if bodies share the velocity field."""
         self.state = state = setup.state
         found = []
         if state.grid.n_fields < len(state.bodies):
@@ -82,13 +79,11 @@ class Boundary(NamedPlugIn):
 
     @hookimpl
     def constrain_momentum(self, grid: Grid, time: float) -> None:
-        """(m v)_i = m_i V(x_i, t) at nodes with most of their mass of held points; ``time`` [s] is the end of
-        the step."""
+        """(m v)_i = m_i V(x_i, t) at held nodes; ``time`` [s] is the end of the step."""
         nodes = np.flatnonzero(self.node_mass > 0.5 * grid.mass)
         position = grid.position[nodes]
-        velocity = self.checked(
-            self.velocity(position.copy(), time), position.shape, self.state, missing=True
-        )
+        answer = self.velocity(position.copy(), time)
+        velocity = self.checked(answer, position.shape, self.state, missing=True)
         if self.at_rest:
             velocity *= 0.0
         wanted = grid.mass[nodes, None] * velocity

@@ -25,10 +25,7 @@ PASSED_ON = (MpmfwError, KeyboardInterrupt, GeneratorExit)
 
 @contextmanager
 def naming(plugin: Any, place: str, state: State | None = None) -> Iterator[None]:
-    """Turn any exception of a plug-in but mpmfw's own into an error that names plug-in and ``place``.
-
-    It is a SceneError before the run begins (no ``state``), and a PluginError with step and time in the run.
-    """
+    """Turn any exception of a plug-in but mpmfw's own into that of :func:`failure`."""
     try:
         yield
     except PASSED_ON:
@@ -38,7 +35,9 @@ def naming(plugin: Any, place: str, state: State | None = None) -> Iterator[None
 
 
 def failure(error: BaseException, plugin: Any, place: str, state: State | None) -> MpmfwError:
-    """Return the error that :func:`naming` raises."""
+    """Return an error that names plug-in, ``place``, step and time; a SceneError before the run (no
+    ``state``).
+    """
     text = f"{described(plugin)} failed in {place}: {cause(error)}"
     if state is None:
         return SceneError(text)
@@ -62,13 +61,8 @@ def described(plugin: Any) -> str:
 def distribution_text(kind: type[Any]) -> str:
     """``distribution spring_law``, or where the class stands that belongs to none."""
     package = kind.__module__.partition(".")[0]
-    for entry in (entry for each in KINDS for entry in available(each).values()):
-        if entry.module.partition(".")[0] == package:
-            return f"distribution {distribution_of(entry)}"
-    distributions = packages_distributions().get(package, [])
-    return (
-        f"distribution {distributions[0]}" if distributions else f"no distribution (module {kind.__module__})"
-    )
+    found = sorted(_announcing(package)) or packages_distributions().get(package, [])
+    return f"distribution {found[0]}" if found else f"no distribution (module {kind.__module__})"
 
 
 def bundled(kind: type[Any]) -> bool:
@@ -78,17 +72,19 @@ def bundled(kind: type[Any]) -> bool:
 
 @functools.cache
 def _is_bundled(package: str) -> bool:
-    entries = (
-        entry for each in KINDS for entry in available(each).values() if distribution_of(entry) == "mpmfw"
-    )
-    return package == "mpmfw" or any(entry.module.partition(".")[0] == package for entry in entries)
+    return package == "mpmfw" or "mpmfw" in _announcing(package)
+
+
+def _announcing(package: str) -> set[str]:
+    """Return the distributions that announce plug-ins of a package."""
+    entries = [entry for kind in KINDS for entry in available(kind).values()]
+    return {distribution_of(entry) for entry in entries if entry.module.partition(".")[0] == package}
 
 
 def declared_fields(answers: Iterable[tuple[Any, Iterable[Field]]]) -> tuple[Field, ...]:
-    """Return all declarations, in the order of registration; instances of one class may share theirs.
+    """Return all declarations of plug-ins with their answers; instances of one class may share theirs.
 
-    ``answers`` are plug-ins with what each declares. Raise SceneError if a field cannot be stored, or if its
-    name belongs to the core or to another plug-in."""
+    Raise SceneError if a field cannot be stored, or if its name belongs to the core or another plug-in."""
     core = {(field.group, field.name) for field in (*PARTICLE_FIELDS, *SURFACE_FIELDS)}
     owners: dict[str, tuple[Any, Field]] = {}
     for plugin, answer in answers:
@@ -110,9 +106,7 @@ def declared_fields(answers: Iterable[tuple[Any, Iterable[Field]]]) -> tuple[Fie
 
 
 def of_points(method: str, material: Any, state: State, own: slice) -> FloatArray:
-    """Return the values that a method of a material gives for the points ``own``: a number each, of stress a
-    tensor (3, 3).
-    """
+    """Return the values of a material's method for the points ``own``: numbers, or stresses (3, 3)."""
     shape = (own.stop - own.start, *((3, 3) if method == "stress_of_points" else ()))
     with naming(material, method, state):
         values = np.asarray(getattr(material, method)(state.particles, own))

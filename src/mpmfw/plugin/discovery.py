@@ -1,5 +1,4 @@
-"""Plug-ins by name, or by ``module:Class``: entry points say what is installed, and only what a scene names
-is imported."""
+"""Plug-ins by name, or by ``module:Class``; nothing is imported but the plug-ins that a scene names."""
 
 from __future__ import annotations
 
@@ -26,14 +25,14 @@ INTERFACE = 1
 
 
 def nearest(name: str, valid: Iterable[str]) -> str | None:
-    """The valid name that is closest to ``name``, or None if none is close."""
+    """Return the valid name that is closest to ``name``, or None if none is close."""
     by_lower = {candidate.lower(): candidate for candidate in valid}
     found = difflib.get_close_matches(name.lower(), by_lower, n=1, cutoff=0.6)
     return by_lower[found[0]] if found else None
 
 
 def did_you_mean(name: str, valid: Iterable[str]) -> str:
-    """``did you mean 'x'?`` where a name is close, followed by all valid names but joined ones."""
+    """Return ``did you mean 'x'?`` where a name is close, and all valid names but joined ones."""
     names = sorted(valid)
     close = nearest(name, names)
     listed = one_of(names) if names else "none is installed"
@@ -41,7 +40,7 @@ def did_you_mean(name: str, valid: Iterable[str]) -> str:
 
 
 def one_of(names: Sequence[str]) -> str:
-    """``one of a, b``; of joined names it tells how they are made."""
+    """Return ``one of a, b``, and for joined names how they are made."""
     whole = [name for name in names if "+" not in name]
     joined = ", or DETECTION+LAW" if len(whole) < len(names) else ""
     return f"one of {', '.join(whole)}{joined}"
@@ -49,8 +48,7 @@ def one_of(names: Sequence[str]) -> str:
 
 @functools.cache
 def distribution_of(entry: EntryPoint) -> str:
-    """Name of the distribution that announces the plug-in, whose metadata are read once; none announces a
-    ``module:Class``."""
+    """Name of the distribution that announces the plug-in; none announces a ``module:Class``."""
     return "unknown distribution" if entry.dist is None else entry.dist.name
 
 
@@ -65,7 +63,7 @@ def names_code(text: str) -> bool:
 
 
 class Available(dict[str, EntryPoint]):
-    """Installed plug-ins by name; beside them any ``module:Class`` is one, which is not listed."""
+    """Installed plug-ins by name, and any ``module:Class``, which is not listed."""
 
     place = _PLACE
 
@@ -83,8 +81,7 @@ class Available(dict[str, EntryPoint]):
 
 
 def available(kind: Kind) -> Available:
-    """Installed plug-ins of one kind by name, sorted; nothing is imported. Of a name announced twice, the
-    first."""
+    """Return the installed plug-ins of one kind by name, sorted; of a name announced twice the first."""
     announced = _announced(kind, entry_points, _search_path())
     return Available({name: entries[0] for name, entries in announced.items()})
 
@@ -100,7 +97,7 @@ def only_bundled(kind: Kind, name: str) -> bool:
 
 
 def unknown_groups() -> list[str]:
-    """One line for each group of entry points ``mpmfw.…`` that nothing here reads, such as a misspelt one."""
+    """Return a line for each group of entry points ``mpmfw.…`` that does not exist."""
     known, found = [f"mpmfw.{kind}" for kind in KINDS], []
     for group in sorted(entry_points().groups):
         if group.startswith("mpmfw.") and group not in known:
@@ -112,10 +109,7 @@ def unknown_groups() -> list[str]:
 
 
 def choices(kind: Kind) -> Available:
-    """Return the plug-ins of a kind that may be named: those that are installed, and contacts that are
-    joined.
-
-    A contact is also every detection with every law, ``DETECTION+LAW``; its entry is the law's."""
+    """Return the installed plug-ins of a kind, and contacts ``DETECTION+LAW``, with the law's entry."""
     found = available(kind)
     if kind == "contact":
         found.place, laws = _JOINED, available("law").items()
@@ -124,7 +118,7 @@ def choices(kind: Kind) -> Available:
 
 
 def _search_path() -> tuple[tuple[str, int], ...]:
-    """The folders that distributions are looked for in, with the times at which one came or went."""
+    """Return the folders with distributions, and the times at which one came or went."""
     return tuple([(folder, os.stat(folder).st_mtime_ns) for folder in sys.path if os.path.isdir(folder)])
 
 
@@ -134,7 +128,7 @@ def _announced(
     look_up: Callable[..., Iterable[EntryPoint]],
     folders: tuple[tuple[str, int], ...],  # noqa: ARG001
 ) -> dict[str, list[EntryPoint]]:
-    """Read what is installed, once for each state of the search path: every simulation asks a dozen times."""
+    """Read what is installed, once for each state of the search path."""
     found: dict[str, list[EntryPoint]] = {}
     for entry in sorted(look_up(group=f"mpmfw.{kind}"), key=lambda entry: entry.name):
         # The same distribution may be seen twice on the search path (an installation and its source tree)
@@ -165,42 +159,28 @@ def load(kind: Kind, name: str) -> type[Any]:
         )
     by_place = ":" in name
     text = f"{kind} plug-in '{name}'" + ("" if by_place else f" of distribution {distribution_of(entry)}")
-    folder = _working_folder()
-    if by_place and folder is not None and folder not in sys.path:
-        sys.path.append(folder)  # what is not installed lies where its author works; it hides nothing that is
     try:
+        if by_place and (folder := os.getcwd()) not in sys.path:
+            sys.path.append(folder)  # plug-ins that are not installed lie where their author works
         plugin = entry.load()
     except KeyboardInterrupt:
         raise
-    except (
-        BaseException
-    ) as error:  # a stranger's module may raise anything while it is imported, SystemExit included
+    except BaseException as error:  # a stranger's module may raise anything, SystemExit included
         raise SceneError(
             f"{text} cannot be imported from {entry.value}: {type(error).__name__}: {error}"
         ) from error
-    finally:
-        if folder is not None and _working_folder() != folder:  # relative names of files would mean others
-            os.chdir(folder)
     if not isinstance(plugin, type):
         raise SceneError(f"{text}: {entry.value} is not a class")
     try:
         refuse_class(plugin)
     except SceneError as error:
         raise SceneError(f"{text}: {error}") from error
-    if not by_place and plugin.name != name:  # type: ignore[attr-defined]
-        own = plugin.name  # type: ignore[attr-defined]
+    own: str = plugin.name  # type: ignore[attr-defined]
+    if not by_place and own != name:
         raise SceneError(
             f"{text}: {entry.value} has the name '{own}'; expected the same as the entry point's"
         )
     return plugin
-
-
-def _working_folder() -> str | None:
-    """The working folder; None where it is no longer there."""
-    try:
-        return os.getcwd()
-    except OSError:
-        return None
 
 
 def refuse_class(plugin: type[Any]) -> None:
@@ -221,6 +201,16 @@ def refuse_class(plugin: type[Any]) -> None:
         ) from error
 
 
+def refuse_nameless(plugin: type[Any]) -> None:
+    """Raise SceneError for a class whose class attribute ``name`` is missing, empty or not a string."""
+    name = getattr(plugin, "name", None)
+    if not isinstance(name, str) or not name:
+        raise SceneError(
+            f"{full_name(plugin)}: expected a class attribute 'name', which is what scenes call it; found "
+            f"{name!r}"
+        )
+
+
 def options_of(plugin: Any) -> dict[str, Any]:
     """Fields of the model of a plug-in's options, by name; a geometry is a model itself."""
     return dict(getattr(getattr(plugin, "Options", plugin), "model_fields", {}))
@@ -238,16 +228,6 @@ def object_of(given: Any) -> Any:
             f"{full_name(given)} cannot be made without options ({type(error).__name__}: {error}); "
             f"give an object, {given.__name__}(…)"
         ) from error
-
-
-def refuse_nameless(plugin: type[Any]) -> None:
-    """Raise SceneError for a class whose class attribute ``name`` is missing, empty or not a string."""
-    name = getattr(plugin, "name", None)
-    if not isinstance(name, str) or not name:
-        raise SceneError(
-            f"{full_name(plugin)}: expected a class attribute 'name', which is what scenes call it; found "
-            f"{name!r}"
-        )
 
 
 def full_name(plugin: type[Any]) -> str:

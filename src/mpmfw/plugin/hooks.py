@@ -17,11 +17,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import pluggy
 
-from mpmfw.errors import SceneError
+from mpmfw.errors import OutsideGrid, SceneError
 from mpmfw.plugin.checks import PASSED_ON, described, failure, naming
 from mpmfw.plugin.hookspecs import HookSpecs
 from mpmfw.state.clock import Clock
-from mpmfw.state.structs import Grid, OutsideGrid, State
+from mpmfw.state.structs import Grid, State
 
 #: Hooks that are called before a run begins.
 BEFORE_THE_RUN = ("declare_fields", "setup")

@@ -27,13 +27,8 @@ class HookSpecs:
     def declare_fields(self) -> list[Field]:
         """Once, before allocation: declare the arrays and series that the plug-in owns.
 
-        May change nothing.
-
-        Returns
-        -------
-        Declarations; arrays are then allocated with :meth:`mpmfw.api.types.Setup.allocate`, and series filled
-        by
-        :meth:`diagnostics`.
+        Arrays are then allocated with :meth:`mpmfw.api.types.Setup.allocate`, and series filled by
+        :meth:`diagnostics`. May change nothing.
         """
         raise NotImplementedError
 
@@ -57,22 +52,17 @@ class HookSpecs:
     def add_pairs(self, state: State) -> None:
         """When bodies have come near that were apart: ``state.pairs`` has more pairs, at its end.
 
-        Who implements it is given, in a scene of many bodies, pairs only as they come near, before anything
-        can act between them; it then lengthens what it has for each pair
-        (:meth:`mpmfw.api.types.State.lengthen`). Who does not is given all pairs from the start, whose number
-        grows with the square of that of the bodies. Called after windows were laid, and before outputs.
-        May change the plug-in's own arrays alone."""
+        In a scene of many bodies a plug-in that implements it has pairs only as they come near, before
+        anything can act between them. It then lengthens its arrays of pairs
+        (:meth:`mpmfw.api.types.State.lengthen`). Others have all pairs from the start. Called after windows
+        were laid, and before outputs. May change the plug-in's own arrays alone."""
 
     @hookspec(firstresult=True)
     def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
         """Step 1: φ_ip and ∇φ_ip of every material point. Implemented by the shape function.
 
-        May change nothing but its own table.
-
-        Raises
-        ------
-        mpmfw.api.OutsideGrid
-            A support leaves its window; the core lays the window anew, or stops if the grid ends there.
+        May change nothing but its own table. Raise :class:`mpmfw.api.OutsideGrid` if a support leaves its
+        window; the core lays the window anew, or stops if the grid ends there.
         """
         raise NotImplementedError
 
@@ -83,12 +73,7 @@ class HookSpecs:
         The shape function implements it, and is called only where a surface is tracked. The basis is the
         one that matches the particles', Σ V ∇S = ∮ N n dS. Parameters: ``position`` (n, dim) [m]; ``first``
         (n_fields + 1,), the points of velocity field f are ``first[f]:first[f + 1]``. May change nothing but
-        its own table.
-
-        Raises
-        ------
-        mpmfw.api.OutsideGrid
-            As :meth:`interpolate`.
+        its own table. Raise :class:`mpmfw.api.OutsideGrid` as :meth:`interpolate`.
         """
         raise NotImplementedError
 
@@ -96,9 +81,8 @@ class HookSpecs:
     def detect(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
         """After step 2, before the length of the step is chosen: detect contacts.
 
-        The points' m_i and (m v)_i are on the grid; what is found here is that of this step, so that
-        :meth:`stable_timestep` speaks of it. May change the plug-in's own arrays alone; called again before
-        the step goes on it finds the same.
+        The points' m_i and (m v)_i are on the grid. :meth:`stable_timestep` then limits the step by these
+        contacts. May change the plug-in's own arrays alone; a second call in the step finds the same.
         """
 
     @hookspec
@@ -124,16 +108,16 @@ class HookSpecs:
 
     @hookspec
     def correct_inertia(self, grid: Grid, phi: Stencil, particles: Particles, dt: float) -> None:
-        """After all contact corrections of step 4: mend the inertia of the lumped mass.
+        """After all contact corrections of step 4: correct the inertia of the lumped mass.
 
         May change ``grid.momentum``.
         """
 
     @hookspec
     def constrain_momentum(self, grid: Grid, time: float) -> None:
-        """After all corrections of the momentum: boundary conditions, which have the last word.
+        """After all corrections of the momentum: boundary conditions, which act last.
 
-        ``time`` [s] is that at the end of the step. MUSL and USF ask again for the velocity of the strain.
+        ``time`` [s] is the end of the step. MUSL and USF call it again for the velocity of the strain.
         May change ``grid.momentum``.
         """
 
@@ -176,8 +160,8 @@ class HookSpecs:
     def stable_timestep(self, state: State) -> tuple[float, str] | None:
         """After :meth:`detect`: the largest stable step [s] and its owner, or None if nothing limits it now.
 
-        The least of all answers rules. Asked in every step, after :meth:`detect`, and once before the first:
-        what has not been detected yet is then taken for granted. May change nothing."""
+        The least of all answers holds. Called in every step, and once before the first :meth:`detect`: then
+        contacts count as if they were there. May change nothing."""
 
     @hookspec
     def diagnostics(self, state: State, interval: float, points: bool) -> dict[str, AnyArray]:

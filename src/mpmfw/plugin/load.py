@@ -56,8 +56,7 @@ def measure_facets(
 
 @kernel
 def add_facet_forces(which: Ints, force: Floats, facets: Ints, table: Table, node_force: Floats) -> None:
-    """f_i += f_m / dim N_i(x_s) from every corner of the facets, as contact forces are mapped (eq. 11 of
-    [H17])."""
+    """f_i += f_m / dim N_i(x_s) from every corner of the facets (eq. 11 of [H17])."""
     dim = force.shape[1]
     for q in range(len(which)):
         for a in range(dim):
@@ -70,8 +69,8 @@ def add_facet_forces(which: Ints, force: Floats, facets: Ints, table: Table, nod
 class Load(NamedPlugIn):
     """Base of loads: one instance for each table ``[loads.NAME]`` of the scene, with that table's options.
 
-    A load derives from :class:`BodyLoad` or :class:`SurfaceLoad`. Its work counts as external in the energy
-    ledger. What depends on the velocity may implement the hook ``stable_timestep``.
+    A load derives from :class:`BodyLoad` or :class:`SurfaceLoad`; its work counts as external in the ledger.
+    One that depends on the velocity may implement the hook ``stable_timestep``.
     """
 
     history = ("work",)
@@ -98,8 +97,7 @@ class BodyLoad(Load):
 
     @hookimpl
     def add_nodal_force(self, grid: Grid, state: State, phi: Stencil, dt: float) -> None:
-        """Map the forces with the points' shape functions, f_i = Σ φ_ip f_p: their sum and power are those of
-        the points."""
+        """f_i += Σ φ_ip f_p: sum and power are those of the points."""
         self._impulses = []
         for body in self.bodies:
             own = body.particles
@@ -134,8 +132,7 @@ class LoadedFacets:
 
     @functools.cached_property
     def velocity(self) -> FloatArray:
-        """Mean velocity of the corners (n, dim) [m/s], of the grid's velocity before any force of this
-        step."""
+        """Mean velocity of the corners (n, dim) [m/s], before any force of this step."""
         surface, grid = self._state.tracked_surface, self._state.grid
         phi = surface.table
         moving = phi.weight[:, None] * grid.start_velocity[phi.nodes]
@@ -164,8 +161,7 @@ class SurfaceLoad(Load):
 
     @hookimpl
     def add_nodal_force(self, grid: Grid, state: State) -> None:
-        """Map the tractions with the surface nodes' shape functions, as contact forces are (eq. 11 of
-        [H17])."""
+        """Map the tractions with the surface nodes' functions, as contact forces (eq. 11 of [H17])."""
         surface, loaded = state.tracked_surface, LoadedFacets(state, self.facets)
         shape = (len(self.facets), state.grid.dim)
         force = loaded.area[:, None] * self.checked(self.traction(loaded, state.time), shape, state)
@@ -176,6 +172,5 @@ class SurfaceLoad(Load):
     def end_step(self, state: State) -> None:
         """Add the work on the facets."""
         surface = state.tracked_surface
-        self.work += float(
-            np.vdot(self._force, surface.displacement[surface.facets[self.facets]].mean(axis=1))
-        )
+        motion = surface.displacement[surface.facets[self.facets]].mean(axis=1)
+        self.work += float(np.vdot(self._force, motion))

@@ -1,5 +1,4 @@
-"""Base classes of measures, which campaigns read off a run, and of references, which say what a scene's
-motion must be."""
+"""Base classes of measures, which campaigns read off a run, and of references, a scene's exact motion."""
 
 from __future__ import annotations
 
@@ -43,8 +42,7 @@ class Exact:
 
 
 class Measure:
-    """Base of measures, announced as entry points of the group ``mpmfw.measure``; the docstring says what is
-    measured.
+    """Base of measures, of the group ``mpmfw.measure``; the docstring says what is measured.
 
     A measure takes no options and keeps nothing: the same run gives the same values."""
 
@@ -62,8 +60,7 @@ class Measure:
         return (self.__doc__ or self.name).strip().splitlines()[0].rstrip(".")
 
     def of(self, run: xr.DataTree, scene: Scene, about: About) -> Measured:
-        """Read it off the results of a ``run``, given its ``scene``, of the body, pair or axis that ``about``
-        names."""
+        """Read it off the results of a ``run`` of a ``scene``, of the body, pair or axis of ``about``."""
         raise NotImplementedError
 
     def exact(self, scene: Scene, about: About) -> Exact | None:  # noqa: ARG002
@@ -72,10 +69,9 @@ class Measure:
 
 
 class Reference:
-    """Base of references, announced as entry points of the group ``mpmfw.reference``.
+    """Base of references, of the group ``mpmfw.reference``.
 
-    A scene names one as ``[reference] kind = "NAME"``; its closed form then replaces those that measures
-    know."""
+    The closed form of ``[reference] kind = "NAME"`` replaces those that measures know."""
 
     name: ClassVar[str]  #: in scenes
     example: ClassVar[Mapping[str, Any]] = {}  #: scene of its kind that the checks compare with a run

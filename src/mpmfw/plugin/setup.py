@@ -47,10 +47,7 @@ class Acts:
 
 @dataclass
 class Setup:
-    """The scene after discretisation: facts for plug-ins, their arrays, and the effects that act.
-
-    Plug-ins get it once, before the first step, in the hook ``setup``.
-    """
+    """The scene after discretisation: facts for plug-ins, their arrays, and the effects that act."""
 
     state: State  #: of time zero
     layouts: tuple[Layout, ...] = ()  #: of each body
@@ -86,8 +83,8 @@ class Setup:
     def pairs(self) -> tuple[Pair, ...]:
         """All pairs of bodies, in the scene's order.
 
-        To a strategy that implements the hook ``add_pairs`` more than a few bodies are given no pair at first
-        but those that the scene names, and the others as they come near."""
+        With the hook ``add_pairs`` more than a few bodies have those pairs alone that the scene names, and
+        others as they come near."""
         return self.state.pairs
 
     @property
@@ -135,9 +132,7 @@ class Setup:
         return [(body, side) for body in self.bodies for side in self.scene.bodies[body.name].sides]
 
     def face_of(self, body: Body, side: Side) -> tuple[FloatArray, float]:
-        """Return the outward unit normal n of a side at the start, which turns with the body, and n·x on it
-        [m].
-        """
+        """Return the outward unit normal n of a side at the start, and n·x on it [m]."""
         axis = self.scene.bodies[body.name].geometry.axes[AXIS[side.side]]
         normal = axis if side.side in UPPER else -1.0 * axis
         if body.outlines:
@@ -182,11 +177,8 @@ class Setup:
 
     @functools.cached_property
     def remedies(self) -> dict[str, str]:
-        """Advice for a run that fails, by the part of the run that it changes.
-
-        The parts are ``step``, ``scheme``, ``contact`` and ``shape``. A part is left out where nothing else
-        can be recommended: ``contact`` without a contact, ``scheme`` under USL and under linear shape
-        functions, which need MUSL."""
+        """Advice for a run that fails, by the part of the run that it changes: ``step``, ``scheme``,
+        ``contact`` and ``shape``. Linear shape functions need MUSL."""
         found = {"step": f"a smaller {'time.safety' if self.scene.time.step is None else 'time.step'}"}
         if self.scheme != "usl" and self.shape != "linear":
             found["scheme"] = "scheme 'usl'"
@@ -205,10 +197,8 @@ class Setup:
 
     @functools.cached_property
     def half_edges(self) -> FloatArray:
-        """Half-edge vectors of the material points' domains at the start, (n, dim, dim) [m]; column a is r_a.
-
-        One array for all who ask, made when the first does.
-        """
+        """Half-edge vectors of the material points' domains at the start, (n, dim, dim) [m]; column a is
+        r_a."""
         array = np.ascontiguousarray(np.concatenate([layout.half_edges for layout in self.layouts]))
         self.state.arrays["layout/half_edges"] = array
         return array

@@ -24,7 +24,7 @@ from mpmfw.runs.bodies import check_bodies, lay_out, make_bodies, make_particles
 from mpmfw.runs.sizing import check_memory
 from mpmfw.scene.options import NAMED
 from mpmfw.state.pairs import FEW, BodyPairs
-from mpmfw.state.structs import Body, State, joined
+from mpmfw.state.structs import Body, State
 from mpmfw.state.windows import make_grid
 from mpmfw.step.timestep import stable_length
 from mpmfw.step.transfer import make_transfer
@@ -247,3 +247,10 @@ def _check_unused_contact(scene: Scene, contact: ContactStrategy | None) -> None
         keys.append("friction_law")
     if keys:
         raise SceneError("has no effect, since the scene has one body only", key=f"contact.{keys[0]}")
+
+
+def joined(slices: tuple[slice, ...], own: slice) -> tuple[slice, ...]:
+    """Return the slices and one more; neighbours become one slice, and take one call of a kernel."""
+    if slices and slices[-1].stop == own.start:
+        return (*slices[:-1], slice(slices[-1].start, own.stop))
+    return (*slices, own)

@@ -6,7 +6,6 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
 
-from mpmfw.state.time_table import array_or_single, number_in_time, row_in_time, vector_in_time
 from mpmfw.units import (
     Acceleration,
     AngularVelocity,
@@ -16,6 +15,10 @@ from mpmfw.units import (
     Pressure,
     Time,
     Velocity,
+    array_or_single,
+    number_in_time,
+    row_in_time,
+    vector_in_time,
 )
 
 

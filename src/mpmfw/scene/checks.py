@@ -17,7 +17,7 @@ from mpmfw.scene.problem import Problem
 from mpmfw.scene.sides import check_sides
 from mpmfw.scene.tables import Body, Side, Tables
 from mpmfw.scene.wording import unknown_name
-from mpmfw.state.time_table import problems_in_time, wrong_length
+from mpmfw.units import problems_in_time, wrong_length
 
 #: Least cell size over the largest coordinate: round-off of a position is then below 1e-6 of a cell.
 SMALLEST_CELL = 1e-9

@@ -11,17 +11,14 @@ STAGES = ("shape", "projection", "force", "contact", "gather", "material", "gap"
 #: ``output`` do not.
 STEP_STAGES = STAGES[:6]
 
+_ALONE = "largest resident memory of a process that did this run alone; NaN where it had done others before"
 #: Root attributes of a run that are its costs: name, unit, meaning.
 COSTS: tuple[tuple[str, str, str], ...] = (
     ("steps", "1", "time steps"),
     ("material_points", "1", "material points"),
     ("cpu_time", "s", "CPU time of the steps, without compilation, settling, gap diagnostic and output"),
     ("wall_time", "s", "wall time of the steps"),
-    (
-        "peak_memory",
-        "B",
-        "largest resident memory of a process that did this run alone; NaN where it had done others before",
-    ),
+    ("peak_memory", "B", _ALONE),
     ("settle_time", "s", "CPU time of settling"),
     ("output_time", "s", "CPU time of output"),
     ("gap_time", "s", "CPU time of the gap diagnostic"),
@@ -40,18 +37,19 @@ class Clock:
     history = ("cpu", "wall")
 
     def __init__(self) -> None:
+        self._stage = "output"
+        self.restart()
+
+    def restart(self) -> None:
+        """Forget everything measured so far, so that settling and compilation do not count."""
         self.wall: dict[str, float] = dict.fromkeys(STAGES, 0.0)
         self.cpu: dict[str, float] = dict.fromkeys(STAGES, 0.0)
-        self._wall_frame: dict[str, float] = dict.fromkeys(STAGES, 0.0)
-        self._stage = "output"
-        self._mark = time.perf_counter()
-        self._cpu_mark = time.process_time()
+        self.restored()
 
     def restored(self) -> None:
         """Go on from the seconds that were saved."""
-        cpu, wall = self.cpu, self.wall
-        self.restart()
-        self.cpu, self.wall = cpu, wall
+        self._wall_frame: dict[str, float] = dict.fromkeys(STAGES, 0.0)
+        self._mark, self._cpu_mark = time.perf_counter(), time.process_time()
 
     def __call__(self, stage: str) -> str:
         """Begin ``stage``; return the one that ends."""
@@ -75,15 +73,6 @@ class Clock:
         self._cpu_mark = cpu_now
 
     def exclude(self, wall: float, cpu: float) -> None:
-        """Take out seconds that are not the method's, such as those of compilation, from the stage that
-        runs."""
+        """Take seconds that are not the method's, such as those of compilation, out of the present stage."""
         self._mark += wall
         self._cpu_mark += cpu
-
-    def restart(self) -> None:
-        """Forget everything measured so far, so that settling and compilation do not count."""
-        self.wall = dict.fromkeys(STAGES, 0.0)
-        self.cpu = dict.fromkeys(STAGES, 0.0)
-        self._wall_frame = dict.fromkeys(STAGES, 0.0)
-        self._mark = time.perf_counter()
-        self._cpu_mark = time.process_time()

@@ -1,8 +1,5 @@
-"""Field declarations: name, dims, unit and meaning of every array, said once.
-
-Allocation, the results' file, ``explain`` and the documentation all read these declarations; nothing else in
-mpmfw states a unit or a long name a second time.
-"""
+"""Field declarations: name, dims, unit and meaning of every array, said once for code, files and
+documentation."""
 
 from __future__ import annotations
 
@@ -23,39 +20,17 @@ Group: TypeAlias = Literal["particles", "grid", "surface", "contact", "series"]
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """One array: what it is called, what it means, how it is laid out.
+    """One array: what it is called, what it means, how it is laid out."""
 
-    Parameters
-    ----------
-    name
-        Identifier, the same in the code, the file and the documentation.
-    dims
-        Names of the dimensions, such as ``("particle", "axis")``.
-    unit
-        SI unit as CF writes it (``"m s-1"``); ``"1"`` if dimensionless.
-    long_name
-        Meaning, with the symbol of the formulation where there is one.
-    group
-        Group of the results' file that the field belongs to.
-    dtype
-        NumPy type code.
-    output
-        Whether frames of the results' file hold the field.
-    missing
-        Whether NaN says that there is no value; anywhere else it fails the run.
-    mean
-        Whether a series is a mean over the time since the last output, and no value of a moment.
-    """
-
-    name: str
-    dims: tuple[str, ...]
-    unit: str
-    long_name: str
-    group: Group = "particles"
-    dtype: str = "f8"
-    output: bool = False
-    missing: bool = False
-    mean: bool = False
+    name: str  #: the same in the code, the file and the documentation
+    dims: tuple[str, ...]  #: such as ``("particle", "axis")``
+    unit: str  #: SI, as CF writes it (``"m s-1"``); ``"1"`` if dimensionless
+    long_name: str  #: meaning, with the symbol of the formulation where there is one
+    group: Group = "particles"  #: of the results' file
+    dtype: str = "f8"  #: NumPy type code
+    output: bool = False  #: whether frames of the results' file hold the field
+    missing: bool = False  #: whether NaN says that there is no value; anywhere else it fails the run
+    mean: bool = False  #: whether a series is a mean over the time since the last output
 
     def allocate(self, sizes: Mapping[str, int]) -> AnyArray:
         """Return a zero array of shape ``[sizes[dim] for dim in dims]``."""
@@ -86,89 +61,62 @@ PARTICLE_FIELDS: tuple[Field, ...] = (
 AFFINE_FIELD = Field("affine", _PAA, "s-1", "affine velocity gradient C_p")
 MOMENT_FIELD = Field("moment", _PAA, "m2 s-1", "affine moment B_p = sum phi v q^T (apic)")
 
-_N = ("node",)
+_grid = partial(Field, group="grid")
 _NA = ("node", "axis")
 
 GRID_FIELDS: tuple[Field, ...] = (
-    Field("position", _NA, "m", "node position x_i", "grid"),
-    Field("mass", _N, "kg m-1", "nodal mass m_i of one velocity field", "grid"),
-    Field("momentum", _NA, "kg m s-1 m-1", "nodal momentum (m v)_i", "grid"),
-    Field(
-        "start_velocity", _NA, "m s-1", "nodal velocity as projected, before any force or correction", "grid"
-    ),
-    Field("force", _NA, "N m-1", "nodal force f_i", "grid"),
-    Field("velocity", _NA, "m s-1", "nodal velocity at the end of the step", "grid"),
+    _grid("position", _NA, "m", "node position x_i"),
+    _grid("mass", ("node",), "kg m-1", "nodal mass m_i of one velocity field"),
+    _grid("momentum", _NA, "kg m s-1 m-1", "nodal momentum (m v)_i"),
+    _grid("start_velocity", _NA, "m s-1", "nodal velocity as projected, before any force or correction"),
+    _grid("force", _NA, "N m-1", "nodal force f_i"),
+    _grid("velocity", _NA, "m s-1", "nodal velocity at the end of the step"),
 )
 
+_surface = partial(Field, group="surface")
+_SA = ("surface_node", "axis")
+
 SURFACE_FIELDS: tuple[Field, ...] = (
-    Field("position", ("surface_node", "axis"), "m", "surface node position x_s", "surface", output=True),
-    Field("displacement", ("surface_node", "axis"), "m", "motion of x_s over the last step", "surface"),
-    Field(
-        "tributary", ("surface_node",), "m", "tributary length of the surface node at the start", "surface"
-    ),
+    _surface("position", _SA, "m", "surface node position x_s", output=True),
+    _surface("displacement", _SA, "m", "motion of x_s over the last step"),
+    _surface("tributary", ("surface_node",), "m", "tributary length of the surface node at the start"),
 )
 
 _series = partial(Field, group="series", output=True)
-
 _B = ("body",)
 _BA = ("body", "axis")
 _BR = ("body", "rotation")
+_ROTATION = "sum m (x-c) x (v-v_c) / sum m |x-c|^2 over material points, counter-clockwise positive"
+_SPIN = "angular momentum of the material points about the centre of mass"
 
 SERIES_FIELDS: tuple[Field, ...] = (
     _series("centre_of_mass", _BA, "m", "centre of mass of the material points"),
     _series("mean_velocity", _BA, "m s-1", "linear momentum over mass"),
-    _series(
-        "angular_velocity",
-        _BR,
-        "rad s-1",
-        "sum m (x-c) x (v-v_c) / sum m |x-c|^2 over material points, counter-clockwise positive",
-    ),
+    _series("angular_velocity", _BR, "rad s-1", _ROTATION),
     _series("linear_momentum", _BA, "kg m s-1 m-1", "linear momentum"),
-    _series(
-        "angular_momentum",
-        _BR,
-        "kg m2 s-1 m-1",
-        "angular momentum of the material points about the centre of mass",
-    ),
+    _series("angular_momentum", _BR, "kg m2 s-1 m-1", _SPIN),
     _series("kinetic_energy", _B, "J m-1", "kinetic energy sum m v^2 / 2 of the material points"),
     _series("strain_energy", _B, "J m-1", "stored elastic energy"),
     _series("total_energy", _B, "J m-1", "kinetic and strain energy"),
 )
 
-MATERIAL_WORK = _series(
-    "material_dissipation",
-    _B,
-    "J m-1",
-    "energy dissipated by the material since the run began, such as plastic work",
-)
-
-AFFINE_ENERGY = _series(
-    "affine_energy", _B, "J m-1", "kinetic energy of the affine motion within the material points"
-)
+_DISSIPATED = "energy dissipated by the material since the run began, such as plastic work"
+_WITHIN = "kinetic energy of the affine motion within the material points"
+MATERIAL_WORK = _series("material_dissipation", _B, "J m-1", _DISSIPATED)
+AFFINE_ENERGY = _series("affine_energy", _B, "J m-1", _WITHIN)
 
 _PAIR = ("pair",)
+_ON_FIRST = "force on the pair's first body, mean over the output interval (its integral is the impulse)"
+_ALONG = "its part along the surface, mean over the output interval"
 
 CONTACT_SERIES: tuple[Field, ...] = (
-    _series(
-        "contact_force",
-        ("pair", "axis"),
-        "N m-1",
-        "force on the pair's first body, mean over the output interval (its integral is the impulse)",
-        mean=True,
-    ),
-    _series(
-        "friction_force",
-        ("pair", "axis"),
-        "N m-1",
-        "its part along the surface, mean over the output interval",
-        mean=True,
-    ),
+    _series("contact_force", ("pair", "axis"), "N m-1", _ON_FIRST, mean=True),
+    _series("friction_force", ("pair", "axis"), "N m-1", _ALONG, mean=True),
     _series("contact_count", _PAIR, "1", "surface or grid nodes in contact at the output"),
     _series("frictional_work", _PAIR, "J m-1", "energy dissipated by friction since time zero"),
     _series("contact_energy", _PAIR, "J m-1", "energy stored in contact springs (zero without springs)"),
     _series("damping_work", _PAIR, "J m-1", "energy dissipated by contact dashpots since time zero"),
 )
 
-MIN_GAP = _series(
-    "min_gap", _PAIR, "m", "least distance between the bodies' surfaces; negative where they penetrate"
-)
+_GAP = "least distance between the bodies' surfaces; negative where they penetrate"
+MIN_GAP = _series("min_gap", _PAIR, "m", _GAP)

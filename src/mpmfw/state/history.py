@@ -1,10 +1,9 @@
 """Declared history: the values that a run keeps from step to step, as arrays by place, ``PART/NAME``.
 
-A class names them, ``history = ("work", "gained")``, beside those that its bases name. They are numbers,
-arrays, dictionaries of either, and parts with a history of their own; None stands for a number that is not
-known yet. All else is built anew from the scene. Saved values take the places of those that were built, and
-are of their type and shape. A part may have a method ``restored``, which is called when all values are
-there."""
+A class names them, ``history = ("work", "gained")``, beside those of its bases. They are numbers, arrays,
+dictionaries of either, and parts with a history; None stands for a number that is not known yet. All else is
+built anew from the scene. Saved values have the type and shape of those that were built. A method
+``restored`` of a part is called when all values are there."""
 
 from __future__ import annotations
 
@@ -81,9 +80,7 @@ def check_indices(count: int, **arrays: AnyArray) -> None:
 
 
 def _places(parts: Mapping[str, Any], visited: list[Any]) -> Iterator[tuple[Any, str, str]]:
-    """Holder, attribute and place of every value of parts and of their own parts, all of which are
-    ``visited``.
-    """
+    """Yield holder, attribute and place of every value; append all parts to ``visited``."""
     for place, part in parts.items():
         visited.append(part)
         for name in history_of(part) or ():
@@ -104,9 +101,8 @@ def _fitting(place: str, new: AnyArray | None, old: Any) -> Any:
     free = here.shape[:1] == (0,)
     alike = new.dtype == here.dtype and new.ndim == here.ndim and new.shape[free:] == here.shape[free:]
     if not (new.shape in ((), (0,)) if old is None else alike):
-        raise NotSaved(
-            f"{place} does not fit: found {new.dtype} {new.shape}, here is {here.dtype} {here.shape}"
-        )
+        found = f"found {new.dtype} {new.shape}, here is {here.dtype} {here.shape}"
+        raise NotSaved(f"{place} does not fit: {found}")
     if isinstance(old, np.ndarray):
         return new.copy()
     return new.item() if new.ndim == 0 else None

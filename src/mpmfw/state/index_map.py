@@ -30,6 +30,7 @@ class IndexMap:
         shared = [(each, own.bodies[b]) for each, b in zip(other.bodies, body, strict=True) if b >= 0]
         listed = {(pair.first, pair.second): pair.index for pair in own.pairs}
         pair = [listed.get((int(body[p.first]), int(body[p.second])), -1) for p in other.pairs]
+        points = [(theirs.particles, ours.particles) for theirs, ours in shared]
         nodes, facets, n_nodes, n_facets = [], [], 0, 0
         if (here := own.surface) is not None and (there := other.surface) is not None:
             nodes = [(there.of(theirs.index), here.of(ours.index)) for theirs, ours in shared]
@@ -37,9 +38,7 @@ class IndexMap:
             n_nodes, n_facets = there.count, len(there.facets)
         return cls(
             body=body,
-            particle=_indices(
-                other.particles.count, [(theirs.particles, ours.particles) for theirs, ours in shared]
-            ),
+            particle=_indices(other.particles.count, points),
             surface_node=_indices(n_nodes, nodes),
             facet=_indices(n_facets, facets),
             pair=np.array(pair, dtype=np.int64),
@@ -55,9 +54,7 @@ def _indices(count: int, slices: Sequence[tuple[slice, slice]]) -> IntArray:
 
 
 def copy_history(own: State, other: State, index_map: IndexMap) -> None:
-    """Copy the declared history of material points and surfaces, and declared arrays, of the bodies that both
-    have.
-    """
+    """Copy declared history and declared arrays of the bodies that both have."""
     for dim, ours, theirs in _arrays(own, other):
         if ours.shape[1:] == theirs.shape[1:]:  # else they have room for so many bodies: scratch
             index = getattr(index_map, dim)
@@ -66,10 +63,8 @@ def copy_history(own: State, other: State, index_map: IndexMap) -> None:
 
 def _arrays(own: State, other: State) -> Iterator[tuple[str, AnyArray, AnyArray]]:
     """Arrays that both have, with the dimension that they are numbered by."""
-    for dim, ours, theirs in (
-        ("particle", own.particles, other.particles),
-        ("surface_node", own.surface, other.surface),
-    ):
+    points, surfaces = (own.particles, other.particles), (own.surface, other.surface)
+    for dim, ours, theirs in (("particle", *points), ("surface_node", *surfaces)):
         for name in history_of(ours) or ():
             if getattr(ours, name) is not None and theirs is not None:
                 yield dim, getattr(ours, name), getattr(theirs, name)

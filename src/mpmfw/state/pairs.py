@@ -46,9 +46,7 @@ def overlapping(lower: AnyArray, upper: AnyArray) -> tuple[IntArray, IntArray]:
 def _strips(lower: FloatArray, upper: FloatArray) -> tuple[int, IntArray, IntArray, IntArray]:
     """Axis of the sweep, and entries of boxes in strips across the axis of next to the largest spread.
 
-    A strip is as wide as the median box, and there are no more of them than boxes: a box in an ordinary place
-    is in two or three, and one as large as all together in no more than there are boxes.
-    """
+    A strip is as wide as the median box, and there are no more strips than boxes."""
     spread = (lower + upper).max(axis=0) - (lower + upper).min(axis=0)
     across, along = (int(axis) for axis in np.argsort(spread)[-2:])
     start, end = lower[:, across].min(), upper[:, across].max()
@@ -68,13 +66,11 @@ def _strips(lower: FloatArray, upper: FloatArray) -> tuple[int, IntArray, IntArr
 
 @dataclass
 class BodyPairs:
-    """Adds to ``State.pairs`` the bodies that come near each other, in the scene's order of each laying of
-    windows.
+    """Adds to ``State.pairs`` the bodies that come near each other, each time that windows are laid.
 
-    Near are bodies whose velocity fields' windows of the grid share a node: between two layings no body
-    leaves its window, so that what exchanges momentum at shared nodes, or touches within a cell, is listed
-    before it does. Where the bodies share one velocity field, near are those whose outlines' boxes are within
-    a cell of each other at an output."""
+    Near are bodies whose windows share a node: no body leaves its window between two layings, so that pairs
+    are listed before they act. Where bodies share one velocity field, near are those whose outlines' boxes
+    are within a cell of each other at an output."""
 
     names: tuple[str, ...]  #: of all bodies
     friction: float  #: Coulomb's μ of pairs that are not in ``given``
@@ -105,8 +101,7 @@ class BodyPairs:
         return self.add(state, *overlapping(*(boxes if windows else _outlines(state))))
 
     def add(self, state: State, first: IntArray, second: IntArray) -> bool:
-        """List pairs, by the indices of both bodies, that are not listed yet; return whether there are
-        any."""
+        """List pairs that are not listed yet, by both bodies; return whether there are any."""
         return self._list(state, np.setdiff1d(first * len(self.names) + second, self._listed))
 
     def restore(self, state: State, bodies: IntArray) -> bool:
@@ -114,11 +109,10 @@ class BodyPairs:
 
         Raise NotSaved if they are not pairs of the scene that begin with those already listed."""
         listed, count = state.pair_bodies, len(self.names)
-        keys = np.array(bodies) @ np.array([count, 1])
+        keys, first, second = np.array(bodies) @ np.array([count, 1]), bodies[:, 0], bodies[:, 1]
+        valid = ((first >= 0) & (first < second) & (second < count)).all()
         if not (
-            np.array_equal(bodies[: len(listed)], listed)
-            and len(np.unique(keys)) == len(keys)
-            and ((bodies[:, 0] >= 0) & (bodies[:, 0] < bodies[:, 1]) & (bodies[:, 1] < count)).all()
+            valid and np.array_equal(bodies[: len(listed)], listed) and len(set(keys.tolist())) == len(keys)
         ):
             raise NotSaved("the pairs of bodies are not those of the scene")
         return self._list(state, keys[len(listed) :])
@@ -133,7 +127,7 @@ class BodyPairs:
 
 
 def _outlines(state: State) -> tuple[AnyArray, AnyArray]:
-    """Boxes of the outlines, wider by half a cell on each side; none in a run that tracks none."""
+    """Boxes of the outlines, wider by half a cell on each side; infinite where none are tracked."""
     lower = np.full((len(state.bodies), state.grid.dim), np.inf)
     upper = np.full_like(lower, -np.inf)
     if state.surface is not None:

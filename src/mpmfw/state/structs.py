@@ -1,8 +1,7 @@
 """The state of a simulation as fixed structs of arrays: material points, grid, surfaces, bodies, pairs.
 
-Material points of a body are contiguous. The grid carries one velocity field, or one per body; each field
-covers its own window of the background grid and the windows lie one after the other in flat nodal arrays, so
-that a thousand bodies do not cost a thousand grids.
+Material points of a body are contiguous. The grid carries one velocity field, or one per body. Each field
+covers its window of the background grid; windows lie one after the other in flat nodal arrays.
 """
 
 from __future__ import annotations
@@ -18,10 +17,8 @@ from mpmfw.state.fields import AnyArray, FloatArray, IndexArray, IntArray
 
 
 class Stencil(Struct):
-    """Interpolation table of a set of points, filled once a step and read by every kernel.
-
-    Entries of point ``p`` are ``row[p]:row[p + 1]``.
-    """
+    """Interpolation table of points, filled once a step; entries of point ``p`` are
+    ``row[p]:row[p + 1]``."""
 
     member_names = ("row", "nodes", "weight", "gradient")
 
@@ -49,8 +46,7 @@ class Stencil(Struct):
         return Stencil(row[begin : end + 1], *entries)
 
     def show(self, entries: int) -> Stencil:
-        """Show the first ``entries`` of the room in Python; kernels see all of it, and read what ``row``
-        names."""
+        """Show the first ``entries`` of the room in Python; kernels see all of it."""
         _, nodes, weight, gradient = self.kernel_arrays
         self.__dict__.update(nodes=nodes[:entries], weight=weight[:entries], gradient=gradient[:entries])
         return self
@@ -114,14 +110,12 @@ class Pair:
 
 @dataclass(eq=False)
 class Particles(Struct):
-    """Material points of all bodies, body after body. Kernels see their arrays, but for those that may be
-    None."""
+    """Material points of all bodies, body after body. Kernels see the arrays that are never None."""
 
     member_names = (
         "position", "velocity", "mass", "initial_volume", "volume", "deformation_gradient",
         "velocity_gradient", "stress",
     )  # fmt: skip
-
     history = (
         "position", "velocity", "volume", "deformation_gradient", "velocity_gradient", "stress", "affine",
         "moment",
@@ -163,39 +157,18 @@ class Particles(Struct):
         return int(self.position.shape[1])
 
 
-def joined(slices: tuple[slice, ...], own: slice) -> tuple[slice, ...]:
-    """The slices and one more; bodies that follow each other become one slice, and take one call of a
-    kernel."""
-    if slices and slices[-1].stop == own.start:
-        return (*slices[:-1], slice(slices[-1].start, own.stop))
-    return (*slices, own)
-
-
-class OutsideGrid(Exception):
-    """A point left the background grid; carries its index for the guard that names body, position and
-    time."""
-
-    def __init__(self, index: int, *, surface: bool = False) -> None:
-        super().__init__(index)
-        self.index = index
-        self.surface = surface
-
-
 @dataclass(eq=False)
 class Grid(Struct):
     """Background grid of square cells with one window per velocity field.
 
-    Nodal arrays are flat: node ``(i, j, k)`` of field ``f``'s window has index ``offset[f] + (i * shape_1 +
-    j) * shape_2 + k``.
-    """
+    Nodal arrays are flat: node ``(i, j, k)`` of field ``f``'s window has index
+    ``offset[f] + (i * shape_1 + j) * shape_2 + k``."""
 
     member_names = (
         "lower", "nodes", "window_lower", "window_shape", "offset",
         "position", "mass", "momentum", "start_velocity", "force", "velocity",
     )  # fmt: skip
-    history = (
-        "window_lower", "window_shape", "mass", "momentum", "start_velocity", "force", "velocity",
-    )  # fmt: skip
+    history = ("window_lower", "window_shape", "mass", "momentum", "start_velocity", "force", "velocity")
 
     cell_size: float  #: h [m]
     lower: FloatArray  #: (dim,) position of node (0, 0, …) [m]
@@ -229,17 +202,10 @@ class Grid(Struct):
         """Flat nodes of velocity field ``index``."""
         return slice(int(self.offset[index]), int(self.offset[index + 1]))
 
-    def reset(self) -> None:
-        """Forget the last step: mass, momentum and force become zero."""
-        self.mass.fill(0.0)
-        self.momentum.fill(0.0)
-        self.force.fill(0.0)
-
 
 @dataclass(slots=True)
 class Surface:
-    """Closed surfaces of all bodies, moved by their own velocity field: two-node segments in the plane,
-    triangles in space."""
+    """Closed surfaces of all bodies, which move with the grid: segments in the plane, triangles in space."""
 
     history = ("position", "displacement")
 
@@ -288,9 +254,7 @@ OF_BODIES = ("particle", "surface_node", "body", "pair")
 class State:
     """All that changes while a simulation runs."""
 
-    history = (
-        "particles", "grid", "surface", "time", "dt", "steps", "pair_bodies", "kept_arrays",
-    )  # fmt: skip
+    history = ("particles", "grid", "surface", "time", "dt", "steps", "pair_bodies", "kept_arrays")
 
     particles: Particles  #: material points of all bodies
     grid: Grid  #: nodes of all velocity fields
@@ -329,11 +293,8 @@ class State:
         return {key: self.arrays[key] for key, dims in self.dims.items() if dims and dims[0] in OF_BODIES}
 
     def lengthen(self, name: str, rows: int) -> AnyArray:
-        """Return a plug-in's array ``owner/name`` with zeros added to so many ``rows``; it replaces the
-        other.
-        """
+        """Return a new array in place of a plug-in's ``owner/name``, with zeros added to so many ``rows``."""
         old = self.arrays[name]
-        longer = np.zeros((rows, *old.shape[1:]), dtype=old.dtype)
+        longer = self.arrays[name] = np.zeros((rows, *old.shape[1:]), dtype=old.dtype)
         longer[: len(old)] = old
-        self.arrays[name] = longer
         return longer

@@ -10,8 +10,7 @@ from mpmfw.state.fields import GRID_FIELDS, FloatArray, IntArray
 from mpmfw.state.history import NotSaved
 from mpmfw.state.structs import Grid, Particles, Surface
 
-#: Nodes kept free round a body: room for the supports of smooth shape functions and for motion until the next
-#: laying.
+#: Nodes kept free round a body: room for supports, and for motion until windows are laid again.
 MARGIN = 3
 
 
@@ -36,8 +35,7 @@ def make_grid(cell_size: float, lower: FloatArray, upper: FloatArray, n_fields: 
 def fit_windows(grid: Grid, particles: Particles, reach: FloatArray, surface: Surface | None) -> None:
     """Lay every field's window round its material points and surface nodes, clipped to the background grid.
 
-    Nodal arrays are allocated anew and are zero; node indices of earlier stencils lose their meaning.
-    ``reach`` (n, dim) [m] is half the extent of every particle's domain."""
+    Nodal arrays are allocated anew, all zero. ``reach`` (n, dim) [m] is half the extent of every domain."""
     grid.window_lower[:], grid.window_shape[:] = fitted_windows(grid, particles, reach, surface)
     allocate_nodes(grid)
 

@@ -8,12 +8,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from mpmfw.errors import Diverged, SimulationError
+from mpmfw.errors import Diverged, OutsideGrid, SimulationError
 from mpmfw.kernels import integrate_momentum, particle_grid, velocity_of_momentum
 from mpmfw.state.clock import Clock
 from mpmfw.state.fields import FloatArray
 from mpmfw.state.pairs import update_pairs
-from mpmfw.state.structs import Body, Grid, OutsideGrid, Particles, State, Stencil
+from mpmfw.state.structs import Body, Grid, Particles, State, Stencil
 from mpmfw.state.windows import fit_windows
 from mpmfw.step.transfer import Transfer
 
@@ -213,7 +213,8 @@ def _over_nodes(p: Particles, kernel: Callable[..., Any], *given: Any) -> None:
 
 def project(p: Particles, phi: Stencil, g: Grid) -> None:
     """m_i, (m v)_i and the velocity v_i⁰ that increments are counted from; forces become zero."""
-    g.reset()
+    for array in (g.mass, g.momentum, g.force):
+        array.fill(0.0)
     _apply_moment(p, phi, g, p.position)
     _over_nodes(p, particle_grid.project, p.position, p.affine, phi, g, g.mass, g.spacing)
     velocity_of_momentum(g.mass, g.momentum, g.start_velocity, g.spacing)

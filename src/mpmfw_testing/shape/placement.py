@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 
 from mpmfw.api.shape import ShapeFunction
+from mpmfw.errors import OutsideGrid
 from mpmfw.geometry.layout import Layout, layout_of_boxes
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import AnyArray, FloatArray
 from mpmfw.state.history import put, take
-from mpmfw.state.structs import Body, Grid, OutsideGrid, Particles, State, Stencil
+from mpmfw.state.structs import Body, Grid, Particles, State, Stencil
 from mpmfw.state.windows import fit_windows, make_grid, set_windows
 from mpmfw_testing.bench import dims_of, points_at_rest, set_up
 from mpmfw_testing.check import remember

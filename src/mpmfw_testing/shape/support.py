@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.errors import SceneError
+from mpmfw.errors import OutsideGrid, SceneError
 from mpmfw.state.fields import FloatArray
-from mpmfw.state.structs import OutsideGrid, Stencil
+from mpmfw.state.structs import Stencil
 from mpmfw_testing.bench import dims_of
 from mpmfw_testing.check import Violation, within
 from mpmfw_testing.generic import unchanged
