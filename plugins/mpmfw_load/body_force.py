@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict
 
 from mpmfw.api.load import BodyLoad
 from mpmfw.api.types import FloatArray, Particles
-from mpmfw.api.units import TimeTable, problems_in_time, quantity, vector_in_time
+from mpmfw.api.units import TimeTable, quantity, vector_in_time
 
 
 class BodyForceOptions(BaseModel):
@@ -32,15 +31,11 @@ class BodyForce(BodyLoad):
     name = "body_force"
     Options = BodyForceOptions
     options: BodyForceOptions
+    vectors = ("force",)
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
         self.table = TimeTable.of(self.options.force)
-
-    @classmethod
-    def problems(cls, options: BodyForceOptions, dim: int) -> Iterable[tuple[tuple[str | int, ...], str]]:
-        """A force of another dimension than the grid, and times that do not increase."""
-        return ((("force", *index), message) for index, message in problems_in_time(options.force, dim))
 
     def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
         """V_p⁰ b(t), (n, dim) [N]."""

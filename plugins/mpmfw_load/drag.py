@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Annotated, Any
 
 import numpy as np
@@ -10,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from mpmfw.api.load import BodyLoad
 from mpmfw.api.types import FloatArray, Particles, State, hookimpl
-from mpmfw.api.units import TimeTable, Velocity, problems_in_time, quantity, vector_in_time
+from mpmfw.api.units import TimeTable, Velocity, quantity, vector_in_time
 
 
 class DragOptions(BaseModel):
@@ -36,25 +35,18 @@ class Drag(BodyLoad):
     name = "drag"
     Options = DragOptions
     options: DragOptions
+    vectors = ("medium",)
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
         medium = self.options.medium
         self.table = None if medium is None else TimeTable.of(medium)
 
-    @classmethod
-    def problems(cls, options: DragOptions, dim: int) -> Iterable[tuple[tuple[str | int, ...], str]]:
-        """A velocity of another dimension than the grid, and times that do not increase."""
-        if options.medium is None:
-            return ()
-        return ((("medium", *index), message) for index, message in problems_in_time(options.medium, dim))
-
     def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
         """−c m_p (v_p − u), (n, dim) [N]."""
         medium = np.zeros(particles.dim) if self.table is None else self.table.at(time)
-        force: FloatArray = (
-            -self.options.rate * particles.mass[own, None] * (particles.velocity[own] - medium)
-        )
+        c, mass = self.options.rate, particles.mass[own, None]
+        force: FloatArray = -c * mass * (particles.velocity[own] - medium)
         return force
 
     @hookimpl

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Annotated, Any
 
 import numpy as np
@@ -10,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, Strict
 
 from mpmfw.api.load import BodyLoad, shares_near
 from mpmfw.api.types import FloatArray, Particles, SceneError, Setup, hookimpl
-from mpmfw.api.units import Force, Length, TimeTable, problems_in_time, vector_in_time
+from mpmfw.api.units import Force, Length, TimeTable, vector_in_time
 
 
 class PointForceOptions(BaseModel):
@@ -31,8 +30,7 @@ class PointForceOptions(BaseModel):
 
 
 class PointForce(BodyLoad):
-    """A force at a point of one body, spread over the material points within 1.5 cells so that force and
-    moment are exact.
+    """A force at a point of one body, with the exact moment, spread over material points within 1.5 cells.
 
     Their shares w_p are linear in the distance within a kernel (moving least squares): Σ w_p = 1 and Σ w_p
     x_p = x at the start.
@@ -41,27 +39,15 @@ class PointForce(BodyLoad):
     name = "point_force"
     Options = PointForceOptions
     options: PointForceOptions
+    vectors = ("at", "force")
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
         self.table = TimeTable.of(self.options.force)
 
-    @classmethod
-    def problems(cls, options: PointForceOptions, dim: int) -> Iterable[tuple[tuple[str | int, ...], str]]:
-        """A place or a force of another dimension than the grid, and times that do not increase."""
-        for key in ("at", "force"):
-            found = problems_in_time(getattr(options, key), dim)
-            yield from (((key, *index), message) for index, message in found)
-
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        """Shares of the points near the place.
-
-        Raises
-        ------
-        SceneError
-            The load has several bodies, or none near the place.
-        """
+        """Find the shares of points near the place; raise SceneError unless there is one body, near it."""
         if len(self.bodies) != 1:
             names = ", ".join(body.name for body in self.bodies)
             raise SceneError(

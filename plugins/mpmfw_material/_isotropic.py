@@ -41,10 +41,8 @@ class Moduli(BaseModel):
             (other,) = set(_PAIRS[1]) - set(second)
             raise ValueError(f"'{second[0]}' goes with '{other}', which is missing")
         try:
-            e, nu = (
-                float(_PRESSURE.validate_python(values["youngs_modulus"])),
-                float(values["poissons_ratio"]),
-            )
+            e = float(_PRESSURE.validate_python(values["youngs_modulus"]))
+            nu = float(values["poissons_ratio"])
             found = e / (3.0 * (1.0 - 2.0 * nu)), e / (2.0 * (1.0 + nu))
         except (ValidationError, ValueError, TypeError, ZeroDivisionError):
             found = 1.0, 1.0  # what is wrong with E or ν is told by their own fields
@@ -89,9 +87,8 @@ class Elastic(Isotropic):
     @hookimpl
     def update_stress(self, particles: Particles) -> None:
         """σ(F) of this material's bodies."""
-        self.over_points(
-            self.evaluate, particles, particles.deformation_gradient, particles.stress, *self.constants
-        )
+        f, stress = particles.deformation_gradient, particles.stress
+        self.over_points(self.evaluate, particles, f, stress, *self.constants)
 
     def cauchy_stress(self, deformation_gradient: FloatArray) -> FloatArray:
         """σ, (n, 3, 3) [Pa]."""

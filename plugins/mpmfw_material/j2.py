@@ -81,8 +81,7 @@ def set_plastic_metric(p: int, f: Floats, jacobian: Float, be: Floats, flow: Flo
 @kernel
 def j2_stress(
     first: int, last: int, deformation_gradient: Floats, flow: Flow, stress: Floats, bulk: float,
-    shear: float,
-    yield_stress: float, hardening: float, spacing: tuple[float, ...],
+    shear: float, yield_stress: float, hardening: float, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """σ = K/2 (J − 1/J) 1 + s/J, |s| ≤ √(2/3) (σ_y + H α): elastic predictor s = G dev b_e, and its radial
     return.
@@ -91,8 +90,7 @@ def j2_stress(
     mean of the yield stresses before and after.
     """
     dim = len(spacing)
-    f = scratch.matrix(SPACE, SPACE)
-    be = scratch.matrix(SPACE, SPACE)
+    f, be = scratch.matrix(SPACE, SPACE), scratch.matrix(SPACE, SPACE)
     for p in range(first, last):
         for i in range(3):
             for j in range(3):
@@ -144,11 +142,9 @@ class J2Options(Moduli):
 
 
 class J2(Isotropic):
-    """Elastic as ``neo_hookean``, and von Mises plasticity: σ_y + H α is the stress under which it flows at
-    constant volume.
+    """Elastic as ``neo_hookean``, and von Mises plasticity: it flows at constant volume under σ_y + H α.
 
-    The history of a point is C_p⁻¹, the inverse of the plastic right Cauchy-Green tensor, and α, both arrays
-    of the run.
+    The history of a point is C_p⁻¹, the inverse of the plastic right Cauchy-Green tensor, and α.
     """
 
     name = "j2"
@@ -163,8 +159,7 @@ class J2(Isotropic):
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        """Constants, and the history: one set of arrays for all materials of this model, each with points of
-        its own."""
+        """Take constants, and the history: one set of arrays for all materials of this model."""
         self.spacing = setup.state.grid.spacing
         o = self.options
         self.constants = o.bulk_modulus, o.shear_modulus, o.yield_stress, o.hardening_modulus
@@ -173,19 +168,16 @@ class J2(Isotropic):
             known = setup.state.arrays.get(f"{self.name}/{field.name}")
             return setup.allocate(self.name, field, three=3, three2=3) if known is None else known
 
-        self.flow = Flow(
-            metric=shared(PLASTIC_METRIC), strain=shared(PLASTIC_STRAIN), work=shared(PLASTIC_WORK)
-        )
+        fields = {"metric": PLASTIC_METRIC, "strain": PLASTIC_STRAIN, "work": PLASTIC_WORK}
+        self.flow = Flow(**{name: shared(field) for name, field in fields.items()})
         for own in self.slices:
             self.flow.metric[own] = np.eye(3)
 
     @hookimpl
     def update_stress(self, particles: Particles) -> None:
         """σ of this material's bodies, and what has flowed."""
-        self.over_points(
-            j2_stress, particles, particles.deformation_gradient, self.flow, particles.stress,
-            *self.constants, self.spacing
-        )  # fmt: skip
+        f, stress = particles.deformation_gradient, particles.stress
+        self.over_points(j2_stress, particles, f, self.flow, stress, *self.constants, self.spacing)
 
     @hookimpl
     def diagnostics(self, state: State, points: bool) -> dict[str, AnyArray]:  # noqa: ARG002

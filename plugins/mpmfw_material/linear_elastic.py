@@ -38,21 +38,14 @@ def rotation_of(f: Floats, rotation: Floats, inverse: Floats, spacing: tuple[flo
 
 @kernel
 def linear_elastic_stress(
-    first: int,
-    last: int,
-    deformation_gradient: Floats,
-    stress: Floats,
-    bulk: float,
-    shear: float,
+    first: int, last: int, deformation_gradient: Floats, stress: Floats, bulk: float, shear: float,
     spacing: tuple[float, ...],
-) -> None:
+) -> None:  # fmt: skip
     """σ = R [λ tr(U − 1) 1 + 2 G (U − 1)] Rᵀ, U = Rᵀ F, λ = K − 2 G / 3; U_zz = 1 in 2D."""
     dim = len(spacing)
     lame = bulk - 2.0 * shear / 3.0
-    f = scratch.matrix(spacing, spacing)
-    rotation = scratch.matrix(spacing, spacing)
-    inverse = scratch.matrix(spacing, spacing)
-    stretch = scratch.matrix(spacing, spacing)
+    f, rotation = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
+    inverse, stretch = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
     for p in range(first, last):
         for d in range(dim):
             for e in range(dim):
@@ -92,7 +85,5 @@ class LinearElastic(Elastic):
         strain = np.einsum("nia,na,nja->nij", vectors, np.sqrt(values) - 1.0, vectors)  # U − 1 from U² = Fᵀ F
         lame = self.bulk_modulus - 2.0 * self.shear_modulus / 3.0
         trace = np.einsum("nii->n", strain)
-        energy: FloatArray = 0.5 * lame * trace**2 + self.shear_modulus * np.einsum(
-            "nij,nij->n", strain, strain
-        )
-        return energy
+        square: FloatArray = np.einsum("nij,nij->n", strain, strain)
+        return 0.5 * lame * trace**2 + self.shear_modulus * square

@@ -18,21 +18,15 @@ from mpmfw_material._isotropic import Elastic, Moduli
 
 @kernel
 def neo_hookean_split(
-    first: int,
-    last: int,
-    deformation_gradient: Floats,
-    stress: Floats,
-    bulk: float,
-    shear: float,
+    first: int, last: int, deformation_gradient: Floats, stress: Floats, bulk: float, shear: float,
     spacing: tuple[float, ...],
-) -> None:
+) -> None:  # fmt: skip
     """σ = K/2 (J − 1/J) 1 + G J^(−5/3) (b − tr b / 3), b = F Fᵀ; in 2D b_zz = 1 enters the trace.
 
     From W = K/2 [(J² − 1)/2 − ln J] + G/2 [J^(−2/3) tr b − 3].
     """
     dim = len(spacing)
-    f = scratch.matrix(spacing, spacing)
-    b = scratch.matrix(spacing, spacing)
+    f, b = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
     for p in range(first, last):
         for d in range(dim):
             for e in range(dim):
@@ -54,14 +48,9 @@ def neo_hookean_split(
 
 @kernel
 def neo_hookean_log(
-    first: int,
-    last: int,
-    deformation_gradient: Floats,
-    stress: Floats,
-    bulk: float,
-    shear: float,
+    first: int, last: int, deformation_gradient: Floats, stress: Floats, bulk: float, shear: float,
     spacing: tuple[float, ...],
-) -> None:
+) -> None:  # fmt: skip
     """σ = [G (b − 1) + λ ln J 1] / J, λ = K − 2 G / 3.
 
     From W = G/2 (tr b − 3) − G ln J + λ/2 ln² J.
@@ -80,9 +69,8 @@ def neo_hookean_log(
                 b = 0.0
                 for a in range(dim):
                     b += f[d, a] * f[e, a]
-                stress[p, d, e] = (
-                    shear * (b - (1.0 if d == e else 0.0)) + (pressure if d == e else 0.0)
-                ) / jacobian
+                unit, mean = (1.0, pressure) if d == e else (0.0, 0.0)
+                stress[p, d, e] = (shear * (b - unit) + mean) / jacobian
 
 
 class NeoHookeanOptions(Moduli):

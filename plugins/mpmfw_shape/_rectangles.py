@@ -25,8 +25,7 @@ SIGNS = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
 
 
 def corners_of_centres(surface: Surface) -> tuple[IntArray, IntArray]:
-    """Surface nodes (k,) with four facets, of all of which they are the last corner, in the middle of the
-    other four; and these, (k, 4)."""
+    """Return surface nodes (k,) in the middle of four facets, and the facets' other corners (k, 4)."""
     facets, position = surface.facets, surface.position
     last = np.bincount(facets[:, -1], minlength=len(position))
     centre = np.flatnonzero((last == 4) & (np.bincount(facets.ravel(), minlength=len(position)) == 4))
@@ -40,10 +39,9 @@ def corners_of_centres(surface: Surface) -> tuple[IntArray, IntArray]:
 
 
 def are_faces(rectangles: FloatArray, position: FloatArray, half_edges: FloatArray) -> AnyArray:
-    """Return True (k,) for each rectangle (k, 4, 3) [m] that is a face of a point's domain.
+    """Return whether each rectangle (k, 4, 3) [m] is a face of a domain at the start, (k,).
 
-    ``position`` (n, 3) and ``half_edges`` (n, 3, 3) are the domains at the start [m].
-    """
+    Domains have centres ``position`` (n, 3) and ``half_edges`` (n, 3, 3) [m]."""
     centre = rectangles.mean(axis=1)
     nearest = cKDTree(position).query(centre)[1]
     middle, half = position[nearest], half_edges[nearest]
@@ -88,15 +86,7 @@ def mean_rows(index: Ints, corners: Ints, plain: Table, place: Indices, table: T
 
 
 class Rectangles:
-    """The table of a surface with such centres.
-
-    Parameters
-    ----------
-    surface
-        Tracked by the scene.
-    particles, half_edges
-        The points, and the half-edges (n, 3, 3) of their domains [m].
-    """
+    """The table of a tracked surface with such centres; ``half_edges`` (n, 3, 3) [m] are those of domains."""
 
     def __init__(self, surface: Surface, particles: Particles, half_edges: FloatArray) -> None:
         centre, corners = corners_of_centres(surface)
@@ -112,17 +102,13 @@ class Rectangles:
         self.index[centre] = np.arange(len(centre))
         room = 2**3 * (count + 3 * len(centre))
         self.place = np.zeros(0, dtype=np.int32)
-        self.table = Stencil(
-            np.zeros(count + 1, dtype=np.int64), np.zeros(room, dtype=np.int32), np.zeros(room),
-            np.zeros((0, 3))
-        )  # fmt: skip
+        row, nodes = np.zeros(count + 1, dtype=np.int64), np.zeros(room, dtype=np.int32)
+        self.table = Stencil(row, nodes, np.zeros(room), np.zeros((0, 3)))
 
     def table_of(self, plain: Stencil, grid_nodes: int) -> Stencil:
-        """The table with the functions at the nodes themselves, ``plain``, with centres as means of their
-        corners.
+        """Return the table ``plain`` of the nodes with centres as means of their corners.
 
-        ``grid_nodes`` is the number of nodes of the grid, those of all fields counted.
-        """
+        ``grid_nodes`` is the number of nodes of all velocity fields."""
         if len(self.place) < grid_nodes:
             self.place = np.zeros(grid_nodes, dtype=np.int32)
         mean_rows(self.index, self.corners, plain, self.place, self.table)

@@ -2,11 +2,10 @@
 
 Degenerate domains, as plastic flow makes them, are replaced by rectangles of bounded edges. The mean gradient
 over a parallelogram R ξ is R^−T times differences of N_i along its edges. Where these are long and nearly
-parallel, the kinks of N_i along them are divided by the width: the gradient exceeds 1/h without a bound. A
-domain that is very thin has, where it is alone, a node with nearly no mass but a force. In both cases steps
-that are stable for the bulk diverge, and points invert. The rectangle has the directions of the principal
-axes of the ellipse R Rᵀ, and the centre and the volume that the point has: sums of φ, ∇φ and x φ are exact
-for any domain. Homel, Brannon & Guilkey (2016, doi:10.1002/nme.5151) bound the diagonals' lengths alone.
+parallel, the gradient exceeds 1/h without a bound. A very thin domain has, where it is alone, a node with
+nearly no mass but a force. In both cases steps that are stable for the bulk diverge, and points invert. The
+rectangle has the principal axes of the ellipse R Rᵀ, and the point's centre and volume: sums of φ, ∇φ and x φ
+are exact for any domain. Homel, Brannon & Guilkey (2016, doi:10.1002/nme.5151) bound the diagonals alone.
 """
 
 from __future__ import annotations

@@ -57,8 +57,7 @@ def replace_degenerate(corners: Floats, centre: Floats, start: Floats, spacing: 
     """Replace a degenerate quadrilateral by a rectangle round ``centre`` (:func:`.cpdi.make_rectangle`).
 
     It is degenerate if the parallelogram of its midlines r_1, r_2 is, or if the Jacobian at a corner is below
-    a quarter of its mean. ``corners`` (4, 2) are written [m]. The domain overlaps its neighbours, or has gaps
-    to them, from then on.
+    a quarter of its mean. ``corners`` (4, 2) are written [m]; domains then overlap or have gaps.
     """
     r = scratch.matrix(spacing, spacing)
     for d in range(len(spacing)):
@@ -112,12 +111,9 @@ def move_corners(
     first: Ints, grid: Nodes, corners: Floats, position: Floats, half_edges: Floats, dt: float,
     spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
-    """x_c += Δt Σ N_i(x_c) v_i, and x_p = Σ_c w_c x_c with the weights of the moved domain; degenerate ones
-    are replaced.
+    """x_c += Δt Σ N_i(x_c) v_i; degenerate domains are replaced. x_p = Σ_c w_c x_c of the moved domain.
 
-    Points are set to Σ S_i x_i, since otherwise the affine transfer, which turns about x_p, lets linear
-    momentum drift.
-    """
+    Otherwise the affine transfer, which turns about x_p, lets linear momentum drift."""
     inverse_h, velocity = 1.0 / spacing[0], grid.velocity
     origin, shape = scratch.vector(spacing), scratch.integers(spacing)
     for f in range(len(first) - 1):

@@ -73,10 +73,8 @@ def fill_cubic(
 ) -> int:
     """Cubic B-splines at points; 4**dim entries each. Return the first point outside its window, or −1.
 
-    Points ``first[f]:first[f + 1]`` belong to velocity field ``f``, whose window has its own first node and
-    shape. Where a window ends only because nobody needed more of it, the point is reported and the core lays
-    the window anew; where it ends with the grid, the splines are ``modified``, or the point is reported too.
-    A gradient of length 0 is not written.
+    Where a window ends with the grid, the splines are ``modified``, or the point is reported; the core lays
+    other windows anew. A gradient of length 0 is not written.
     """
     dim, inverse_h = len(spacing), 1.0 / spacing[0]
     origin, shape, base = scratch.vector(spacing), scratch.integers(spacing), scratch.vector(spacing)
@@ -116,8 +114,7 @@ class CubicBSplineOptions(BaseModel):
         "modified",
         description=(
             "in the last cell of the grid a node of the support is missing; modified: it is read by linear "
-            "extrapolation "
-            "(Steffen, Kirby & Berzins 2008), refuse: the run stops, as with the other functions"
+            "extrapolation (Steffen, Kirby & Berzins 2008), refuse: the run stops, as with other functions"
         ),
     )
 

@@ -1,10 +1,9 @@
 """Compilation of kernels: one set of options, and a disk cache that notices every edit.
 
-numba's cache is keyed by the file that holds the kernel and misses an edit in a file that it imports (stale
-callers), and its key leaves out options such as ``nogil``. The cache folder is therefore named by a hash of
-the options and of all sources that a kernel can be made of: those of ``mpmfw.kernels``, of the kernel's own
-package, and of the kernels of other packages that its module has imported. (A number that is imported by
-value from another package is not seen.)"""
+numba's cache misses an edit in a file that the kernel's file imports, and options such as ``nogil``. The
+cache folder is therefore named by a hash of the options and of all sources that a kernel can be made of:
+those of ``mpmfw.kernels``, of the kernel's own package, and of other packages whose kernels its module has
+imported. (A number that is imported by value from another package is not seen.)"""
 
 from __future__ import annotations
 
@@ -113,8 +112,7 @@ def _usable(root: Path) -> bool:
 def cache_folder(module: str) -> Path:
     """Folder of the compiled kernels of ``module``; ``NUMBA_CACHE_DIR``, if set, is its parent.
 
-    Where that cannot be written (a read-only home), or not by this user alone, kernels are compiled once per
-    process, into a temporary folder."""
+    It is a temporary one where that cannot be written, or not by this user alone."""
     given = os.environ.get("NUMBA_CACHE_DIR")
     root = Path(given) if given else platformdirs.user_cache_path("mpmfw") / "kernels"
     if not _usable(root):
@@ -133,9 +131,8 @@ def _token(process: int) -> str:  # noqa: ARG001
 class _KernelFiles(_CacheFile):  # type: ignore[misc]
     """The files of one kernel in the cache; a damaged one counts as absent, and is written anew.
 
-    numba numbers the files of code by what it finds in its index: of two processes that compile different
-    signatures at the same time both take the same number, and later ones load the code of the wrong
-    signature. Here names have a part that no other process chooses."""
+    numba numbers files of code by its index: two processes that compile different signatures at the same time
+    take one number, and later ones load the wrong code. Here names have a part that no other process has."""
 
     def _data_name(self, number: int) -> str:
         return f"{self._index_name.removesuffix('.nbi')}.{number}-{_token(os.getpid())}.nbc"

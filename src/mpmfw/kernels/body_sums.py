@@ -19,12 +19,9 @@ def sum_motion(
     ``second`` Σ m_p r rᵀ [kg m], (B, dim, dim); ``kinetic`` Σ m_p |v_p|² / 2, (B,) [J/m]. Points
     ``first[b]:first[b + 1]`` belong to body b."""
     dim = len(spacing)
-    r = scratch.vector(spacing)
-    w = scratch.vector(spacing)
-    c = scratch.vector(spacing)
-    v = scratch.vector(spacing)
-    turned = scratch.vector((0.0, 0.0, 0.0))
-    inertia = scratch.matrix(spacing, spacing)
+    r, w = scratch.vector(spacing), scratch.vector(spacing)
+    c, v = scratch.vector(spacing), scratch.vector(spacing)
+    turned, inertia = scratch.vector((0.0, 0.0, 0.0)), scratch.matrix(spacing, spacing)
     axes = 1 if dim == 2 else 3
     for b in range(len(first) - 1):
         body_mass = energy = 0.0
@@ -70,10 +67,8 @@ def sum_motion(
 def sum_affine_energy(
     first: Ints, points: Points, affine: Floats, energy: Floats, spacing: tuple[float, ...]
 ) -> None:
-    """Σ m_p l² C:C / 24 of every body to ``energy``, (B,) [J/m]: squares of edge l = V^(1/dim) that move
-    within themselves by C.
-
-    Points ``first[b]:first[b + 1]`` belong to body b.
+    """Σ m_p l² C:C / 24 of every body to ``energy``, (B,) [J/m]: the motion by C in squares of edge
+    l = V^(1/dim).
     """
     dim = len(spacing)
     for b in range(len(first) - 1):

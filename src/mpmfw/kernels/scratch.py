@@ -1,11 +1,10 @@
 """Small scratch arrays on the stack of a kernel.
 
-``np.empty`` within a loop over particles allocates on the heap and, since numba cannot tell LLVM that arrays
-do not overlap, keeps sums in memory. An array on the stack whose address never escapes is promoted to
-registers once its loops are unrolled, so that loops over ``range(dim)`` cost what hand-written scalars do.
+``np.empty`` allocates on the heap, and sums stay in memory. An array on the stack whose address never escapes
+is promoted to registers, so that loops over ``range(dim)`` cost what hand-written scalars do.
 
-The shape is given by tuples, whose length is part of their type and therefore known to the compiler. The
-contents are undefined until written. The arrays must not be returned or stored.
+The shape is given by the length of tuples, known to the compiler. The contents are undefined until written.
+The arrays must not be returned or stored.
 """
 
 from __future__ import annotations

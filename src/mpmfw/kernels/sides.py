@@ -1,6 +1,4 @@
-"""Nodes of one body's surface that are inside another, or have gone through it, and facing nodes of one
-surface.
-"""
+"""Surface nodes that are inside another body or have gone through it, and facing nodes of one surface."""
 
 from __future__ import annotations
 
@@ -16,8 +14,7 @@ from mpmfw.kernels.surfaces import closest_facet, node_normal, signed_distance, 
 from mpmfw.kernels.types import Faceted, Float, Floats, Ints
 
 #: Largest cosine between the normals of a node and of the facet by which it enters a body, and least cosine
-#: where it leaves a body that it has gone through. A node that slides off round a right angle, such as a
-#: spike's tip, cannot have both.
+#: where it leaves. A node that slides off round a right angle, such as a spike's tip, cannot have both.
 FACING, THROUGH = -0.7, 0.8
 
 
@@ -33,26 +30,15 @@ def apart(a: int, b: int, margin: Float, lower: Floats, upper: Floats, spacing: 
 @kernel
 def find_inside(
     first: Ints, second: Ints, body_first: Ints, facet_first: Ints, surface: Faceted, inside: Ints,
-    depth: Floats,
-    passed: Ints, spacing: tuple[float, ...],
+    depth: Floats, passed: Ints, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
-    """Find how deep nodes of two bodies are inside each other, and how many have gone through since the last
-    call.
+    """Find how deep nodes of two bodies are inside each other, and how many have gone through.
 
-    Parameters
-    ----------
-    first, second
-        The bodies of every pair.
-    body_first, facet_first
-        Nodes of body b are ``body_first[b]:body_first[b + 1]``, its facets ``facet_first[b]:facet_first[b +
-        1]``.
-    inside
-        (n_s,) body that a node has entered by a facet that faces it, −1 of none. Updated.
-    depth
-        (n_pairs,) deepest node [m], 0 of none. Filled.
-    passed
-        (n_pairs,) nodes that have come out of the other body by a facet that has the node's own direction.
-        Filled.
+    ``first`` and ``second`` are the bodies of every pair. Nodes of body b are
+    ``body_first[b]:body_first[b + 1]``, its facets ``facet_first[b]:facet_first[b + 1]``. ``inside`` (n_s,)
+    is the body that a node has entered by a facet that faces it, −1 of none; it is updated. ``depth``
+    (n_pairs,) is the deepest node [m], 0 of none. ``passed`` (n_pairs,) counts the nodes that came out of the
+    other body, since the last call, by a facet that has the node's own direction.
     """
     n_bodies, h = len(body_first) - 1, spacing[0]
     lower, upper = np.empty((n_bodies, len(spacing))), np.empty((n_bodies, len(spacing)))
@@ -105,9 +91,7 @@ def find_inside(
 
 @kernel
 def fastest_approach(velocity: Floats) -> float:
-    """Bound of the speed at which two points approach each other, the diagonal of the range of ``velocity``
-    (n, dim) [m/s].
-    """
+    """Bound of the speed of approach: the diagonal of the range of ``velocity`` (n, dim) [m/s]."""
     square = 0.0
     for d in range(velocity.shape[1]):
         least, largest = math.inf, -math.inf
@@ -150,24 +134,15 @@ def faces(
 @kernel
 def least_own_gaps(
     body_first: Ints, order: Ints, start: Floats, start_normal: Floats, position: Floats, normal: Floats,
-    gaps: Floats,
-    spacing: tuple[float, ...],
+    gaps: Floats, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
-    """Least gap between parts of each body's own surface that have come within a cell of each other [m].
+    """Write the least gap between parts of each body's surface that came within a cell, to ``gaps`` (B,) [m].
 
     Two nodes count that face each other within a cell and have come closer by a tenth of a cell. At the start
     they faced each other across a gap, or were more than three cells apart: a wrinkle of a surface is no gap.
-
-    Parameters
-    ----------
-    body_first, order
-        Nodes of body b are ``order[body_first[b]:body_first[b + 1]]``, by their first coordinate.
-    start, start_normal
-        Positions [m] and outward unit normals at the start, (n_s, dim).
-    position, normal
-        The same now.
-    gaps
-        (n_bodies,) [m], infinite of bodies without. Filled.
+    Without such nodes the gap is infinite. Nodes of body b are ``order[body_first[b]:body_first[b + 1]]``, by
+    their first coordinate. ``start`` [m] and ``start_normal`` (n_s, dim) are those at the start, ``position``
+    and ``normal`` those of now.
     """
     h = spacing[0]
     for b in range(len(body_first) - 1):

@@ -14,6 +14,7 @@ from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.state.fields import AnyArray, Field, FloatArray
 from mpmfw.state.structs import Body, State
+from mpmfw.units import problems_in_time
 
 
 class NamedPlugIn(PlugIn):
@@ -22,16 +23,23 @@ class NamedPlugIn(PlugIn):
 
     #: Whether surfaces must be tracked for it.
     needs_surface: ClassVar[bool] = False
+    #: Options that are vectors, constant or in time (``mpmfw.api.units.vector_in_time``).
+    vectors: ClassVar[tuple[str, ...]] = ()
     #: What the scene calls it.
     title: str = ""
     #: Bodies that it concerns.
     bodies: tuple[Body, ...] = ()
 
     @classmethod
-    def problems(cls, options: Any, dim: int) -> Iterable[tuple[tuple[str | int, ...], str]]:  # noqa: ARG003
-        """Yield problems of ``options`` in ``dim`` dimensions: the key, with an index where there is one, and
-        a text. The scene's reader adds file and line."""
-        return ()
+    def problems(cls, options: Any, dim: int) -> Iterable[tuple[tuple[str | int, ...], str]]:
+        """Yield problems of ``options`` in ``dim`` dimensions: key, with an index where there is one, and
+        text.
+
+        They are vectors of another dimension, and times that do not increase. The scene's reader adds file
+        and line."""
+        for key in cls.vectors:
+            for index, text in problems_in_time(getattr(options, key), dim):
+                yield (key, *index), text
 
     def from_setup(self, setup: Setup) -> Self | str:  # noqa: ARG002
         """Return the plug-in, ready for the bodies as they are built, or the reason why it does not act."""
