@@ -85,5 +85,6 @@ class LinearElastic(Elastic):
         strain = np.einsum("nia,na,nja->nij", vectors, np.sqrt(values) - 1.0, vectors)  # U − 1 from U² = Fᵀ F
         lame = self.bulk_modulus - 2.0 * self.shear_modulus / 3.0
         trace = np.einsum("nii->n", strain)
-        square: FloatArray = np.einsum("nij,nij->n", strain, strain)
-        return 0.5 * lame * trace**2 + self.shear_modulus * square
+        square = np.einsum("nij,nij->n", strain, strain)
+        energy: FloatArray = 0.5 * lame * trace**2 + self.shear_modulus * square
+        return energy

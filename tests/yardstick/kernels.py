@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.benchmark.scenes import quartiles, stage_times
+from mpmfw.benchmark import quartiles, stage_times
 from yardstick.block import Block, make_block, make_rings
 from yardstick.plain import STAGES, PlainLoop, compilers
 

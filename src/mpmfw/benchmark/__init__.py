@@ -1,9 +1,154 @@
-"""What a time step costs: nanoseconds per material point by stage.
+"""Cost of time steps: nanoseconds per material point by stage, and what several threads gain."""
 
-The command line is not needed to measure: :func:`measure_scene` times a scene's own simulation,
-:func:`measure_threads` what several threads gain, :func:`table` shows it."""
+from __future__ import annotations
 
-from mpmfw.benchmark.scenes import measure_scene, measure_threads
-from mpmfw.benchmark.tables import table
+import math
+import time
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from rich.table import Table
+
+from mpmfw.runs.simulation import Simulation
+from mpmfw.state.clock import STEP_STAGES
+from mpmfw.state.fields import FloatArray
 
 __all__ = ["measure_scene", "measure_threads", "table"]
+
+#: Steps before the first sample: kernels are compiled, windows laid, contact searched.
+WARM_UP = 5
+
+
+def measure_scene(
+    scene: Any,
+    repeats: int = 10,
+    *,
+    steps: int = 50,
+    start: int = WARM_UP,
+    contact: str | None = None,
+    shape: str | None = None,
+) -> dict[str, Any]:
+    """Cost of a scene's steps from its beginning on, after settling.
+
+    Parameters
+    ----------
+    scene
+        Name, file or table of a scene, as in :func:`mpmfw.load_scene`.
+    repeats, steps
+        Samples, and steps of a sample.
+    start
+        Steps before the first sample, after which the bodies are in contact.
+    contact, shape
+        Names of plug-ins instead of the scene's.
+
+    Returns
+    -------
+    ``scene``, ``contact``, ``shape``, ``dim``, ``particles``; least CPU time over the samples [ns per point
+    and step], ``ns_total``, and the stages of the method (``ns_contact``, …); ``ns_median`` of the totals and
+    their quartiles ``ns_low`` and ``ns_high``. Output and surfaces tracked for the gap alone are left out.
+    """
+    simulation = Simulation(scene, contact=contact, shape=shape)
+    simulation.advance(max(start, WARM_UP))
+    particles, clock = simulation.state.particles, simulation.clock
+    wall, cpu = np.zeros((repeats, len(STEP_STAGES))), np.zeros(repeats)
+    for repeat in range(repeats):
+        clock.restart()
+        simulation.advance(steps)
+        clock.flush()
+        wall[repeat] = [clock.wall[stage] for stage in STEP_STAGES]
+        cpu[repeat] = sum(clock.cpu[stage] for stage in STEP_STAGES)
+    to_ns = 1e9 / (particles.count * steps)
+    low, median, high = quartiles(cpu * to_ns)
+    times = stage_times(wall, cpu) * to_ns
+    return {
+        **_methods(simulation),
+        "dim": particles.dim,
+        "particles": particles.count,
+        **{f"ns_{stage}": float(time) for stage, time in zip(STEP_STAGES, times, strict=True)},
+        "ns_total": float(cpu.min() * to_ns),
+        "ns_median": median,
+        "ns_low": low,
+        "ns_high": high,
+    }
+
+
+def measure_threads(
+    scene: Any,
+    threads: int,
+    repeats: int = 10,
+    *,
+    steps: int = 20,
+    start: int = WARM_UP,
+    contact: str | None = None,
+    shape: str | None = None,
+) -> dict[str, Any]:
+    """Wall time of a scene's steps with one thread and with several, at least 2 ``threads``, in turns.
+
+    Other parameters are those of :func:`measure_scene`; ``steps`` are those between two turns. Return
+    ``scene``, ``contact``, ``shape``, ``particles``, ``threads``; ``ns_one`` and ``ns_shared``, the least
+    wall time of a step with one thread and with all of them [ns per point], and their ``ratio``. Outputs are
+    left out."""
+    both = [Simulation(scene, contact=contact, shape=shape, threads=each) for each in (1, threads)]
+    for simulation in both:
+        simulation.advance(max(start, WARM_UP))
+    least = [math.inf, math.inf]
+    for _ in range(repeats):
+        for which, simulation in enumerate(both):
+            for _ in range(steps):
+                begin = time.perf_counter()
+                simulation.step()
+                least[which] = min(least[which], time.perf_counter() - begin)
+    count = both[0].state.particles.count
+    return {
+        **_methods(both[0]),
+        "particles": count,
+        "threads": threads,
+        "ns_one": 1e9 * least[0] / count,
+        "ns_shared": 1e9 * least[1] / count,
+        "ratio": least[0] / least[1],
+    }
+
+
+def _methods(simulation: Simulation) -> dict[str, str]:
+    """Return the names of scene, contact and shape."""
+    contact = "none" if simulation.contact is None else simulation.contact.name
+    return {"scene": simulation.scene.name, "contact": contact, "shape": simulation.shape.name}
+
+
+def stage_times(wall: FloatArray, cpu: FloatArray) -> FloatArray:
+    """Time of each stage, (n_stages,): the least CPU time of a sample, shared out by the stages' least wall
+    times.
+
+    Wall time counts other processes, and the CPU timer is too slow to be read at every stage. ``wall`` is
+    that of every stage in every sample, (n_samples, n_stages) [s], ``cpu`` that of samples, (n_samples,) [s].
+    """
+    least = wall.min(axis=0)
+    times: FloatArray = least * (cpu.min() / least.sum())
+    return times
+
+
+def quartiles(values: FloatArray) -> tuple[float, float, float]:
+    """Return first quartile, median, third quartile."""
+    low, median, high = np.quantile(values, [0.25, 0.5, 0.75])
+    return float(low), float(median), float(high)
+
+
+def table(rows: Sequence[Mapping[str, Any]], title: str = "ns per material point and step") -> Table:
+    """Return rows as :func:`measure_scene` makes them, with a column for each key."""
+    made = Table(title=title)
+    keys = list(dict.fromkeys(key for row in rows for key in row))
+    for key in keys:
+        numeric = any(isinstance(row.get(key), int | float) for row in rows)
+        # The stage that fills the table of the shape function is no second column called shape.
+        heading = "fill" if key == "ns_shape" else key.removeprefix("ns_").replace("_", " ")
+        made.add_column(heading, justify="right" if numeric else "left", no_wrap=True)
+    for row in rows:
+        made.add_row(*[_formatted(key, row.get(key)) for key in keys])
+    return made
+
+
+def _formatted(key: str, value: Any) -> str:
+    if isinstance(value, float):
+        return f"{value:.{2 if key.startswith('ratio') else 1}f}"
+    return "" if value is None else str(value)

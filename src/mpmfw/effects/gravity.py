@@ -25,8 +25,7 @@ class Gravity:
 
     def __init__(self, table: TimeTable) -> None:
         self.table = table
-        #: While a scene settles, the gravity that it settles under.
-        self.override: FloatArray | None = None
+        self.while_settling(None)
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
@@ -39,15 +38,14 @@ class Gravity:
         return Acts("[gravity]", [cls(table)])
 
     def while_settling(self, asked: Settle | None) -> None:
-        """Take the gravity of the settling, if it has one, and the scene's own again after it, when ``asked``
-        is None.
-        """
+        """Take the gravity of the settling, if it has one; the scene's own when ``asked`` is None."""
         gravity = None if asked is None else asked.gravity
-        self.override = None if gravity is None else np.array(gravity.at(0.0))
+        constant = self.table.values[0] if len(self.table.times) == 1 else None
+        self.constant: FloatArray | None = constant if gravity is None else np.array(gravity.at(0.0))
 
     def at(self, time: float) -> FloatArray:
         """g(t), (dim,) [m/s^2]."""
-        return self.table.at(time) if self.override is None else self.override
+        return self.table.at(time) if self.constant is None else self.constant
 
     @hookimpl
     def add_nodal_force(self, grid: Grid, state: State) -> None:

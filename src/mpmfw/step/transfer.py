@@ -1,5 +1,4 @@
-"""Transfers between material points and grid: which velocity a point keeps, and which affine field rides on
-it."""
+"""Transfers between material points and grid: the velocity that a point keeps, and its affine field."""
 
 from __future__ import annotations
 
@@ -12,24 +11,12 @@ AffineKind = Literal["gradient", "least_squares", "moment"]
 
 @dataclass(frozen=True, slots=True)
 class Transfer:
-    """One way to carry velocity between points and grid.
+    """One way to carry velocity between points and grid."""
 
-    Parameters
-    ----------
-    name
-        As in the scene.
-    flip
-        1 keeps the point's velocity and adds the grid's increment (FLIP); 0 takes the grid's velocity (PIC).
-    affine
-        Kind of the affine field, or None.
-    transported
-        Whether C is carried along with the motion, C ← C (1 + Δt C)⁻¹.
-    """
-
-    name: str
-    flip: float
-    affine: AffineKind | None = None
-    transported: bool = False
+    name: str  #: as in the scene
+    flip: float  #: from 0, the grid's velocity (PIC), to 1, the point's and the grid's increment (FLIP)
+    affine: AffineKind | None = None  #: kind of the affine field
+    transported: bool = False  #: whether C is carried along with the motion, C ← C (1 + Δt C)⁻¹
 
 
 #: ``apic``: Jiang et al. 2015; ``tpic``: Nakamura, Matsumura & Mizutani 2023; ``aflip``: FLIP velocity with
@@ -46,18 +33,11 @@ TRANSFERS = {
 def make_transfer(
     name: str, *, singular_spread: bool, transported: bool | None = None, pic_fraction: float | None = None
 ) -> Transfer:
-    """The transfer called ``name``, fitted to a shape function.
+    """Return the transfer called ``name``, fitted to a shape function.
 
-    Parameters
-    ----------
-    singular_spread
-        D = Σ φ q qᵀ can be singular (linear shape functions on grid lines): C = Σ v ∇φᵀ takes the place of B
-        D⁻¹.
-    transported
-        Override of the transfer's own choice. A transported ``apic`` applies D⁻¹ at once, as the field C is
-        what moves.
-    pic_fraction
-        Share of PIC in ``flip``.
+    With ``singular_spread``, D = Σ φ q qᵀ can be singular (linear shape functions on grid lines): C is then
+    Σ v ∇φᵀ instead of B D⁻¹. ``transported`` overrides the transfer's own choice; a transported ``apic``
+    applies D⁻¹ at once. ``pic_fraction`` is the share of PIC in ``flip``.
     """
     transfer = TRANSFERS[name]
     if pic_fraction is not None:
