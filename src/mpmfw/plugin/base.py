@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -52,14 +52,11 @@ class PlugIn:
 
     @property
     def label(self) -> str:
-        """Name and the options that were set, for tables and coordinates."""
-        return self.label_with({key: getattr(self.options, key) for key in self.options.model_fields_set})
-
-    def label_with(self, options: Mapping[str, Any]) -> str:
-        """Return the name and these options, by name, as ``NAME(option=value, …)``; None is left out."""
+        """Name and the options that were set, for tables and coordinates: ``NAME(option=value, …)``."""
         from mpmfw.scene.specification import specification_of
 
-        return specification_of(self.name, options)
+        options = self.options
+        return specification_of(self.name, {key: getattr(options, key) for key in options.model_fields_set})
 
 
 class Material(PlugIn):
