@@ -143,12 +143,11 @@ def test_a_file_is_repeated_to_the_bit(tmp_path):
             one = frame(0.1 * k)
             one.contact = {} if k < 2 else one.contact
             writer.write(one if k % 2 == 0 else dataclasses.replace(one, particles={}))
-    with RunWriter(tmp_path / "b.nc", header()) as writer:
-        writer.repeat(half)
+    with RunWriter(tmp_path / "b.nc", header(), half) as writer:
         writer.write(dataclasses.replace(frame(0.1 * 3), particles={}))
         writer.write(frame(0.1 * 4))
-        with pytest.raises(MpmfwError, match="its copy of the results is damaged, or of another run"):
-            writer.repeat(half[:1000])
+    with pytest.raises(MpmfwError, match="its copy of the results is damaged, or of another run"):
+        RunWriter(tmp_path / "c.nc", header(), half[:1000])
     xr.testing.assert_identical(open_results(tmp_path / "b.nc"), open_results(tmp_path / "a.nc"))
 
 

@@ -21,12 +21,10 @@ if TYPE_CHECKING:
 #: Message on an HDF5 file that the library cannot read.
 _DAMAGED = "the file was cut short or is damaged"
 
-#: Largest size in memory over the length of a file, and bytes beside: numbers that were never written
-#: are NaN.
+#: Largest size in memory over the length of a file, and bytes beside; numbers may never have been written.
 LARGER, SPARE = 100, 100_000_000
 
-#: Files that are open until their tree is closed: left to the garbage collector, a file may be freed before
-#: its groups, and the HDF5 library then fails in whatever is opened next.
+#: Files that are open until their tree is closed: HDF5 fails if a file is freed before its groups.
 _OPEN: set[netCDF4.Dataset] = set()
 
 
@@ -45,9 +43,7 @@ def open(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree | x
     -------
     xarray.DataTree or xarray.Dataset
         Of a run a tree with the groups ``series``, ``particles/<body>``, ``surface/<body>`` and
-        ``contact/<pair>``, each with its ``time``; of a comparison, a study, a campaign or a map a dataset.
-        They are those of ``xarray.open_datatree`` and ``xarray.open_dataset``, without an output that is not
-        complete.
+        ``contact/<pair>``, each with its ``time``; else a dataset. Incomplete outputs are left out.
 
     Raises
     ------
@@ -62,29 +58,24 @@ def open(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree | x
     import xarray as xr
 
     results = read(path, lazy=lazy)
-    if isinstance(results, xr.DataTree) and (text := unfinished(results, path)):
-        warnings.warn(text, ResultsWarning, stacklevel=2)
+    status = str(results.attrs.get("status", "ok"))
+    if isinstance(results, xr.DataTree) and results.attrs.get("kind") == "run" and not is_complete(status):
+        warnings.warn(_unfinished(results, os.fspath(path), status), ResultsWarning, stacklevel=2)
     return results
 
 
-def unfinished(tree: xr.DataTree, path: str | os.PathLike[str]) -> str:
-    """Return a sentence on results that are not complete; empty if they are."""
-    status = str(tree.attrs.get("status", "ok"))
-    if tree.attrs.get("kind") != "run" or is_complete(status):
-        return ""
-    if status == "running":
-        status = (
-            "is still being written"
-            if is_written(path)
-            else "was broken off: its run did not come to its end"
-        )
+def _unfinished(tree: xr.DataTree, name: str, status: str) -> str:
+    """Return a sentence on results that are not complete."""
+    how = _how_to_go_on(name)
+    if status != "running":
+        text = f"is not complete: {status}"
+    elif is_written(name):
+        text, how = "is still being written", ""
     else:
-        status = f"is not complete: {status}"
+        text = "was broken off: its run did not come to its end"
     time = output_times(tree).values
     last = f", the last at {float(time[-1]):.6g} s" if time.size else ""
-    goes_on = tree.attrs["status"] == "running" and is_written(path)
-    how = "" if goes_on else _how_to_go_on(os.fspath(path))
-    return f"{os.fspath(path)} {status}; it holds {time.size} outputs{last}{how}"
+    return f"{name} {text}; it holds {time.size} outputs{last}{how}"
 
 
 def output_times(tree: xr.DataTree) -> xr.DataArray:
@@ -93,14 +84,14 @@ def output_times(tree: xr.DataTree) -> xr.DataArray:
 
 
 def read(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree | xr.Dataset:
-    """Return the same as :func:`open`, without a warning of results that are not complete."""
+    """Return the same as :func:`open`, without a warning."""
     name = os.fspath(path)
     try:
         dataset = netCDF4.Dataset(name)
     except (OSError, UnicodeError) as error:
         raise MpmfwError(f"cannot read '{name}': {_reason(name, error)}{_how_to_go_on(name)}") from error
     try:
-        declared = sum(8 * v.size for _, group in _groups(dataset) for v in group.variables.values())
+        declared = sum(8 * v.size for _, group in groups_of(dataset) for v in group.variables.values())
         if declared > LARGER * os.path.getsize(name) + SPARE:
             raise MpmfwError(_DAMAGED)
         tree = tree_of(dataset, load=not lazy)
@@ -123,7 +114,7 @@ def read(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree | x
 
 
 def read_run(path: str | os.PathLike[str]) -> xr.DataTree:
-    """Return the tree of a run's file, as :func:`read` does."""
+    """Return the tree of a run's file."""
     import xarray as xr
 
     tree = read(path)
@@ -133,7 +124,7 @@ def read_run(path: str | os.PathLike[str]) -> xr.DataTree:
 
 
 def _reason(name: str, error: OSError | UnicodeError) -> str:
-    """Return why a file cannot be read; the library's own reason is of no use for damaged HDF5 files."""
+    """Return why a file cannot be read; the library's reason does not help with damaged HDF5 files."""
     return _DAMAGED if is_hdf5(name) else str(getattr(error, "strerror", None) or error)
 
 
@@ -168,7 +159,7 @@ def tree_of(dataset: netCDF4.Dataset, *, load: bool = True) -> xr.DataTree:
 
     store: Any = NetCDF4DataStore
     try:
-        groups = {name: xr.open_dataset(store(group)) for name, group in _groups(dataset)}
+        groups = {name: xr.open_dataset(store(group)) for name, group in groups_of(dataset)}
         bodies = groups["/"]["body"].values.tolist() if "body" in groups["/"] else []
         if not all(re.fullmatch("[A-Za-z0-9_]+", str(body)) for body in bodies):
             raise ValueError("no scene can have a body of this name")
@@ -187,16 +178,14 @@ def _complete(groups: dict[str, xr.Dataset]) -> dict[str, xr.Dataset]:
         return groups
     count = int(np.isfinite(root["time"].values).sum())
     end = float(root["time"].values[count - 1]) if count else -np.inf
-    groups = {
-        name: group.isel(time=slice(int((group["time"].values <= end).sum())))
-        if "time" in group.sizes
-        else group
-        for name, group in groups.items()
-    }
+    for name, group in groups.items():
+        if "time" in group.sizes:
+            groups[name] = group.isel(time=slice(int((group["time"].values <= end).sum())))
     return {**groups, "/": root.isel(output=slice(count))}
 
 
-def _groups(group: netCDF4.Dataset) -> Iterator[tuple[str, netCDF4.Dataset]]:
+def groups_of(group: netCDF4.Dataset) -> Iterator[tuple[str, netCDF4.Dataset]]:
+    """Yield a group and all below it, with their paths."""
     yield group.path, group
     for child in group.groups.values():
-        yield from _groups(child)
+        yield from groups_of(child)

@@ -1,6 +1,4 @@
-"""A group of a results' file whose variables share their times: arrays of frames wait, and are written
-before the times.
-"""
+"""A group of a results' file whose variables share their times; frames wait, and are written together."""
 
 from __future__ import annotations
 
@@ -13,8 +11,28 @@ import netCDF4
 import numpy as np
 
 from mpmfw.errors import MpmfwError
-from mpmfw.results import layout
+from mpmfw.results.frame import RunHeader
 from mpmfw.state.fields import AnyArray, Field
+
+#: Fields that do not change during a run: written with the first frame, without a time.
+STATIC = frozenset({("particles", "mass"), ("particles", "initial_volume"), ("surface", "tributary")})
+
+#: Bytes of a chunk of a series: every sync writes the open chunk of every series again.
+SERIES_CHUNK = 16_384
+
+#: Pairs in a chunk of a series where more pairs may follow.
+PAIRS_CHUNK = 1024
+
+#: Units in 3D, or of whole bodies, of quantities that are declared per metre of thickness.
+_WHOLE = {
+    "kg m-1": "kg",
+    "m2": "m3",
+    "kg m s-1 m-1": "kg m s-1",
+    "kg m2 s-1 m-1": "kg m2 s-1",
+    "J m-1": "J",
+    "N m-1": "N",
+    "N m m-1": "N m",
+}
 
 
 @dataclasses.dataclass(slots=True)
@@ -22,7 +40,6 @@ class _Column:
     """A variable of the file, and its arrays of frames that are not in it yet."""
 
     variable: netCDF4.Variable[Any]
-    dtype: Any
     static: bool  #: whether it has no time
     shape: tuple[int, ...] | None = None  #: of one frame
     waiting: list[AnyArray] = dataclasses.field(default_factory=list)
@@ -31,28 +48,25 @@ class _Column:
 class Timeline:
     """The times of a group of the file, along a dimension ``along``, and the variables that have them.
 
-    ``times`` [s] are those of frames before, in which nothing of the group was recorded; the rest is as of
-    :class:`mpmfw.results.RunHeader`.
+    ``times`` [s] are those of earlier frames, in which the group has nothing. A group that has times already
+    is continued.
     """
 
     def __init__(
-        self,
-        group: netCDF4.Dataset,
-        dim: int,
-        *,
-        more_pairs: bool,
-        per_metre: bool,
-        times: Sequence[float] = (),
-        along: str = "time",
+        self, group: netCDF4.Dataset, header: RunHeader, times: Sequence[float] = (), along: str = "time"
     ) -> None:
-        self.group, self.dim, self.more_pairs, self.per_metre = group, dim, more_pairs, per_metre
-        self.frames = 0
+        self.group, self.header = group, header
         self.waiting_bytes = 0
         self._times: list[float] = []
         self._columns: dict[str, _Column] = {}
-        group.createDimension(along, None)
-        self._time = _variable(group, "time", "f8", (along,), chunksizes=(1024,))
-        self._time.setncatts({"units": "s", "long_name": "time since the motion starts", "axis": "T"})
+        if "time" in group.variables:
+            self._time = group["time"]
+            self._time.set_auto_maskandscale(False)
+        else:
+            group.createDimension(along, None)
+            self._time = _variable(group, "time", "f8", (along,), chunksizes=(1024,))
+            self._time.setncatts({"units": "s", "long_name": "time since the motion starts", "axis": "T"})
+        self.written = len(self._time)  #: frames in the file
         for time in times:
             self.add(time, {})
 
@@ -66,105 +80,110 @@ class Timeline:
         for field, values in arrays.values():
             self._put(field, values)
         self._times.append(time)
-        self.frames += 1
 
     def forget_shapes(self) -> None:
         """Forget the sizes of dimensions, of which one has grown."""
         for column in self._columns.values():
             column.shape = None
 
-    def write_arrays(self) -> None:
-        """Write the arrays that wait, but not yet their times."""
-        start = self.frames - self.waits
+    def write(self) -> None:
+        """Write the frames that wait: first the arrays, then the times."""
         for column in self._columns.values():
             if column.waiting and column.static:
                 column.variable[...] = column.waiting[0]
             elif column.waiting:
-                _write(column.variable, start, np.stack(column.waiting))
-            column.waiting.clear()
-
-    def write_times(self) -> None:
-        """Write the times of the arrays that :meth:`write_arrays` has written."""
+                _write(column.variable, self.written, np.stack(column.waiting))
         if self._times:
-            _write(self._time, self.frames - self.waits, np.array(self._times))
-        self._times.clear()
-        self.waiting_bytes = 0
+            _write(self._time, self.written, np.array(self._times))
+        self.written += len(self._times)
+        self.forget()
 
     def forget(self) -> None:
         """Drop the frames that wait."""
-        self.frames -= self.waits
         self._times.clear()
         for column in self._columns.values():
             column.waiting.clear()
         self.waiting_bytes = 0
 
     def _put(self, field: Field, values: AnyArray) -> None:
-        static = layout.is_static(field)
-        if static and field.name in self._columns:
+        static = _is_static(field)
+        if static and field.name in self.group.variables:
             return
-        column = self._columns.get(field.name)
-        if column is None:
-            column = _Column(self._define(field, values), np.dtype(field.dtype), static)
-            self._columns[field.name] = column
-        if column.shape is None:  # asked of the file once, which counts unlimited dimensions
-            column.shape = column.variable.shape if static else column.variable.shape[1:]
+        if (column := self._columns.get(field.name)) is None:
+            column = self._columns[field.name] = _Column(self._define(field, values), static)
+        if column.shape is None:  # to count an unlimited dimension takes long
+            column.shape = column.variable.shape[0 if column.static else 1 :]
         if values.shape != column.shape:
-            raise MpmfwError(
-                f"field '{self._called(field)}' has shape {values.shape}, expected {column.shape}"
-            )
-        if static:  # written later: to define the next variable after a writing costs with all variables
+            raise MpmfwError(f"field '{self._path(field)}' has shape {values.shape}, expected {column.shape}")
+        if column.static:  # written later: a definition after a writing takes long
             column.waiting.append(values.copy())
             return
-        while len(column.waiting) < self.waits:  # a field that earlier frames did not hold is missing there
+        while len(column.waiting) < self.waits:  # earlier frames lack the field
             column.waiting.append(np.full(column.shape, column.variable.get_fill_value()))
-        column.waiting.append(values.astype(column.dtype))
+        column.waiting.append(values.astype(column.variable.dtype))
         self.waiting_bytes += column.waiting[-1].nbytes
 
-    def _called(self, field: Field) -> str:
+    def _path(self, field: Field) -> str:
         return f"{self.group.path.strip('/')}/{field.name}"
 
     def _define(self, field: Field, values: AnyArray) -> netCDF4.Variable[Any]:
-        """Create the variable of a field; the array gives dimensions that the header does not know."""
+        """Return the variable of a field, a new one with the sizes of the array where the file has none."""
+        if (known := self.group.variables.get(field.name)) is not None:
+            known.set_auto_maskandscale(False)
+            return known
         if values.ndim != len(field.dims):
             raise MpmfwError(
-                f"field '{self._called(field)}' has shape {values.shape}, declared dims {field.dims}"
+                f"field '{self._path(field)}' has shape {values.shape}, declared dims {field.dims}"
             )
-        known = tuple(_size(self.group, dim) or n for dim, n in zip(field.dims, values.shape, strict=True))
-        if known != values.shape:
-            raise MpmfwError(f"field '{self._called(field)}' has shape {values.shape}, expected {known}")
-        for dim, size in zip(field.dims, known, strict=True):
+        for dim, size in zip(field.dims, values.shape, strict=True):
             if _size(self.group, dim) is None:
                 self.group.createDimension(dim, size)
+        dims = field.dims if _is_static(field) else ("time", *field.dims)
         dtype: Any = np.dtype(field.dtype)
-        chunks = layout.chunks(field, values.shape, dtype.itemsize, more_pairs=self.more_pairs)
-        variable = _variable(self.group, field.name, dtype, layout.dimensions(field), chunksizes=chunks)
-        if chunks is not None:  # HDF5 keeps 16 MB of every variable, which nobody asks for again
+        chunks = self._chunks(field, values.shape, dtype.itemsize)
+        variable = _variable(self.group, field.name, dtype, dims, chunksizes=chunks)
+        if chunks is not None:  # HDF5 would keep 16 MB of every variable
             variable.set_var_chunk_cache(size=dtype.itemsize * math.prod(chunks))
-        variable.setncatts(
-            {**field.attributes, "units": layout.unit(field, self.dim, per_metre=self.per_metre)}
-        )
+        variable.setncatts({**field.attributes, "units": self._unit(field.unit)})
         return variable
+
+    def _unit(self, unit: str) -> str:
+        """Return the unit of a field; in 2D extensive quantities are per metre of thickness, or whole."""
+        plane = self.header.dim == 2 and (self.header.per_metre or unit == "m2")
+        return unit if plane else _WHOLE.get(unit, unit)
+
+    def _chunks(self, field: Field, sizes: tuple[int, ...], itemsize: int) -> tuple[int, ...] | None:
+        """Return the shape of a chunk: one frame, or many frames of a short series."""
+        if _is_static(field):
+            return None
+        if field.group != "series":
+            return (1, *sizes)
+        if self.header.more_pairs:
+            sizes = tuple(
+                PAIRS_CHUNK if dim == "pair" else n for dim, n in zip(field.dims, sizes, strict=True)
+            )
+        return (max(1, SERIES_CHUNK // (itemsize * math.prod(sizes))), *sizes)
+
+
+def _is_static(field: Field) -> bool:
+    return (field.group, field.name) in STATIC
 
 
 def _variable(
     group: netCDF4.Dataset, name: str, dtype: Any, dims: tuple[str, ...], **layout: Any
 ) -> netCDF4.Variable[Any]:
-    """A variable whose numbers are stored as they are; NaN where none is written.
+    """Return a new variable; NaN where none is written.
 
-    Nothing is compressed: deflate takes ten times as long as the writing and saves a sixth of floating-point
-    noise.
+    It is not compressed: deflate takes ten times as long as the writing and saves a sixth.
     """
     missing = np.nan if np.dtype(dtype).kind == "f" else None
     variable: netCDF4.Variable[Any] = group.createVariable(name, dtype, dims, fill_value=missing, **layout)
-    variable.set_auto_maskandscale(False)  # costs more than the writing itself
+    variable.set_auto_maskandscale(False)  # takes longer than the writing itself
     return variable
 
 
 def _write(variable: netCDF4.Variable[Any], start: int, values: AnyArray) -> None:
-    """Write whole frames from ``start`` on.
-
-    Not by ``variable[start:…] = values``, which takes five times as long to find out where that is.
-    """
+    """Write whole frames from ``start`` on, five times as fast as by ``variable[start:…] = values``."""
     at = [start] + [0] * (values.ndim - 1)
     variable._put(np.ascontiguousarray(values), at, list(values.shape), [1] * values.ndim)
 

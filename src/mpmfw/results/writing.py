@@ -8,6 +8,7 @@ import math
 import os
 import time
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
@@ -15,50 +16,49 @@ import netCDF4
 import numpy as np
 
 from mpmfw.errors import MpmfwError
-from mpmfw.results import layout
 from mpmfw.results.frame import Frame, RunHeader
-from mpmfw.results.reading import read_run, tree_of
+from mpmfw.results.reading import groups_of, read_run, tree_of
 from mpmfw.results.replacing import check_room
 from mpmfw.results.timeline import Timeline
-from mpmfw.results.writers import claim, release, replace_claimed
+from mpmfw.results.writers import claim, release
 from mpmfw.state.fields import AnyArray, Field
 
 if TYPE_CHECKING:
     import xarray as xr
 
+AXES = ("x", "y", "z")
+
 #: Bytes of frames that are written at once.
 WRITTEN_AT_ONCE = 16_000_000
 
-#: Seconds of wall time for which frames of a file wait for others that are written with them: what a kill
-#: loses.
+#: Seconds of wall time that frames wait, to be written together: what a kill loses.
 WRITTEN_EVERY = 0.25
 
-#: CPU seconds that a writing may take. Where one takes longer, as with the ten thousand variables of a
-#: thousand bodies, frames wait longer in proportion.
+#: CPU seconds of one writing, above which frames wait longer in proportion: a thousand bodies have ten
+#: thousand variables.
 QUICK = 0.025
 
 
 class RunWriter:
     """A run's NetCDF-4 file, open for appending frames; ``path`` None keeps the results in memory.
 
-    Frames are written and synced within a quarter of a second, those that follow each other faster together:
-    writing a dozen series every other step would take as long as the steps. After the process dies, the
-    frames written so far are readable, unless it is killed within a sync, which only a checkpoint outlives.
+    Frames that follow each other within a quarter of a second are written and synced together. After the
+    process dies the frames written so far are readable, unless it is killed within a sync.
 
     The groups are ``series``, ``particles/<body>``, ``surface/<body>``, ``contact/<pair>`` and ``grid``. Each
-    has its own dimension and coordinate ``time``: the cost of a shared dimension grows with the square of the
-    number of groups. The root's ``time``, along ``output``, is written last and tells which outputs are
-    complete.
+    has its own dimension and coordinate ``time``: a shared dimension costs with the square of the number of
+    groups. The root's ``time``, along ``output``, is written last: it tells which outputs are complete.
 
-    Raises
-    ------
-    MpmfwError
-        The file cannot be created, or another run is writing it.
+    ``content`` are the bytes of a file of the same run, whose outputs the new file begins with.
+
+    Raise MpmfwError if the file cannot be created, another run is writing it, or the content is damaged.
     """
 
-    def __init__(self, path: str | os.PathLike[str] | None, header: RunHeader) -> None:
+    def __init__(
+        self, path: str | os.PathLike[str] | None, header: RunHeader, content: AnyArray | None = None
+    ) -> None:
         self.header = header
-        # A plug-in may change the working folder while the run goes on
+        # A plug-in may change the working folder
         self.path = None if path is None else os.path.abspath(path)
         self._fields = {(field.group, field.name): field for field in header.fields}
         self._written, self._took = -math.inf, 0.0  #: wall time of the last writing, and its CPU time [s]
@@ -67,8 +67,15 @@ class RunWriter:
         self._pairs = len(header.pairs)
         self._tree: xr.DataTree | None = None
         self._lock: int | None = None
-        self._dataset = self._create()
-        self._write_header()
+        self._dataset = self._create(content)
+        self._set_attributes(
+            {"Conventions": "CF-1.12", "kind": "run", "status": "running", **header.attributes}
+        )
+        if content is None:
+            self._define()
+        self._outputs = Timeline(self._dataset, header, along="output")
+        self._timeline("series")
+        self._dataset.sync()
 
     @property
     def frames(self) -> int:
@@ -76,14 +83,8 @@ class RunWriter:
         return len(self._times)
 
     def write(self, frame: Frame) -> None:
-        """Append one frame, and write those that wait if it is time.
-
-        Raises
-        ------
-        MpmfwError
-            An array was not declared or does not have the declared shape, or the disk is full.
-        """
-        with self._telling(self.frames):
+        """Append one frame; raise MpmfwError if an array is not as declared, or the disk is full."""
+        with self._failing(self.frames):
             self._add_pairs(frame.pairs)
             places = self._places(frame)
             known = [k for k in self._groups if frame.particles or not k.startswith("particles/")]
@@ -91,112 +92,43 @@ class RunWriter:
                 self._timeline(place).add(frame.time, places.get(place, {}))
             self._outputs.add(frame.time, {})
             self._times.append(frame.time)
-        if self.is_due(time.monotonic()) or self._waiting_bytes > WRITTEN_AT_ONCE:
+        if self.is_due(time.monotonic()) or self._waiting_bytes() > WRITTEN_AT_ONCE:
             self.flush()
-
-    def repeat(self, content: Any) -> None:
-        """Write the outputs of another file of the same run, whose bytes are ``content``.
-
-        Raises
-        ------
-        MpmfwError
-            They are damaged, or of another run.
-        """
-        try:
-            with netCDF4.Dataset("results.nc", memory=content) as old:
-                old.set_always_mask(False)
-                old.set_auto_maskandscale(False)
-                self._repeat(old, content.nbytes)
-        except (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError) as error:
-            raise MpmfwError("its copy of the results is damaged, or of another run") from error
-
-    def _repeat(self, old: netCDF4.Dataset, size: int) -> None:
-        """Write the outputs of a file of some ``size`` [bytes], group after group."""
-        pairs: Any = old.variables.get("pair", [])
-        if 8 * max(len(old["time"]), len(pairs)) > size:
-            raise ValueError("the file is shorter than its dimensions say")
-        times = old["time"][:].tolist()
-        if not np.isfinite(times).all():
-            raise ValueError("outputs are missing")
-        self._add_pairs(tuple(map(str, pairs[:])))
-        wanted = set(times)
-        for group in _with_times(old):
-            place = group.path.strip("/")
-            columns = self._columns(group, place.partition("/")[0], size)
-            for k, at in enumerate(group["time"][:].tolist()):
-                if at in wanted:
-                    self._timeline(place).add(at, _frame_of(columns, k))
-                if self._waiting_bytes > WRITTEN_AT_ONCE:
-                    self._write_groups()
-        for at in times:
-            self._outputs.add(at, {})
-        self._times += times
-        self.flush()
-
-    def _columns(self, group: netCDF4.Dataset, kind: Any, size: int) -> list[tuple[Field, Any]]:
-        """The declared variables of a group of another file, an output of which is no larger than that
-        file.
-        """
-        found = []
-        for name, variable in group.variables.items():
-            if (field := self._fields.get((kind, name))) is None:
-                continue
-            of_frame = variable.shape if layout.is_static(field) else variable.shape[1:]
-            declared = variable.dimensions == layout.dimensions(field) and variable.dtype == np.dtype(
-                field.dtype
-            )
-            if not declared or math.prod(of_frame) * variable.dtype.itemsize > size:
-                raise ValueError(f"{group.path}/{name} is not as it was declared")
-            found.append((field, variable))
-        return found
 
     def is_due(self, now: float) -> bool:
         """Return True if frames have waited long enough at a wall time [s]; in memory they never have."""
         wait = WRITTEN_EVERY * max(1.0, self._took / QUICK)
         return self.path is not None and self._outputs.waits > 0 and now - self._written >= wait
 
-    @property
     def _waiting_bytes(self) -> int:
         return sum(each.waiting_bytes for each in self._groups.values())
 
     def flush(self) -> None:
-        """Write the frames that wait, and sync: their times after their arrays.
-
-        Raises
-        ------
-        MpmfwError
-            The disk is full; they are lost.
-        """
+        """Write the frames that wait, and sync; if the disk is full, they are lost."""
         if not self._outputs.waits:
             return
-        first, begin = self.frames - self._outputs.waits, time.thread_time()
+        begin = time.thread_time()
         try:
-            with self._telling(first):
+            with self._failing(self._outputs.written):
                 if self.path is not None:
                     os.stat(self.path)  # raises an error if somebody removed it
-                    check_room(self.path, 2 * self._waiting_bytes)  # a new chunk takes more
-                self._write_groups()
+                    check_room(self.path, 2 * self._waiting_bytes())  # a new chunk takes more
+                for timeline in self._groups.values():
+                    timeline.write()
                 self._dataset.sync()
-                # HDF5 flushes in an order of its own: only a second sync makes an output whose time is at the
-                # root a complete one
-                self._outputs.write_times()
+                # HDF5 flushes in any order: an output is complete once its time follows in a second sync
+                self._outputs.write()
                 self._dataset.sync()
         finally:
             for timeline in (self._outputs, *self._groups.values()):
                 timeline.forget()
-            del self._times[self._outputs.frames :]
+            del self._times[self._outputs.written :]
             self._written = time.monotonic()
             self._took = time.thread_time() - begin
 
-    def _write_groups(self) -> None:
-        for timeline in self._groups.values():
-            if timeline.waits:
-                timeline.write_arrays()
-                timeline.write_times()
-
     @contextlib.contextmanager
-    def _telling(self, frame: int) -> Iterator[None]:
-        """Context in which a failure of the file is one to write a frame."""
+    def _failing(self, frame: int) -> Iterator[None]:
+        """Context in which a failure of the file is a failure to write a frame."""
         try:
             yield
         except (OSError, RuntimeError) as error:
@@ -204,12 +136,11 @@ class RunWriter:
             raise MpmfwError(f"cannot write frame {frame} to '{self.path}': {reason}") from error
 
     def take_place_of(self, path: str, descriptor: int | None) -> None:
-        """Give the file the name of another, which was claimed with ``descriptor``; readers see the old or
-        the new one, whole.
-        """
+        """Rename the file to that of another, which was claimed with ``descriptor``."""
         assert self.path is not None
         self.flush()
-        replace_claimed(self.path, path, descriptor)
+        os.replace(self.path, path)
+        release(descriptor)
         self.path = path
 
     def finish(self, attributes: Mapping[str, Any]) -> None:
@@ -217,17 +148,6 @@ class RunWriter:
         self.flush()
         self._set_attributes({"status": "ok", **attributes})
         self._dataset.sync()
-
-    def _create(self) -> netCDF4.Dataset:
-        """Return an empty file."""
-        try:
-            if self.path is None:
-                return netCDF4.Dataset("results.nc", "w", diskless=True, persist=False)
-            self._lock = claim(self.path)
-            check_room(self.path, 0)
-            return netCDF4.Dataset(self.path, "w")
-        except OSError as error:
-            raise MpmfwError(f"cannot create '{self.path}': {error.strerror or error}") from error
 
     def close(self) -> None:
         """Close the file; results kept in memory are read first. Closing twice is allowed."""
@@ -239,15 +159,14 @@ class RunWriter:
                 self._tree = tree_of(self._dataset)
         finally:
             self._dataset.close()
-            release(self.path, self._lock)
+            release(self._lock)
 
     def results(self) -> xr.DataTree:
-        """Close and return what was written, the same whether it is in memory or in a file."""
+        """Close and return the results, the same whether they are in memory or in a file."""
         self.close()
         if self.path is not None:
             return read_run(self.path)
-        if self._tree is None:
-            raise MpmfwError("the results could not be read back from memory")
+        assert self._tree is not None
         return self._tree
 
     def __enter__(self) -> Self:
@@ -260,47 +179,59 @@ class RunWriter:
             self._set_attributes({"status": f"failed: {str(error) or type(error).__name__}"})
         self.close()
 
-    def _write_header(self) -> None:
+    def _create(self, content: AnyArray | None) -> netCDF4.Dataset:
+        """Return a new file, empty or with the outputs of ``content``."""
+        if self.path is None:
+            return netCDF4.Dataset("results.nc", "w", diskless=True, persist=False)
+        try:
+            self._lock = claim(self.path)
+            check_room(self.path, 0 if content is None else content.nbytes)
+            if content is None:
+                return netCDF4.Dataset(self.path, "w")
+            Path(self.path).write_bytes(content.data)
+        except OSError as error:
+            raise MpmfwError(f"cannot create '{self.path}': {error.strerror or error}") from error
+        try:
+            dataset = netCDF4.Dataset(self.path, "a")
+            self._times = dataset["time"][:].tolist()
+            self._pairs = len(dataset.dimensions["pair"]) if "pair" in dataset.dimensions else 0
+            for place, group in groups_of(dataset):
+                if place != "/" and "time" in group.variables:
+                    self._groups[place.strip("/")] = Timeline(group, self.header)
+        except (OSError, RuntimeError, LookupError) as error:
+            release(self._lock)
+            raise MpmfwError("its copy of the results is damaged, or of another run") from error
+        return dataset
+
+    def _define(self) -> None:
+        """Define the labels, and the surfaces with their segments."""
         header, dataset = self.header, self._dataset
-        self._set_attributes(
-            {"Conventions": "CF-1.12", "kind": "run", "status": "running", **header.attributes}
-        )
-        axes = layout.AXES[: header.dim]
+        axes = AXES[: header.dim]
         _labels(dataset, "axis", axes)
         _labels(dataset, "axis2", axes)
         _labels(dataset, "rotation", ("z",) if header.dim == 2 else axes)
         _labels(dataset, "body", header.bodies)
         _labels(dataset, "pair", header.pairs, grows=header.more_pairs)
-        self._outputs = self._new_timeline(dataset, along="output")
-        self._timeline("series")
         segments = []
         for body, following in header.connectivity.items():
             if header.surface_count.get(body, 0):
                 group = self._timeline(f"surface/{body}").group
                 group.createDimension("surface_node", header.surface_count[body])
-                variable = group.createVariable("next", "i8", ("surface_node",))
-                variable.long_name = "surface node at which the segment that starts at this one ends"
-                segments.append((variable, following))
+                segments.append((group.createVariable("next", "i8", ("surface_node",)), following))
         for variable, following in segments:
+            variable.long_name = "surface node at which the segment that starts at this one ends"
             variable[:] = following
-        dataset.sync()
-
-    def _new_timeline(self, group: netCDF4.Dataset, **options: Any) -> Timeline:
-        header = self.header
-        return Timeline(
-            group, header.dim, more_pairs=header.more_pairs, per_metre=header.per_metre, **options
-        )
 
     def _timeline(self, place: str) -> Timeline:
-        """The times and variables of a group; in a new one, all outputs so far lack the variables."""
+        """Return the times and variables of a group; in a new one, all outputs so far lack the variables."""
         if place not in self._groups:
             # Not every output has material points
             times = () if place.startswith("particles/") else tuple(self._times)
-            self._groups[place] = self._new_timeline(self._dataset.createGroup(place), times=times)
+            self._groups[place] = Timeline(self._dataset.createGroup(place), self.header, times)
         return self._groups[place]
 
     def _places(self, frame: Frame) -> dict[str, dict[str, tuple[Field, AnyArray]]]:
-        """The arrays of a frame, with their declarations, by group of the file."""
+        """Return the arrays of a frame, with their declarations, by group of the file."""
         places = {"series": self._declared("series", frame.series)}
         if frame.grid:
             places["grid"] = self._declared("grid", frame.grid)
@@ -326,7 +257,7 @@ class RunWriter:
         if len(labels) <= self._pairs:
             return
         if not self.header.more_pairs:
-            raise MpmfwError("frame names pairs that the header does not, which says that there are no more")
+            raise MpmfwError("frame names more pairs than the header, which allows no more")
         self.flush()
         self._dataset["pair"][self._pairs : len(labels)] = np.array(labels[self._pairs :], dtype=object)
         self._pairs = len(labels)
@@ -345,23 +276,6 @@ class RunWriter:
                 raise MpmfwError(f"frame holds the undeclared field '{name}' in group '{group}'")
             declared[name] = self._fields[group, name], np.asarray(values)
         return declared
-
-
-def _with_times(group: netCDF4.Dataset) -> Iterator[netCDF4.Dataset]:
-    """The groups below one of a file that have times of their own."""
-    for child in group.groups.values():
-        if "time" in child.variables:
-            yield child
-        yield from _with_times(child)
-
-
-def _frame_of(columns: list[tuple[Field, Any]], k: int) -> dict[str, tuple[Field, AnyArray]]:
-    """Arrays of output ``k`` of another file; those without a time come with the first."""
-    return {
-        field.name: (field, variable[...] if layout.is_static(field) else variable[k])
-        for field, variable in columns
-        if k == 0 or not layout.is_static(field)
-    }
 
 
 def _labels(dataset: netCDF4.Dataset, name: str, labels: tuple[str, ...], *, grows: bool = False) -> None:

@@ -13,7 +13,7 @@ from mpmfw.errors import PluginError, SimulationError
 from mpmfw.plugin.checks import described, naming
 from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.results import Frame, RunHeader, provenance
-from mpmfw.results.layout import STATIC
+from mpmfw.results.timeline import STATIC
 from mpmfw.state.fields import PARTICLE_FIELDS, SURFACE_FIELDS, AnyArray, Field
 from mpmfw.state.pairs import update_pairs
 from mpmfw.state.structs import State

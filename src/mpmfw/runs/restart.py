@@ -264,11 +264,9 @@ def rewritten(path: str, checkpoint: Checkpoint, header: RunHeader) -> Iterator[
     with contextlib.ExitStack() as undo:
         try:
             descriptor = claim(path)
-            undo.callback(release, path, descriptor)
+            undo.callback(release, descriptor)
             undo.callback(Path(part).unlink, missing_ok=True)
-            writer = RunWriter(part, header)
-            undo.callback(writer.close)
-            writer.repeat(checkpoint.results)
+            writer = RunWriter(part, header, checkpoint.results)
         except (MpmfwError, OSError) as error:
             raise SceneError(f"{path}: cannot go on from the checkpoint beside it: {error}") from error
         writer.take_place_of(path, descriptor)
