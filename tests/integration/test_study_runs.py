@@ -214,7 +214,7 @@ def test_exit_statuses_of_the_command(tmp_path):
     ):
         named = [str(tmp_path / one) if "." in one else one for one in arguments]
         assert runner.invoke(app, ["study", *named]).exit_code == 2, arguments
-    with pytest.raises(SceneError, match="is no study's results, so it is not replaced"):
+    with pytest.raises(SceneError, match="without results of kind 'study', so it is not replaced"):
         mpmfw.study(tiny_study(), output=tmp_path / "run.nc", jobs=1)
     (tmp_path / "x.nc.runs").write_text("no folder", encoding="utf-8")
     arguments = ["study", str(tmp_path / "good.toml"), "-o", str(tmp_path / "x.nc"), "--jobs", "1"]

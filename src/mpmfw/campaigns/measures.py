@@ -316,7 +316,7 @@ def _rings_curve(table: str, column_name: str, pair: str | None, about: About, s
         return None
     columns = rings_table(table)
     curve = columns[column_name]
-    return Exact("reference", known.describe(), lambda time: np.interp(time, columns["time"], curve))
+    return Exact("reference", known.says, lambda time: np.interp(time, columns["time"], curve))
 
 
 @measure(
@@ -359,7 +359,7 @@ def _uniform(scene: Scene, about: About) -> Exact | None:  # noqa: ARG001
     known = declared(scene)
     if not isinstance(known, PressedBlocks):
         return None
-    return Exact("closed-form", known.describe(), lambda _: np.array([-known.pressure]))
+    return Exact("closed-form", known.says, lambda _: np.array([-known.pressure]))
 
 
 @measure("interface-stress", "Pa", "field", (), _uniform, norm="l2", particles=True)

@@ -40,12 +40,9 @@ def export(
     results
         A run's tree, or the name of its file, which is then read one output at a time.
     target
-        Folder to write to, made if it is not there; or the name of a ``.pvd`` file, whose folder and stem are
-        taken.
-    every
-        Only each ``every``-th output, the first one included.
-    bodies
-        Only these bodies.
+        Folder to write to, or the name of a ``.pvd`` file, whose folder and stem are taken.
+    every, bodies
+        Only each ``every``-th output, only these bodies.
     progress
         Called with the number of outputs written and that of all.
     force
@@ -59,10 +56,9 @@ def export(
     Raises
     ------
     SceneError
-        pyvista is not installed, a file to write exists, or the results have no such body, no material
-        points, or are not those of a run.
+        pyvista is missing, a file exists, or the results have no such body or no material points.
     MpmfwError
-        The file cannot be read, or a file cannot be written.
+        A file cannot be read or written.
     """
     mesh_library()
     path = Path(target)
@@ -91,7 +87,7 @@ def _export(
     corners = {body: corners_of(tree, body) for body in indices}
     if names := skipped_fields(tree, chosen):
         warnings.warn(
-            f"not exported, being no scalar, vector or tensor of a point: {', '.join(names)}",
+            f"not exported, no scalar, vector or tensor of a point: {', '.join(names)}",
             ResultsWarning,
             stacklevel=3,
         )
@@ -131,9 +127,7 @@ def _export(
 
 
 def _write_mesh(mesh: Mesh, time: float, about: dict[str, str], path: Path) -> None:
-    """Write one output in double precision; VTK's readers take the time [s] from ``TimeValue``."""
-    texts = {**about, "units": json.dumps(mesh.units)}
-    for name, text in texts.items():
+    for name, text in {**about, "units": json.dumps(mesh.units)}.items():
         mesh.grid.field_data[name] = [text]
     mesh.grid.field_data["TimeValue"] = np.array([time])
     with replacement(path) as growing:
@@ -141,7 +135,7 @@ def _write_mesh(mesh: Mesh, time: float, about: dict[str, str], path: Path) -> N
 
 
 def _write_collection(path: Path, times: dict[str, float]) -> None:
-    """Write ParaView's list of files, named from its folder, with their times [s]."""
+    """Write ParaView's list of files with their times [s]."""
     root = ET.Element("VTKFile", type="Collection", version="0.1")
     collection = ET.SubElement(root, "Collection")
     for file, time in times.items():
@@ -151,10 +145,7 @@ def _write_collection(path: Path, times: dict[str, float]) -> None:
 
 
 def _write_series(path: Path, series: xr.Dataset) -> None:
-    """Write series as comma-separated values in full precision, a row for each output.
-
-    A column is called ``centre_of_mass cylinder x [m]``: name, labels, unit.
-    """
+    """Write series as CSV, with columns such as ``centre_of_mass disc x [m]``."""
     columns: dict[str, Any] = {"time [s]": series["time"].values}
     for name, array in series.data_vars.items():
         if "time" not in array.dims:

@@ -18,7 +18,7 @@ from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 #: Stored arrays that are the geometry of the mesh, not fields on it.
 _GEOMETRY = ("position", "corners", "next")
 
-#: Out-of-plane component of tensors in 2D, plane strain, where it is known; it is NaN for the others.
+#: Out-of-plane component of tensors in plane strain, where it is known.
 _ACROSS = {"deformation_gradient": 1.0, "velocity_gradient": 0.0, "affine": 0.0}
 
 
@@ -31,7 +31,7 @@ class Mesh:
 
 
 def mesh_library(user: str = "export", instead: str = "") -> Any:
-    """Import pyvista; where it is not installed, a SceneError says what needs it and what works instead."""
+    """Import pyvista; a SceneError says what needs it."""
     try:
         import pyvista
     except ImportError as error:
@@ -42,10 +42,9 @@ def mesh_library(user: str = "export", instead: str = "") -> Any:
 def points_mesh(
     tree: xr.DataTree, bodies: Mapping[str, int], corners: Mapping[str, Corners | None], frame: int
 ) -> Mesh:
-    """Return material points of the ``bodies``, whose indices become the array ``body``, at one output.
+    """Return material points of the ``bodies``, with their indices, at one output.
 
-    With ``corners`` of domains a material point is a quadrilateral and its fields are cell data; without them
-    it is a vertex and they are point data.
+    With ``corners`` a point is a quadrilateral with cell data; without them it is a vertex with point data.
     """
     frames = {body: frame_of(tree, f"particles/{body}", frame) for body in bodies}
     points = _joined(frames, bodies, "particle")
@@ -66,10 +65,7 @@ def points_mesh(
 
 
 def surface_mesh(tree: xr.DataTree, bodies: Mapping[str, int], frame: int) -> Mesh:
-    """Surfaces of the bodies at one output as segments or triangles, with the gap at every surface node.
-
-    In space with the pressure and the share of friction as well, where the contact force is stored.
-    """
+    """Return surfaces of bodies at one output, with gap and contact fields."""
     everywhere = {body: frame_of(tree, f"surface/{body}", frame) for body in surfaces_of(tree)}
     shapes = {
         body: (np.asarray(data["position"].values, dtype=float), facets_of(tree, body))
@@ -96,8 +92,9 @@ def surface_mesh(tree: xr.DataTree, bodies: Mapping[str, int], frame: int) -> Me
 def _nearest(
     body: str, shapes: Mapping[str, tuple[FloatArray, IntArray]]
 ) -> tuple[FloatArray, FloatArray | None]:
-    """Distance of a body's surface nodes (s,) [m] from the nearest other surface, negative inside, measured
-    as ``min_gap``, NaN without another; and the outward direction (s, 3) there, None in the plane.
+    """Return the distance (s,) [m] of a body's nodes from the nearest other surface, as ``min_gap``.
+
+    It is NaN without another surface. In space its outward direction (s, 3) comes with it.
     """
     position = shapes[body][0]
     others = [shape for other, shape in shapes.items() if other != body]
@@ -113,8 +110,7 @@ def _nearest(
 
 
 def distances_in_plane(points: FloatArray, nodes: FloatArray, segments: IntArray) -> FloatArray:
-    """Signed distance (n,) [m] of points (n, 2) from closed polylines, negative inside the material, which
-    lies inside an odd number of them.
+    """Return the distance (n,) [m] of points (n, 2) from closed polylines, negative inside an odd number.
 
     The first node of segment s of ``segments`` (s, 2) is node s of ``nodes`` (s, 2) [m].
     """
@@ -129,12 +125,10 @@ def distances_in_plane(points: FloatArray, nodes: FloatArray, segments: IntArray
 def distances_in_space(
     points: FloatArray, nodes: FloatArray, facets: IntArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Signed distance (n,) [m] of points (n, 3) from a closed surface of triangles, negative inside, and the
-    unit vectors (n, 3) along it, zero where it is zero.
+    """Return the distance (n,) [m] of points (n, 3) from a closed surface, negative inside, with directions.
 
-    Triangles ``facets`` (k, 3) of ``nodes`` (s, 3) [m] are counter-clockwise as seen from outside. Where the
-    nearest point lies on an edge or a node the angle-weighted normal decides (J. A. Bærentzen, H. Aanæs,
-    2005), as for ``min_gap``.
+    Triangles ``facets`` (k, 3) of ``nodes`` (s, 3) [m] are counter-clockwise as seen from outside. On edges
+    and nodes the angle-weighted normal decides (J. A. Bærentzen, H. Aanæs, 2005), as for ``min_gap``.
     """
     mesh: Any = mesh_library().PolyData  # its annotations know no fixed width of integers
     surface = mesh.from_regular_faces(nodes, facets)
@@ -152,23 +146,14 @@ def contact_fields(
 ) -> dict[str, xr.DataArray]:
     """Split the contact forces on the nodes of a surface in space into pressure and friction.
 
-    A node inside another body, its ``gap`` (s,) [m] negative, presses along the normal of that body's
-    surface, ``other`` (s, 3). Nodes of the other body press on this surface along its own normal. So friction
-    is measured against the mean of both normals there, and against the node's own normal elsewhere: a node
-    beside the lowest one of a sphere would otherwise seem to slip, or to stick.
-
-    Returns
-    -------
-    dict
-        ``pressure`` −f·n/A (s,) [Pa], with n and A the sum of the area vectors of a node's triangles, a third
-        each; and ``friction_share`` |f − (f·m) m|/(−f·m), m the mean normal, NaN where nothing presses. A
-        node sticks below the coefficient of friction and slips where it is reached. Empty in the plane,
-        without forces or without another surface.
+    ``pressure`` is −f·n/A (s,) [Pa], with A n the sum of thirds of the area vectors of a node's triangles.
+    ``friction_share`` is |f − (f·m) m|/(−f·m), NaN where nothing presses; a node slips where it reaches μ.
+    There m is n, and inside another body, at a negative ``gap`` (s,) [m], the mean of n and of that body's
+    normal ``other`` (s, 3). Nothing in the plane, without forces or without another surface.
     """
     if facets.shape[1] != 3 or "force" not in frame or other is None:
         return {}
-    force = np.asarray(frame["force"].values, dtype=float)
-    corners = position[facets]
+    force, corners = np.asarray(frame["force"].values, dtype=float), position[facets]
     third = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 6.0
     area = np.zeros_like(position)
     for corner in facets.T:
@@ -190,15 +175,13 @@ def contact_fields(
 
 
 def surfaces_of(tree: xr.DataTree) -> list[str]:
-    """Bodies whose surfaces are stored."""
+    """Return the bodies whose surfaces are stored."""
     groups = tree["surface"].children if "surface" in tree.children else {}
     return [str(body) for body, group in groups.items() if "position" in group.data_vars]
 
 
 def facets_of(tree: xr.DataTree, body: str) -> IntArray:
-    """Segments (k, 2) of a stored surface, or triangles (k, 3), made again from the scene as the run made
-    them.
-    """
+    """Return segments (k, 2) of a stored surface, or triangles (k, 3)."""
     surface = tree[f"surface/{body}"].to_dataset()
     if "next" in surface:
         following = np.asarray(surface["next"].values)
@@ -206,15 +189,14 @@ def facets_of(tree: xr.DataTree, body: str) -> IntArray:
     made = triangles_of(tree, body)
     if made is None or made.max(initial=-1) + 1 != surface.sizes["surface_node"]:
         raise MpmfwError(
-            f"surface of '{body}': its triangles are not in the file, and those of the file's scene do not "
-            "fit "
-            "the stored nodes; is a mesh file that it names another one?"
+            f"surface of '{body}': the triangles of the file's scene do not fit the stored nodes; is a mesh "
+            "file that it names another one?"
         )
     return made
 
 
 def skipped_fields(tree: xr.DataTree, bodies: Sequence[str]) -> list[str]:
-    """Names of stored fields that have another form than scalar, vector or tensor of a point."""
+    """Return stored fields that are no scalar, vector or tensor."""
     groups = [(f"particles/{body}", "particle") for body in bodies]
     groups += [(f"surface/{body}", "surface_node") for body in surfaces_of(tree)]
     frames = [(frame_of(tree, place, 0), dim) for place, dim in groups]
@@ -225,9 +207,7 @@ def skipped_fields(tree: xr.DataTree, bodies: Sequence[str]) -> list[str]:
 
 
 def _joined(frames: Mapping[str, xr.Dataset], bodies: Mapping[str, int], dim: str) -> xr.Dataset:
-    """Fields of several bodies' points, and the index of each point's ``body``; a field that a body lacks
-    is NaN.
-    """
+    """Return the fields of several bodies, and the points' ``body``."""
     parts = []
     for body, frame in frames.items():
         fields = frame[[name for name in frame if name != "next" and _is_field(frame[name], dim)]]
@@ -243,11 +223,7 @@ def _is_field(array: xr.DataArray, dim: str) -> bool:
 
 
 def _fields(points: xr.Dataset) -> dict[str, AnyArray]:
-    """Fields by name, as VTK takes them: vectors of 3 components, tensors of 9, row by row.
-
-    In 2D the shear across the plane is zero. The zz component of the stress is not stored: it is NaN, so that
-    no filter uses it.
-    """
+    """Return fields for VTK, vectors of 3 components and tensors of 9."""
     fields: dict[str, AnyArray] = {}
     for name, array in points.data_vars.items():
         values = array.values

@@ -1,7 +1,6 @@
 """Measures of a motion: accelerations, errors against closed forms, impulses and averages of forces.
 
-Pure functions of arrays. A quantity that cannot be measured, because a run failed before or a series is too
-short, is NaN.
+A quantity that cannot be measured, because a run failed or a series is too short, is NaN.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from mpmfw.state.fields import FloatArray
 
 @dataclass(frozen=True)
 class RollingSolution:
-    """Rigid cylinder (eq. 13 of [H17] and the spin that belongs to it) or sphere on an incline, from rest."""
+    """Rigid cylinder (eq. 13 of [H17]) or sphere on an incline, from rest."""
 
     acceleration: float  #: of the centre along the plane [m/s²]
     angular_acceleration: float  #: counter-clockwise positive: negative when rolling towards +x [rad/s²]
@@ -45,23 +44,10 @@ def rolling_solution(
 ) -> RollingSolution:
     """Return the motion of a rigid cylinder or sphere on an inclined plane, released from rest.
 
-    Parameters
-    ----------
-    tilt
-        Angle θ of the plane [rad].
-    friction
-        Coulomb's μ.
-    g
-        Gravitational acceleration [m/s²].
-    radius
-        R of the body [m].
-    inertia
-        β = I/(m R²): 1/2 of a cylinder, 2/5 of a sphere.
-
-    Notes
-    -----
-    With slip (tan θ > (1 + 1/β) μ): a = g (sin θ - μ cos θ), α = μ g cos θ / (β R). Without: a = g sin θ / (1
-    + β), α = a / R."""
+    The plane has the ``tilt`` θ [rad], the contact Coulomb's μ, the body the ``radius`` R [m] and the
+    ``inertia`` β = I/(m R²): 1/2 of a cylinder, 2/5 of a sphere. With slip (tan θ > (1 + 1/β) μ):
+    a = g (sin θ - μ cos θ), α = μ g cos θ / (β R). Without: a = g sin θ / (1 + β), α = a / R.
+    """
     slips = bool(np.tan(tilt) > (1.0 + 1.0 / inertia) * friction)
     if slips:
         acceleration = g * (np.sin(tilt) - friction * np.cos(tilt))
@@ -73,7 +59,7 @@ def rolling_solution(
 
 
 def value_at(time: FloatArray, values: FloatArray, at: float) -> float:
-    """Value of a smooth series at ``at``, by the parabola through three outputs; NaN outside the series."""
+    """Return a series at ``at``, by the parabola through three outputs."""
     known = np.isfinite(values)
     time, values = time[known], values[known]
     slack = 1e-9 * abs(at)
@@ -85,10 +71,9 @@ def value_at(time: FloatArray, values: FloatArray, at: float) -> float:
 
 
 def fitted_acceleration(time: FloatArray, displacement: FloatArray, start: float, end: float) -> float:
-    """Acceleration a [m/s²] of the least-squares fit d0 + v0 t + a t²/2 between ``start`` and ``end`` [s].
+    """Return a [m/s²] of the least-squares fit d0 + v0 t + a t²/2 between ``start`` and ``end`` [s].
 
-    NaN if the series (time,) [s], [m] ends before the window does, or holds fewer than four outputs in it.
-    The window is the last 80 % of the motion by convention: ``start = 0.2 * end``.
+    NaN if the series (time,) [s], [m] ends before, or has fewer than four outputs in the window.
     """
     slack = 1e-9 * abs(end)
     known = np.isfinite(displacement)
@@ -102,49 +87,40 @@ def fitted_acceleration(time: FloatArray, displacement: FloatArray, start: float
 def end_displacement_error(
     time: FloatArray, displacement: FloatArray, acceleration: float, distance: float = 10.0
 ) -> float:
-    """Relative error (d − distance) / distance of the displacement when the exact one, a t²/2, is
-    ``distance`` [m]; NaN if the series ends before.
-    """
+    """Return the relative error when the exact a t²/2 is ``distance`` [m]."""
     return value_at(time, displacement, float(np.sqrt(2.0 * distance / acceleration))) / distance - 1.0
 
 
 def impulse(time: FloatArray, force: FloatArray) -> FloatArray:
-    """Impulse (time, …) [N s/m] since the first output of a force (time, …) [N/m].
+    """Return the impulse (time, …) [N s/m] since the first output of a force (time, …) [N/m].
 
-    ``force[k]`` is the mean between ``time[k - 1]`` and ``time[k]`` [s]; ``force[0]`` has no interval.
+    ``force[k]`` is the mean between ``time[k - 1]`` and ``time[k]`` [s].
     """
     steps = np.diff(time, prepend=time[0]).reshape(-1, *(1,) * (force.ndim - 1))
     return np.asarray(np.cumsum(np.where(steps > 0.0, force * steps, 0.0), axis=0))
 
 
 def averaged(time: FloatArray, impulses: FloatArray, window: float) -> FloatArray:
-    """Centred mean of a force over ``window`` [s] from its impulse.
-
-    There is no force before the first output, so that the window is whole there; it is cut at the last one,
-    after which the force is not known.
-    """
-    before = time - 0.5 * window
-    after = np.minimum(time + 0.5 * window, time[-1])
-    return np.asarray(
-        (np.interp(after, time, impulses) - np.interp(before, time, impulses)) / (after - before)
-    )
+    """Return the centred mean of a force over ``window`` [s] from its impulse."""
+    before, after = time - 0.5 * window, np.minimum(time + 0.5 * window, time[-1])
+    passed = np.interp(after, time, impulses) - np.interp(before, time, impulses)
+    return np.asarray(passed / (after - before))
 
 
 def running_average(time: FloatArray, force: FloatArray, window: float) -> FloatArray:
-    """Centred average over ``window`` [s] of a force stored as means over output intervals."""
+    """Return the centred mean over ``window`` [s] of a force."""
     return averaged(time, impulse(time, force), window)
 
 
-#: Output intervals of the mean against which the noise of a force is told.
+#: Output intervals of the mean that noise is measured against.
 NOISE_WINDOW = 20
 
 
 def force_noise(time: FloatArray, force: FloatArray, window: float | None = None) -> float:
-    """Share of a contact force that is noise: rms of the force less its running mean, over the rms of that
-    mean; NaN where there is no force, or not twice the window of it.
+    """Return the noise of a force: rms of the force less its running mean, over the rms of that mean.
 
     The force (time,) or (time, axis) [N/m] holds means over the output intervals. The ``window`` of the mean
-    [s] is :data:`NOISE_WINDOW` output intervals by default.
+    [s] is :data:`NOISE_WINDOW` intervals by default. NaN without a force, or twice the window of it.
     """
     known = np.isfinite(np.atleast_2d(force.T).T).all(axis=1)
     if known.sum() < 2 * NOISE_WINDOW:
@@ -157,7 +133,7 @@ def force_noise(time: FloatArray, force: FloatArray, window: float | None = None
 
 
 def relative_l2(time: FloatArray, values: FloatArray, reference: FloatArray) -> float:
-    """‖values - reference‖ / ‖reference‖ in L2 over the time; NaN if a value is."""
+    """Return ‖values - reference‖ / ‖reference‖ in L2 over the time."""
     return float(np.sqrt(np.trapezoid((values - reference) ** 2, time) / np.trapezoid(reference**2, time)))
 
 
@@ -172,15 +148,9 @@ class ContactPhases:
 
 
 def contact_phases(time: FloatArray, force: FloatArray, threshold: float = 1e-6) -> ContactPhases:
-    """Find first contact, the longest interruption and the final separation of a force of shape (time,).
-
-    Below the ``threshold``, a fraction of the largest force, there is none.
-    """
-    size = np.abs(np.nan_to_num(force))
-    acting = (
-        np.flatnonzero(size > threshold * size.max()) if size.max() > 0.0 else np.empty(0, dtype=np.int64)
-    )
-    nan = float("nan")
+    """Find the phases of a force (time,), none below ``threshold`` of its largest value."""
+    size, nan = np.abs(np.nan_to_num(force)), float("nan")
+    acting = np.flatnonzero(size > threshold * size.max())
     if len(acting) == 0:
         return ContactPhases(nan, nan, nan, nan)
     first = float(time[max(acting[0] - 1, 0)])
@@ -188,18 +158,14 @@ def contact_phases(time: FloatArray, force: FloatArray, threshold: float = 1e-6)
     ended = acting[-1] < len(time) - 1 and bool(np.isfinite(force[acting[-1] + 1]))
     separation = float(time[acting[-1]]) if ended else nan
     breaks = np.diff(acting)
-    if len(breaks) == 0 or breaks.max() == 1:
+    if breaks.max(initial=1) == 1:
         return ContactPhases(first, nan, nan, separation)
-    longest = int(np.argmax(breaks))
-    return ContactPhases(
-        first, float(time[acting[longest]]), float(time[acting[longest + 1] - 1]), separation
-    )
+    start, end = acting[np.argmax(breaks)], acting[np.argmax(breaks) + 1] - 1
+    return ContactPhases(first, float(time[start]), float(time[end]), separation)
 
 
 def energy_sums(series: xr.Dataset) -> dict[str, xr.DataArray]:
-    """Kinetic and strain energy of all bodies over time, and the work of friction, dashpots and contact
-    springs, where it is known.
-    """
+    """Return kinetic, strain and dissipated energy of all bodies over time."""
     sums = {name: series[name].sum("body", skipna=False) for name in ("kinetic_energy", "strain_energy")}
     works = [name for name in ("frictional_work", "damping_work", "spring_work") if name in series]
     if works:
@@ -214,10 +180,9 @@ _WORKS = ("contact_energy", "frictional_work", "damping_work")
 
 
 def energy_kept(run: xr.Dataset) -> FloatArray:
-    """Energy and the work of friction and contact damping (time,) of a run, of the energy at the start.
+    """Return energy and the work of friction and contact damping (time,), over the energy at the start.
 
-    A series that is absent, or NaN throughout since only other methods of a comparison have it, counts as
-    nothing, and so does a pair before it is listed.
+    A series that is absent or NaN throughout counts as nothing, and so does a pair before it is listed.
     """
     total = np.zeros(run.sizes["time"])
     for names, dim in ((_ENERGIES, "body"), (_WORKS, "pair")):

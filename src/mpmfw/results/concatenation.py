@@ -21,8 +21,10 @@ STEPPING: tuple[tuple[str, str], ...] = (
     ("transfer", "between points and grid"),
 )
 
-#: Attributes that differ between the runs of a comparison and say nothing of the whole.
+#: Attributes that differ between the runs of a comparison, and costs.
 _OF_ONE_RUN = {"contact", "shape", "effects", "plugins", "status", "kind", "surface_nodes"}
+_COSTS = {name for name, _, _ in COSTS}
+_COSTS |= {f"{clock}_{stage}" for clock in ("cpu", "wall", "settle_cpu") for stage in STAGES}
 
 Index = tuple[int, ...]
 
@@ -32,9 +34,9 @@ def concatenate_runs(
 ) -> xr.Dataset:
     """Join the runs of a grid over new dimensions, whose values are ``coords``; ``trees`` are by index.
 
-    The dataset has scheme and transfer, as far as they are known and not varied; series, costs, costs by
-    stage, first and last outlines, and, with ``fields``, those of material points as ``particle_<name>``.
-    Where material points differ, the attribute ``fields`` says so.
+    The dataset has series, costs, costs by stage, first and last outlines, scheme and transfer unless they
+    are varied, and with ``fields`` those of material points as ``particle_<name>``. Where material points
+    differ, the attribute ``fields`` says so.
     """
     shape = tuple(len(values) for values in coords.values())
     joined: dict[str, Any] = {}
@@ -44,20 +46,29 @@ def concatenate_runs(
             words[index] = str(tree.attrs.get(name, ""))
         if name not in coords and words.any():
             joined[name] = xr.DataArray(words, dims=tuple(coords), attrs={"long_name": meaning})
-    joined |= over_grid(coords, _series(trees))
-    joined |= over_grid(coords, {index: _costs(trees.get(index)) for index in np.ndindex(*shape)})
-    joined |= over_grid(coords, _outlines(trees))
+    other = _other_points(coords, trees) if fields else ""
+    runs = {index: _costs(trees.get(index)) for index in np.ndindex(*shape)}
+    for index, tree in trees.items():
+        series = series_at_outputs(tree)
+        parts = [series.transpose("time", ...) if "time" in series.coords else series, *_outlines(tree)]
+        if fields and not other and "particles" in tree.children:
+            parts.append(_points(tree))
+        for part in parts:
+            runs[index] = runs[index].assign(part.data_vars).assign_coords(part.coords)
+    runs = _aligned(runs)
+    joined |= over_grid(coords, runs)
     dataset = xr.Dataset(joined, {name: list(values) for name, values in coords.items()})
-    dataset = dataset.assign_attrs(_attributes(coords, trees))
-    return _with_fields(dataset, coords, trees) if fields else dataset
+    bodies = [run["particle_body"] for run in runs.values() if "particle_body" in run.coords]
+    if bodies:
+        dataset = dataset.assign_coords(particle_body=bodies[0])
+    attributes = _attributes(coords, trees) | ({"fields": other} if other else {})
+    return dataset.drop_vars("outline_node", errors="ignore").assign_attrs(attributes)
 
 
 def over_grid(
     coords: Mapping[str, Sequence[Any]], runs: Mapping[Index, xr.Dataset]
 ) -> dict[str, xr.DataArray]:
-    """Return numbers of runs, which have the same coordinates, with the dimensions of the grid before their
-    own; NaN where none are.
-    """
+    """Return arrays of aligned runs over the grid, NaN where a run has none."""
     shape, joined = tuple(len(values) for values in coords.values()), {}
     for index, data in runs.items():
         for name, one in data.data_vars.items():
@@ -69,14 +80,29 @@ def over_grid(
     return joined
 
 
+def _aligned(runs: dict[Index, xr.Dataset]) -> dict[Index, xr.Dataset]:
+    """Return the runs with the labels of all, along every dimension."""
+    for dim in dict.fromkeys(dim for run in runs.values() for dim in run.indexes):
+        labels = [run[dim].values for run in runs.values() if dim in run.indexes]
+        if all(np.array_equal(one, labels[0]) for one in labels):
+            continue
+        options: dict[str, Any] = {}
+        every: Any = list(dict.fromkeys(label for one in labels for label in one.tolist()))
+        if str(dim).endswith("time"):
+            every = union_of_times(labels)
+            options = {"method": "nearest", "tolerance": 2e-9 * np.ptp(every)}
+        runs = {
+            index: run.reindex({dim: every}, **options) if dim in run.indexes else run
+            for index, run in runs.items()
+        }
+    return runs
+
+
 def _attributes(coords: Mapping[str, Sequence[Any]], trees: Mapping[Index, xr.DataTree]) -> dict[str, Any]:
-    """Keep what all runs share and the first one's scene; ``methods`` holds what differs, run by run."""
-    own = {name for name, _, _ in COSTS} | {
-        f"{clock}_{stage}" for clock in ("cpu", "wall", "settle_cpu") for stage in STAGES
-    }
+    """Keep attributes that all runs share; ``methods`` holds the others."""
     runs = {
         "/".join(_labels(coords, index)): {
-            str(name): value for name, value in tree.attrs.items() if name not in own
+            str(name): value for name, value in tree.attrs.items() if name not in _COSTS
         }
         for index, tree in trees.items()
     }
@@ -97,9 +123,7 @@ def _attributes(coords: Mapping[str, Sequence[Any]], trees: Mapping[Index, xr.Da
 
 
 def union_of_times(times: Sequence[FloatArray]) -> FloatArray:
-    """Return the sorted union of output times; times that differ by round-off are one."""
-    if not times:
-        return np.empty(0)
+    """Return the sorted union of times, equal up to round-off."""
     together = np.unique(np.concatenate(times))
     if len(together) < 2:
         return together
@@ -107,38 +131,11 @@ def union_of_times(times: Sequence[FloatArray]) -> FloatArray:
     return np.asarray(together[new])
 
 
-def _at_all_times(runs: dict[Index, xr.Dataset], dim: str) -> dict[Index, xr.Dataset]:
-    """Return the runs with the output times of all."""
-    times = union_of_times([data[dim].values for data in runs.values()])
-    slack = 2e-9 * np.ptp(times) if times.size else 0.0
-    return {
-        index: data.reindex({dim: times}, method="nearest", tolerance=slack) for index, data in runs.items()
-    }
-
-
-def _series(trees: Mapping[Index, xr.DataTree]) -> dict[Index, xr.Dataset]:
-    """Return the series of runs with the times and the pairs of all: of many bodies each run lists the pairs
-    that came near each other in it.
-    """
-    runs = {index: series_at_outputs(tree) for index, tree in trees.items()}
-    runs = {index: data for index, data in runs.items() if "time" in data.coords}
-    pairs = [data["pair"].values.tolist() for data in runs.values() if "pair" in data.coords]
-    if any(labels != pairs[0] for labels in pairs):
-        every = list(dict.fromkeys(label for labels in pairs for label in labels))
-        runs = {k: data.reindex(pair=every) if "pair" in data.coords else data for k, data in runs.items()}
-    return {
-        index: data.map(lambda one: one.transpose("time", ...), keep_attrs=True)
-        for index, data in _at_all_times(runs, "time").items()
-    }
-
-
 def series_at_outputs(tree: xr.DataTree) -> xr.Dataset:
-    """Return the series of a run at the multiples of its output interval, where it recorded the ends of the
-    nearest steps.
+    """Return the series of a run at the multiples of its output interval; exact outputs stay as they are.
 
-    Between two records a series is taken as linear, one of means over the time since the last record as
-    constant, so that its integral stays; whole numbers are those of the nearest record. A run whose outputs
-    are exact is returned as it is.
+    Between two records, the ends of steps, a series is linear; one of means over the time since the last
+    record is constant, so that its integral stays; whole numbers are those of the nearest record.
     """
     series, times = tree["series"].to_dataset(), output_times(tree)
     if tree.attrs.get("outputs", "exact") == "exact" or times.size < 2:
@@ -158,29 +155,27 @@ def series_at_outputs(tree: xr.DataTree) -> xr.Dataset:
 
 def _at(recorded: FloatArray, values: AnyArray, outputs: FloatArray, *, mean: bool) -> AnyArray:
     """Return values (recorded, …) at the outputs, (outputs, …)."""
+    column = (-1, *[1] * (values.ndim - 1))
     if mean:
-        steps = np.diff(recorded).reshape(-1, *[1] * (values.ndim - 1))
-        integral = np.concatenate([np.zeros_like(values[:1]), np.cumsum(steps * values[1:], axis=0)])
+        means = np.diff(recorded).reshape(column) * values[1:]
+        integral = np.concatenate([np.zeros_like(values[:1]), np.cumsum(means, axis=0)])
         between = np.diff(_at(recorded, integral, outputs, mean=False), axis=0)
-        lengths = np.diff(outputs).reshape(-1, *[1] * (values.ndim - 1))
-        return np.concatenate([values[:1], between / lengths])
-    after = np.clip(np.searchsorted(recorded, outputs), 1, len(recorded) - 1)
-    share = (outputs - recorded[after - 1]) / (recorded[after] - recorded[after - 1])
-    share = np.clip(share, 0.0, 1.0).reshape(-1, *[1] * (values.ndim - 1))
+        return np.concatenate([values[:1], between / np.diff(outputs).reshape(column)])
+    place = np.interp(outputs, recorded, np.arange(len(recorded)))
     if np.array_equal(values, np.round(values), equal_nan=True):
-        share = np.round(share)
-    return np.asarray((1.0 - share) * values[after - 1] + share * values[after])
+        place = np.round(place)
+    before = place.astype(int)
+    share = (place - before).reshape(column)
+    return np.asarray(
+        (1.0 - share) * values[before] + share * values[np.minimum(before + 1, len(values) - 1)]
+    )
 
 
-def _with_fields(
-    dataset: xr.Dataset, coords: Mapping[str, Sequence[Any]], trees: Mapping[Index, xr.DataTree]
-) -> xr.Dataset:
-    """Add the fields of material points, if all runs that have any have the same points."""
+def _other_points(coords: Mapping[str, Sequence[Any]], trees: Mapping[Index, xr.DataTree]) -> str:
+    """Return why fields cannot be joined, if two runs have other points."""
     kept = {index: tree["particles"] for index, tree in trees.items() if "particles" in tree.children}
-    if not kept:
-        return dataset
-    first, points = next(iter(kept.items()))
     for index, others in kept.items():
+        first, points = next(iter(kept.items()))
         same = list(others.children) == list(points.children) and all(
             same_points(group.to_dataset(), points[body].to_dataset())
             for body, group in others.children.items()
@@ -188,11 +183,8 @@ def _with_fields(
         if not same:
             runs = " and ".join(", ".join(_labels(coords, one)) for one in (first, index))
             why = f"{runs} have other material points; run them one by one to draw them"
-            return dataset.assign_attrs(fields=f"fields are not joined: {why}")
-    joined = _at_all_times({index: _points(trees[index]) for index in kept}, "particle_time")
-    return dataset.assign(over_grid(coords, joined)).assign_coords(
-        particle_body=joined[first]["particle_body"]
-    )
+            return f"fields are not joined: {why}"
+    return ""
 
 
 def _labels(coords: Mapping[str, Sequence[Any]], index: Index) -> list[str]:
@@ -200,9 +192,7 @@ def _labels(coords: Mapping[str, Sequence[Any]], index: Index) -> list[str]:
 
 
 def _points(tree: xr.DataTree) -> xr.Dataset:
-    """Return the fields of all bodies, one after the other, at multiples of the output interval where steps
-    end beside them.
-    """
+    """Return the fields of all bodies, one after the other."""
     parts = []
     for body, node in tree["particles"].children.items():
         group = node.to_dataset()
@@ -226,53 +216,39 @@ def _costs(tree: xr.DataTree | None) -> xr.Dataset:
     def cost(name: str) -> float:
         return float("nan" if tree is None else tree.attrs.get(name, "nan"))
 
-    scalars = {name: ((), cost(name), {"units": unit, "long_name": meaning}) for name, unit, meaning in COSTS}
-    stages = {
-        f"{clock}_stage": (
-            "stage",
-            [cost(f"{clock}_{stage}") for stage in STAGES],
-            {"units": "s", "long_name": f"{meaning} time by stage of the step"},
-        )
-        for clock, meaning in (("cpu", "CPU"), ("wall", "wall"))
+    costs: dict[str, Any] = {
+        name: ((), cost(name), {"units": unit, "long_name": meaning}) for name, unit, meaning in COSTS
     }
-    return xr.Dataset({**scalars, **stages}, {"stage": list(STAGES)})
+    for clock, word in (("cpu", "CPU"), ("wall", "wall")):
+        attributes = {"units": "s", "long_name": f"{word} time by stage of the step"}
+        costs[f"{clock}_stage"] = ("stage", [cost(f"{clock}_{stage}") for stage in STAGES], attributes)
+    return xr.Dataset(costs, {"stage": list(STAGES)})
 
 
-def _outlines(trees: Mapping[Index, xr.DataTree]) -> dict[Index, xr.Dataset]:
-    """Return first and last outlines as closed polylines, NaN between a body's loops and after the last."""
-    lines: dict[Index, dict[str, AnyArray]] = {}
-    for index, tree in trees.items():
-        surfaces = tree["surface"].children if "surface" in tree.children else {}
-        known = {str(body): _outline(node.to_dataset()) for body, node in surfaces.items()}
-        lines[index] = {body: line for body, line in known.items() if line is not None}
-    bodies = list(dict.fromkeys(body for of_run in lines.values() for body in of_run))
-    if not bodies:
-        return {}
-    longest = max(line.shape[1] for of_run in lines.values() for line in of_run.values())
-    meaning = "surface of the body at the first and last output; NaN parts its loops"
-    outlines = {}
-    for index, of_run in lines.items():
-        values, times = np.full((2, len(bodies), longest, 2), np.nan), np.full(2, np.nan)
-        for body, line in of_run.items():
-            values[:, bodies.index(body), : line.shape[1]] = line
-            times = trees[index]["series"].coords["time"].values[[0, -1]]
-        dims = ("frame", "outlined_body", "outline_node", "axis")
-        outlines[index] = xr.Dataset(
-            {
-                "outline": (dims, values, {"units": "m", "long_name": meaning}),
-                "outline_time": ("frame", times, {"units": "s", "long_name": "time of the outline"}),
-            },
-            {"frame": ["first", "last"], "outlined_body": bodies, "axis": ["x", "y"]},
+def _outlines(tree: xr.DataTree) -> list[xr.Dataset]:
+    """Return first and last outlines as closed polylines, parted by NaN."""
+    lines = []
+    for body, node in tree["surface"].children.items() if "surface" in tree.children else ():
+        surface = node.to_dataset()
+        if not {"position", "next"} <= surface.keys() or surface.sizes.get("time", 0) == 0:
+            continue
+        ends = surface["position"].values[[0, -1]]
+        parted = np.full((2, 1, ends.shape[2]), np.nan)
+        line = np.concatenate(
+            [part for loop in loops(surface["next"].values) for part in (ends[:, loop], parted)], axis=1
         )
-    return outlines
-
-
-def _outline(surface: xr.Dataset) -> AnyArray | None:
-    """Return (2, outline_node, 2), the first and last frame of a surface in the order of its segments."""
-    if not {"position", "next"} <= surface.keys() or surface.sizes.get("time", 0) == 0:
-        return None
-    ends = surface["position"].values[[0, -1]]
-    parted = np.full((2, 1, ends.shape[2]), np.nan)
-    return np.concatenate(
-        [part for loop in loops(surface["next"].values) for part in (ends[:, loop], parted)], axis=1
-    )
+        labels = {"frame": ["first", "last"], "outline_node": range(line.shape[1]), "axis": ["x", "y"]}
+        lines.append(xr.DataArray(line, labels, tuple(labels)).expand_dims(outlined_body=[body], axis=1))
+    if not lines:
+        return []
+    meaning = "surface of the body at the first and last output; NaN parts its loops"
+    outline = xr.concat(lines, "outlined_body", join="outer")
+    times = tree["series"].coords["time"].values[[0, -1]]
+    return [
+        xr.Dataset(
+            {
+                "outline": outline.assign_attrs(units="m", long_name=meaning),
+                "outline_time": ("frame", times, {"units": "s", "long_name": "time of the outline"}),
+            }
+        )
+    ]

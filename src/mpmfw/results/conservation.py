@@ -10,8 +10,8 @@ import xarray as xr
 if TYPE_CHECKING:
     from mpmfw.scene import Scene
 
-#: Series whose sum is the error in time of strain and contact: the ledger's residuals beside the work of the
-#: half step by which velocities are behind positions, which the transfer loses as it loses kinetic energy.
+#: Series whose sum is the error in time of strain and contact: residuals without the work of the half step
+#: by which velocities are behind positions.
 _RESIDUALS = (
     (1.0, "energy_residual"),
     (-1.0, "half_step_work"),
@@ -25,10 +25,7 @@ _BY_PAIR = ("contact_energy", "frictional_work")
 
 
 def energy_error(run: xr.DataTree, scene: Scene) -> float:
-    """Largest error in time of strain and contact over the energy put in; NaN without a ledger.
-
-    A contact that does not tell what became of its work has an error of the strain alone.
-    """
+    """Return the largest error of strain and contact over the energy put in."""
     series = run["series"].to_dataset()
     if "energy_residual" not in series:
         return float("nan")
@@ -38,19 +35,17 @@ def energy_error(run: xr.DataTree, scene: Scene) -> float:
 
 
 def energy_put_in(run: xr.DataTree | xr.Dataset, scene: Scene) -> float:
-    """Energy of the start, and the largest works of gravity, loads and sides that move [J/m]."""
+    """Return the energy at the start plus the largest works done [J/m]."""
     series = _series(run)
     start = float(series["total_energy"].isel(time=0).sum())
     return start + sum(max(0.0, float(series[name].max())) for name in _works(scene) if name in series)
 
 
 def dissipation(run: xr.DataTree | xr.Dataset, scene: Scene) -> float:
-    """Share of the energy put in that a run ends without: neither kinetic, strain, friction nor plastic work.
+    """Return the share of the energy put in that is lost: neither kinetic, strain, friction nor plastic work.
 
-    Kinetic energy is that of the points with their affine motion, strain energy also that of contact springs.
-    What is left is what the transfer, the strain's integration, impulses and dashpots take; negative where a
-    run gains energy. NaN where nothing is put in, of a run that did not end, and without a ledger in scenes
-    with gravity, loads or sides that move.
+    The transfer, the strain's integration, impulses and dashpots take it; it is negative where a run gains
+    energy. NaN of a run that did not end, and without a ledger under gravity, loads or moving sides.
     """
     series, works = _series(run), _works(scene)
     if "total_energy" not in series or (scene.gravity and not _has(series, "gravity_work")):
@@ -70,21 +65,19 @@ def _series(run: xr.DataTree | xr.Dataset) -> xr.Dataset:
 
 
 def _has(series: xr.Dataset, name: str) -> bool:
-    """Return whether the run has the series, not only other runs of a comparison."""
+    """Return True if this run, and not only another one, has the series."""
     return name in series and bool(series[name].notnull().any())
 
 
 def _works(scene: Scene) -> list[str]:
-    """Series of the works that something in the scene may do."""
+    """Return the series of works that the scene may do."""
     sides = [side for body in scene.bodies.values() for side in body.sides]
     loaded = bool(scene.loads) or any(side.fixed is None for side in sides)
     return ["gravity_work"] + ["external_work"] * loaded
 
 
 def momentum_change(run: xr.DataTree, scene: Scene) -> float:
-    """Largest change of the whole momentum, over the sum of what the bodies bring; NaN where something
-    acts on them.
-    """
+    """Return the largest change of free bodies' momentum over their own."""
     if scene.gravity or scene.loads or any(body.sides for body in scene.bodies.values()):
         return float("nan")
     series = run["series"]["linear_momentum"]

@@ -18,18 +18,15 @@ from mpmfw.scene.content import code_in
 from mpmfw.scene.tables import Body
 from mpmfw.state.fields import FloatArray, IntArray
 
-#: Function from a body's material points at one output to the corners of their domains, (n, 4, 2) [m],
-#: counter-clockwise.
+#: Corners of the domains of material points at one output, (n, 4, 2) [m], counter-clockwise.
 Corners = Callable[[xr.Dataset], FloatArray]
 
 
 def corners_of(tree: xr.DataTree, body: str) -> Corners | None:
     """Return a function that gives the corners of the domains of a body's material points.
 
-    CPDI2 stores its corners. Those of CPDI are x_p + F R_0 ξ: x_p and F are stored, and the half-edges R_0 at
-    the start follow from the scene, which the file carries, by the same discretisation as that of the run.
-    None in 3D, with other shape functions, and where the scene does not give the stored points back: their
-    masses over the initial areas must be one density, to 1e-9.
+    CPDI2 stores them. Those of CPDI are x_p + F R_0 ξ, with the half-edges R_0 of the stored scene's layout.
+    None in 3D, with other shape functions, and where the layout's areas do not fit the stored masses.
     """
     points = tree[f"particles/{body}"].to_dataset()
     if points.sizes.get("axis") != 2:
@@ -60,9 +57,7 @@ def corners_of(tree: xr.DataTree, body: str) -> Corners | None:
 
 
 def triangles_of(tree: xr.DataTree, body: str) -> IntArray | None:
-    """Triangles (k, 3) of a body's surfaces in space, by its nodes, from the scene that the results carry;
-    None if it has none. Of a mesh file that has changed only the number of its nodes tells.
-    """
+    """Return the triangles (k, 3) of a body's surface in space, by node."""
     if (found := _body(tree, body)) is None:
         return None
     table, cell_size = found
@@ -73,7 +68,7 @@ def triangles_of(tree: xr.DataTree, body: str) -> IntArray | None:
 
 
 def surface_in_space(tree: xr.DataTree, body: str, frame: int) -> tuple[FloatArray, IntArray] | None:
-    """Return nodes (n, 3) [m] and triangles (k, 3) of a body's surface at one output, if it is stored."""
+    """Return nodes (n, 3) [m] and triangles (k, 3) of a stored surface."""
     stored = "surface" in tree.children and body in tree["surface"].children
     facets = triangles_of(tree, body) if stored else None
     if facets is None:
@@ -82,25 +77,19 @@ def surface_in_space(tree: xr.DataTree, body: str, frame: int) -> tuple[FloatArr
 
 
 def loops(following: IntArray) -> list[IntArray]:
-    """Split the segments of a surface into closed loops of nodes, the first node repeated at the end."""
-    left = dict.fromkeys(range(len(following)))
-    found = []
+    """Split segments into closed loops of nodes, the first node repeated."""
+    left, closed = dict.fromkeys(range(len(following))), []
     while left:
-        start = next(iter(left))
-        loop, node = [start], int(following[start])
-        left.pop(start)
-        while node in left:
-            left.pop(node)
-            loop.append(node)
-            node = int(following[node])
-        found.append(np.array([*loop, start]))
-    return found
+        loop = [next(iter(left))]
+        while loop[-1] in left:
+            del left[loop[-1]]
+            loop.append(int(following[loop[-1]]))
+        closed.append(np.array(loop))
+    return closed
 
 
 def _body(tree: xr.DataTree, body: str) -> tuple[Body, float] | None:
-    """A body of the scene that results carry, and its cell size [m]; None where the scene has none, is of
-    another version, or the body names code, which is not imported.
-    """
+    """Return a body of the stored scene, if it names no code, and the cell size [m]."""
     scene = scene_of({str(name): value for name, value in tree.attrs.items()})
     try:
         table = scene["bodies"][body]

@@ -29,10 +29,9 @@ class RunHeader:
 
 @dataclass
 class Frame:
-    """Arrays of one output, by group and name; shapes as declared, without the time.
+    """Arrays of one output, by group and name, with the declared shapes without the time.
 
-    The writer copies them before it returns, so views of the state are welcome. A declared field that a frame
-    does not hold is missing (NaN) at that time.
+    The writer copies them. A declared field that a frame lacks is missing (NaN) at that time.
     """
 
     time: float  #: [s]

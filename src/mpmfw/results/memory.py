@@ -11,19 +11,13 @@ _CLEAR, _STATUS = Path("/proc/self/clear_refs"), Path("/proc/self/status")
 
 
 def restart_peak_memory() -> None:
-    """Forget the largest resident memory so far, where the system can (Linux).
-
-    Elsewhere the mark stays that of the process since its start.
-    """
+    """Forget the largest resident memory so far, on Linux."""
     with contextlib.suppress(OSError):
         _CLEAR.write_text("5")
 
 
 def peak_memory() -> int:
-    """Return the largest resident memory of this process since the mark was restarted [bytes].
-
-    What the process held already at the restart, such as the interpreter and compiled code, is part of it.
-    """
+    """Return the largest resident memory since the restart [bytes]."""
     with contextlib.suppress(OSError):
         found = re.search(r"^VmHWM:\s*(\d+) kB$", _STATUS.read_text(), re.MULTILINE)
         if found:

@@ -44,23 +44,17 @@ def history(
     Parameters
     ----------
     results
-        A run, or a comparison, whose methods are dimensions of the answer; a tree, a dataset or a file's
-        name.
+        A run or a comparison, whose methods are dimensions of the answer: a tree, a dataset or a file.
     name
         ``centre_of_mass``, ``min_gap`` …, see the page on results.
     body, pair, axis
-        Only this one; ``axis`` also chooses the component of a rotation. What is not chosen stays a
-        dimension, but for the pair of a scene that has one.
-
-    Returns
-    -------
-    xarray.DataArray
-        With ``units`` and ``long_name``: ``.plot()`` labels itself.
+        Labels that select; ``axis`` also selects the component of a rotation. Other dimensions stay, but for
+        the pair of a scene that has one.
 
     Raises
     ------
     SceneError
-        There is no such series, body, pair or axis; the message lists those that are there.
+        There is no such series, body, pair or axis.
     """
     dataset = series_of(results)
     array = dataset[checked_name("series", name, sorted(str(one) for one in dataset.data_vars))]
@@ -75,19 +69,10 @@ def history(
 
 
 def gap(results: Results, pair: str | None = None) -> xr.DataArray:
-    """Return the least distance between the surfaces of a pair over time [m]; negative where they penetrate.
+    """Return the least distance between the surfaces of a ``pair`` ``a-b`` over time [m].
 
-    Parameters
-    ----------
-    results
-        A run or a comparison.
-    pair
-        ``a-b``, in the scene's order; may be left out where there is one pair.
-
-    Raises
-    ------
-    SceneError
-        The gap was not recorded, or there is no such pair.
+    It is negative where they penetrate. A scene with one pair needs no name. Raises a SceneError if the gap
+    was not recorded, or there is no such pair.
     """
     return history(results, "min_gap", pair=pair)
 
@@ -95,19 +80,18 @@ def gap(results: Results, pair: str | None = None) -> xr.DataArray:
 def field(
     results: Results, name: str = "von_mises", *, time: float | None = None, body: str | None = None
 ) -> xr.DataArray:
-    """Return a scalar field on the material points at one output.
+    """Return a scalar field on the material points of a run at one output.
 
     Parameters
     ----------
     results
-        A run.
+        A tree or a file.
     name
-        ``von_mises``, ``velocity`` (its size), ``velocity_x``, ``stress_xy`` …, see
-        :func:`mpmfw.results.point_fields.point_field`.
+        ``von_mises``, ``velocity`` (its size), ``velocity_x``, ``stress_xy`` …
     time
         [s]; the nearest output, the last one by default.
     body
-        Only this one; all by default.
+        All bodies by default.
 
     Returns
     -------
@@ -133,23 +117,9 @@ def field(
 
 
 def table(comparison: Results) -> pd.DataFrame:
-    """Return the table of a comparison: a row for each method, with errors, gaps and costs.
+    """Return the table of a comparison: a row for each method, with errors [%], gaps and costs.
 
-    Parameters
-    ----------
-    comparison
-        Of ``mpmfw.compare``, or its file's name.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Indexed by the methods; columns as in the report, errors in per cent; NaN where a run did not get
-        there.
-
-    Raises
-    ------
-    SceneError
-        The dataset is none of a comparison.
+    It is indexed by the methods; NaN where a run did not get there. Raises a SceneError for other results.
     """
     from mpmfw.report import method_dims
     from mpmfw.report import table as rows_of
@@ -166,20 +136,8 @@ def table(comparison: Results) -> pd.DataFrame:
 def pareto(study: Results) -> pd.DataFrame:
     """Return the runs of a study that no other one beats in error and in cost, the cheapest first.
 
-    Parameters
-    ----------
-    study
-        Of ``mpmfw.study``, or its file's name.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Indexed by the dimensions of the study, with ``error`` (relative) and ``cpu_time`` [s].
-
-    Raises
-    ------
-    SceneError
-        The dataset is none of a study.
+    They are indexed by the dimensions of the study, with ``error`` (relative) and ``cpu_time`` [s]. Raises a
+    SceneError for other results.
     """
     dataset = series_of(study)
     if not {"error", "cpu_time", "pareto"} <= set(dataset.data_vars):
@@ -202,11 +160,7 @@ def _method(function: Callable[Concatenate[Results, P], T]) -> Callable[Concaten
 @xr.register_datatree_accessor("mpmfw")  # type: ignore[no-untyped-call]
 @xr.register_dataset_accessor("mpmfw")  # type: ignore[no-untyped-call]
 class Accessor:
-    """Functions for notebooks as methods: ``tree.mpmfw.history("min_gap")`` is ``mpmfw.history(tree,
-    "min_gap")``.
-
-    It is registered once mpmfw has made or opened a result.
-    """
+    """Methods for notebooks, such as ``tree.mpmfw.history("min_gap")``."""
 
     def __init__(self, results: xr.DataTree | xr.Dataset) -> None:
         self.results = results

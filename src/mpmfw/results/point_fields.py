@@ -21,21 +21,15 @@ class _Part(NamedTuple):
 
     array: str
     label: str
-    of: Callable[
-        [FloatArray], FloatArray
-    ]  #: from the array's values, whose last axes are those of a vector or a tensor
+    of: Callable[[FloatArray], FloatArray]  #: from the array's values (…, axis, axis2)
 
 
 def point_field(points: xr.Dataset, name: str) -> xr.DataArray:
-    """Return a scalar field of a body's material points at one output, or at all.
+    """Return a scalar field of a body's material points, (particle,) or (time, particle).
 
-    Scalars are there by their own names. A vector gives its size under its name and its components as
-    ``velocity_x``; a tensor its components as ``stress_xy``. Beyond these: ``volume_ratio``, det F;
-    ``pressure``, −tr σ/3, in 3D; ``in_plane_pressure``, −(σ_xx + σ_yy)/2, in 2D, where the stress across the
-    plane is not stored. A field that a plug-in stores under one of these names takes its place.
-
-    The array (particle,) or (time, particle) has ``units``, ``1`` if there is none, and ``long_name``. A
-    SceneError lists the fields that are there.
+    A vector gives its size and its components as ``velocity_x``, a tensor its components as ``stress_xy``.
+    Beside them: ``volume_ratio``, det F; ``pressure``, −tr σ/3, in 3D; ``in_plane_pressure``,
+    −(σ_xx + σ_yy)/2, in 2D. A stored field of such a name takes its place. A SceneError lists the fields.
     """
     parts = point_fields(points)
     if name not in parts:
@@ -50,7 +44,7 @@ def point_field(points: xr.Dataset, name: str) -> xr.DataArray:
 
 
 def point_fields(points: xr.Dataset) -> dict[str, _Part]:
-    """Return all fields that :func:`point_field` finds in the stored arrays, by name."""
+    """Return all fields that :func:`point_field` finds, by name."""
     found = {}
     if "deformation_gradient" in points:
         found["volume_ratio"] = _Part("deformation_gradient", "volume ratio det F", np.linalg.det)

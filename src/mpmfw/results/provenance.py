@@ -13,14 +13,7 @@ _PACKAGES = ("numpy", "numba", "scipy", "xarray", "netCDF4", "pluggy")
 
 
 def provenance() -> dict[str, object]:
-    """Return root attributes ``versions`` and, if mpmfw runs from a git checkout, ``commit``.
-
-    Returns
-    -------
-    dict
-        ``versions``: version of mpmfw, python and the packages that numbers depend on. ``commit``: full hash,
-        with ``-dirty`` if tracked files were changed.
-    """
+    """Return ``versions`` of packages, and in a git checkout the ``commit``."""
     versions = {"mpmfw": __version__, "python": platform.python_version()}
     for package in _PACKAGES:
         try:
@@ -32,8 +25,7 @@ def provenance() -> dict[str, object]:
 
 
 def _commit(folder: Path) -> str | None:
-    # An environment inside somebody else's checkout is not a checkout of mpmfw: the file itself must be
-    # tracked.
+    # An environment may lie in the checkout of another project, where this file is not tracked
     tracked = _git(folder, "ls-files", "--error-unmatch", Path(__file__).name)
     return _git(folder, "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*") if tracked else None
 

@@ -124,7 +124,7 @@ def read_run(path: str | os.PathLike[str]) -> xr.DataTree:
 
 
 def _reason(name: str, error: OSError | UnicodeError) -> str:
-    """Return why a file cannot be read; the library's reason does not help with damaged HDF5 files."""
+    """Return why a file cannot be read."""
     return _DAMAGED if is_hdf5(name) else str(getattr(error, "strerror", None) or error)
 
 
@@ -138,7 +138,7 @@ def is_hdf5(path: str) -> bool:
 
 
 def _how_to_go_on(name: str) -> str:
-    """Return the advice to resume a run that did not end, if it has a checkpoint."""
+    """Return the advice to resume a run that has a checkpoint."""
     return f"; mpmfw resume {name} goes on with it" if os.path.isfile(f"{name}.checkpoint") else ""
 
 
@@ -153,7 +153,7 @@ def check_results(path: str | os.PathLike[str]) -> None:
 
 
 def tree_of(dataset: netCDF4.Dataset, *, load: bool = True) -> xr.DataTree:
-    """Return the groups of an open file as a tree, without outputs that are not complete."""
+    """Return the complete outputs of an open file as a tree."""
     import xarray as xr
     from xarray.backends import NetCDF4DataStore
 
@@ -172,7 +172,7 @@ def tree_of(dataset: netCDF4.Dataset, *, load: bool = True) -> xr.DataTree:
 
 
 def _complete(groups: dict[str, xr.Dataset]) -> dict[str, xr.Dataset]:
-    """Return the groups without outputs whose time is not at the root, which is written last."""
+    """Return the groups up to the last time at the root."""
     root = groups["/"]
     if "output" not in root.dims:
         return groups

@@ -1,18 +1,15 @@
-"""The exact motions of the bundled kinds of scenes, which a scene declares by ``[reference] kind``, and its
-results carry.
-"""
+"""The exact motions of the bundled kinds of scenes, which a scene declares by ``[reference] kind``."""
 
 from __future__ import annotations
 
 import functools
-import itertools
 import json
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.resources import files
 from io import StringIO
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import xarray as xr
@@ -20,6 +17,7 @@ import xarray as xr
 from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.geometry import Ball, Box, Disc, Rectangle, Ring
 from mpmfw.results.analysis import RollingSolution, rolling_solution
+from mpmfw.results.selection import points_of
 from mpmfw.scene import Body, Scene, load_scene
 from mpmfw.scene.content import code_in
 from mpmfw.scene.loading import shipped_scenes
@@ -33,7 +31,7 @@ EQUATION = " (eq. 13 of Hamad, Giridharan & Moormann 2017, Procedia Engineering 
 
 @dataclass(frozen=True)
 class Incline:
-    """The closed form of a rigid body that leaves rest and runs down a plane along x."""
+    """Closed form of a rigid body that runs down a plane along x from rest."""
 
     body: str  #: its name
     solution: RollingSolution  #: motion of its centre along the plane, and its spin
@@ -46,50 +44,44 @@ class Incline:
         """Time until which the motion is judged [s]."""
         return min(self.solution.time_to(self.distance), self.end)
 
-    def describe(self) -> str:
-        """Return the reference in one sentence."""
-        return self.says
-
 
 @dataclass(frozen=True)
 class RollingReference(Incline):
-    """A disc or a ball that rolls down a fixed plane; its spin is known as well."""
+    """A disc or a ball that rolls; its spin is known as well."""
 
 
 @dataclass(frozen=True)
 class SlidingReference(Incline):
-    """A block that slides down a fixed plane and stays upright."""
+    """A block that slides and stays upright."""
 
 
 @dataclass(frozen=True)
 class RingsReference:
-    """The collision of two rings that the shipped finite-element solution is of."""
+    """The collision of two rings that was solved by finite elements."""
 
     first: str  #: the left ring, which is the first of the pair
     second: str  #: the right ring
     end: float = 3.2e-3  #: until which the motions are compared [s]
-
-    def describe(self) -> str:
-        """Return the reference in one sentence."""
-        return (
-            "explicit total-Lagrangian plane-strain finite elements, nine-node quadrilaterals of 0.5 mm, one "
-            "ring against a frictionless wall on the plane of symmetry; honest solutions differ by 2.4 % in "
-            "impulse and by 0.19 in the L2 norm of the force averaged over 100 µs (four-node quadrilaterals "
-            "of 2 mm); an impact's force changes as fast as noise, and theirs has 79 % of it with outputs "
-            "every 10 µs"
-        )
+    says: ClassVar[str] = (
+        "explicit total-Lagrangian plane-strain finite elements, nine-node quadrilaterals of 0.5 mm, one "
+        "ring against a frictionless wall on the plane of symmetry; honest solutions differ by 2.4 % in "
+        "impulse and by 0.19 in the L2 norm of the force averaged over 100 µs (four-node quadrilaterals "
+        "of 2 mm); an impact's force changes as fast as noise, and theirs has 79 % of it with outputs "
+        "every 10 µs"
+    )
 
 
 @dataclass(frozen=True)
 class PressedBlocks:
-    """Two blocks, one on the other between smooth walls, under a pressure from above."""
+    """Two blocks between smooth walls under a pressure from above."""
 
     lower: str  #: name of a block
     upper: str
     pressure: float  #: on top [Pa]: every vertical stress at rest is its negative
 
-    def describe(self) -> str:
-        """Return the reference in one sentence."""
+    @property
+    def says(self) -> str:
+        """The reference in words."""
         return f"a uniform vertical stress of {-self.pressure:.4g} Pa, the pressure from above"
 
 
@@ -97,7 +89,7 @@ Reference = RollingReference | SlidingReference | RingsReference | PressedBlocks
 
 
 def scene_of(attributes: Mapping[str, Any]) -> dict[str, Any]:
-    """Parse the scene in the attributes of a result (TOML or JSON); empty if there is none."""
+    """Parse the scene of a result; empty if there is none."""
     text = attributes.get("scene")
     if not isinstance(text, str):
         return {}
@@ -111,12 +103,12 @@ def scene_of(attributes: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def cell_size(run: xr.Dataset) -> float:
-    """Cell size h of one combination of a comparison [m]: varied, or the scene's; NaN if it is not known."""
+    """Return the cell size of one combination of a comparison [m], or NaN."""
     return cell_size_of(scene_of(own_attributes(run)))
 
 
 def cell_size_of(scene: Mapping[str, Any]) -> float:
-    """Cell size h in the tables of a scene [m]; NaN if it is not known."""
+    """Return the cell size in a scene's tables [m], or NaN."""
     try:
         return float(to_si(scene["grid"]["cell_size"], "m"))  # type: ignore[arg-type]
     except (LookupError, TypeError, ValueError):
@@ -124,7 +116,7 @@ def cell_size_of(scene: Mapping[str, Any]) -> float:
 
 
 def own_attributes(run: xr.Dataset) -> dict[str, Any]:
-    """Attributes of a comparison at one value of each varied key, these values set into the scene."""
+    """Return attributes of one combination, with its varied keys in the scene."""
     keys = json.loads(run.attrs.get("varied", "{}"))
     own = {key: run.coords[dim].item() for dim, key in keys.items() if dim in run.coords}
     if not own:
@@ -135,26 +127,25 @@ def own_attributes(run: xr.Dataset) -> dict[str, Any]:
 
 
 def own_references(dataset: xr.Dataset) -> list[Reference | None]:
-    """The different references of a comparison's rows: one, unless a varied key changes it."""
+    """Return the references of a comparison: one, unless a varied key changes it."""
     varied = [dim for dim in dataset["status"].dims if dim not in ("contact", "shape")]
-    labels = itertools.product(*(range(dataset.sizes[dim]) for dim in varied))
-    rows = (dataset.isel(dict(zip(varied, index, strict=True))) for index in labels)
+    rows = (row for _, row in points_of(dataset, varied))
     return list(dict.fromkeys(reference_of(own_attributes(row)) for row in rows))
 
 
 def described(dataset: xr.Dataset) -> str:
-    """Return the reference of a comparison's rows in words; empty if there is none."""
+    """Return the reference of a comparison in words, if it has one."""
     texts = (str(array.attrs["against"]) for array in dataset.data_vars.values() if "against" in array.attrs)
     if text := "; ".join(dict.fromkeys(texts)):
         return text
     references = own_references(dataset)
     if len(references) > 1:
         return "each row against its own closed form, as the varied keys change it"
-    return references[0].describe() if references and references[0] is not None else ""
+    return references[0].says if references and references[0] is not None else ""
 
 
 def reference_of(attributes: Mapping[str, Any]) -> Reference | None:
-    """Return the reference that the scene of a run or a comparison declares and meets; None of others."""
+    """Return the reference that a result's scene meets, or None."""
     scene = scene_of_results(attributes)
     try:
         return None if scene is None else declared(scene)
@@ -167,18 +158,14 @@ _RIGID = {"model": "neo_hookean", "density": 1.0, "bulk_modulus": 1.0, "shear_mo
 
 
 def scene_of_results(attributes: Mapping[str, Any]) -> Scene | None:
-    """The scene of a run's or a comparison's ``attributes``; None where it cannot be read here."""
+    """Return the scene of a result, or None."""
     text = attributes.get("scene")
     return _loaded(text) if isinstance(text, str) else None
 
 
 @functools.lru_cache(maxsize=64)
 def _loaded(text: str) -> Scene | None:
-    """The scene of a result without its methods, which no reference depends on; None where it cannot be read
-    here.
-
-    Code that a result names is not imported.
-    """
+    """Return a scene without its methods and without code; None if it cannot be read."""
     scene = scene_of({"scene": text})
     contact, materials = scene.get("contact"), scene.get("materials")
     scene = {key: table for key, table in scene.items() if key != "stepping"} | {
@@ -200,13 +187,9 @@ def _loaded(text: str) -> Scene | None:
 
 
 def declared(scene: Scene) -> Reference | None:
-    """Return the bundled reference that a scene declares by ``[reference] kind``; None where it declares none
-    of these.
+    """Return the bundled reference that a scene declares; None where it declares another or none.
 
-    Raises
-    ------
-    SceneError
-        The scene is not of the kind that it declares: why not.
+    A SceneError says why the scene is not of the kind that it declares.
     """
     kind = None if scene.reference is None else scene.reference.kind
     if kind not in _KINDS:
@@ -218,7 +201,7 @@ def declared(scene: Scene) -> Reference | None:
 
 
 class _DoesNotApplyError(Exception):
-    """A scene is not of the kind that it declares; the message says why."""
+    """Reason why a scene is not of its declared kind."""
 
 
 def _need(holds: bool, otherwise: str) -> None:
@@ -234,9 +217,7 @@ def _one(names: Sequence[str], what: str) -> str:
 def _on_incline(
     scene: Scene, shapes: type[Any] | tuple[type[Any], ...], what: str
 ) -> tuple[str, float, float, float]:
-    """Return the free body on one fixed plane along x, its friction, and gravity's magnitude [m/s²] and tilt
-    [rad].
-    """
+    """Return the free body on a plane, its friction, gravity [m/s²] and the tilt [rad]."""
     free = [
         name for name, body in scene.bodies.items() if isinstance(body.geometry, shapes) and not body.sides
     ]
@@ -275,7 +256,7 @@ def _rolling(scene: Scene, kind: type[Any], rigid: str, inertia: float) -> Rolli
 
 
 def _sliding(scene: Scene) -> SlidingReference:
-    """A free block on a fixed rectangle along x, steep enough to slide and too flat to tip over."""
+    """Return the motion of a block that slides and does not tip over."""
     body, friction, g, tilt = _on_incline(scene, Rectangle, "rectangle")
     block: Any = scene.bodies[body].geometry
     _need(block.angle == 0.0, f"'{body}' is turned against the plane")
@@ -293,7 +274,7 @@ def _sliding(scene: Scene) -> SlidingReference:
 
 
 def _pressed(scene: Scene) -> PressedBlocks:
-    """Two blocks between smooth walls at left and right, pressed from the top and held at the bottom."""
+    """Return two blocks that are pressed from the top and held at the bottom."""
     _need(scene.dim == 2 and len(scene.bodies) == 2, "expected two bodies in the plane")
     _need(scene.gravity is None, "the scene has gravity")
     ends: dict[str, tuple[str, float]] = {}
@@ -313,7 +294,7 @@ def _pressed(scene: Scene) -> PressedBlocks:
 
 
 def _rings(scene: Scene) -> RingsReference:
-    """Two rings as those of the shipped scene, of which the reference is, under no load."""
+    """Return the two rings, if they are as those of the shipped scene."""
     shipped = _loaded(shipped_scenes()["colliding-rings"])
     assert shipped is not None
     _need(scene.gravity is None, "the scene has gravity")
@@ -334,7 +315,7 @@ def _rings(scene: Scene) -> RingsReference:
 
 
 def _ring_facts(scene: Scene, name: str) -> dict[str, Any]:
-    """What a ring's motion depends on, by name."""
+    """Return the facts on which a ring's motion depends."""
     body = scene.bodies[name]
     material, ring = scene.materials[body.material], body.geometry
     options: Any = material.options
@@ -359,28 +340,23 @@ _KINDS: dict[str | None, Callable[[Scene], Reference]] = {
 
 
 def _is_plane(body: Body) -> bool:
-    """A rectangle or box along the axes that fixed sides, and nothing else, hold."""
+    """Return True for a straight rectangle or box that only fixed sides hold."""
     shape = body.geometry
-    return (
-        (
-            (isinstance(shape, Rectangle) and shape.angle == 0.0)
-            or (isinstance(shape, Box) and not any(shape.angles))
-        )
-        and all(side.fixed for side in body.sides)
-        and any(side.fixed is True for side in body.sides)
-        and at_rest(body)
-    )
+    straight = isinstance(shape, Rectangle) and shape.angle == 0.0
+    straight = straight or (isinstance(shape, Box) and not any(shape.angles))
+    held = [side.fixed for side in body.sides]
+    return straight and all(held) and True in held and at_rest(body)
 
 
 def at_rest(body: Body) -> bool:
-    """Return whether a body neither moves nor turns at the start."""
+    """Return True if a body neither moves nor turns at the start."""
     spin = body.angular_velocity
     return not any(body.velocity or ()) and not np.any(0.0 if spin is None else spin)
 
 
 @functools.cache
 def rings_table(name: str) -> dict[str, FloatArray]:
-    """Columns of a shipped reference table, ``force`` or ``energy``; ``time`` in s added."""
+    """Return a shipped table, ``force`` or ``energy``, with ``time`` in s."""
     text = files("mpmfw").joinpath("reference", f"rings_fem_{name}.csv").read_text(encoding="utf-8")
     table = np.genfromtxt(StringIO(text), delimiter=",", names=True)
     return {**{column: table[column] for column in table.dtype.names or ()}, "time": 1e-3 * table["time_ms"]}

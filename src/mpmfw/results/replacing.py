@@ -19,8 +19,7 @@ from mpmfw.errors import MpmfwError, SceneError
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Characters of a file's name that the name of its unfinished successor repeats: names have at most 255
-#: bytes.
+#: Characters of a file's name in that of its unfinished successor; names have at most 255 bytes.
 _REPEATED = 50
 
 #: Bytes that must be free beside a frame: the file's own tables, and the attributes of the end.
@@ -28,26 +27,13 @@ _MARGIN = 1_000_000
 
 
 def check_room(path: str, size: int) -> None:
-    """Raise an OSError if the disk of a file has no room for ``size`` bytes and a margin.
-
-    A NetCDF file whose writing fails half-way cannot be opened again, and all frames before are lost.
-    """
+    """Raise an OSError if a disk has no room for ``size`` bytes more."""
     if shutil.disk_usage(os.path.dirname(path) or ".").free < size + _MARGIN:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
-#: What results of each kind are called.
-_KINDS = {
-    "run": "run's results",
-    "compare": "comparison",
-    "choice": "result of mpmfw choose",
-    "stability": "map of stability",
-    "study": "study's results",
-}
-
-
 def check_writable(path: Path) -> Path:
-    """Return the path, if a file can be written there; else raise a SceneError."""
+    """Return the path; raise a SceneError if it cannot be written."""
     if os.path.islink(os.path.realpath(path)):
         raise SceneError(f"{path}: is a link that leads to itself; give the name of a file")
     if path.is_dir():
@@ -63,9 +49,7 @@ def check_writable(path: Path) -> Path:
 
 
 def check_replaceable(path: str | os.PathLike[str], kind: str) -> None:
-    """Check, before long work, that results can be written and replace no file but an empty one or one of
-    their ``kind``; else raise a SceneError.
-    """
+    """Raise a SceneError if results of a ``kind`` cannot be written there."""
     try:
         os.fspath(path).encode()
     except UnicodeEncodeError as error:
@@ -75,21 +59,20 @@ def check_replaceable(path: str | os.PathLike[str], kind: str) -> None:
     path = check_writable(Path(path))
     if path.is_file() and path.stat().st_size and kind_of_file(path) != kind:
         raise SceneError(
-            f"{path}: is there already and is no {_KINDS[kind]}, so it is not replaced; give another name"
+            f"{path}: is there already without results of kind '{kind}', so it is not replaced; give another "
+            "name"
         )
 
 
 def check_new(path: Path, force: bool = False) -> Path:
-    """Return the path of a figure, a page or an export, if no file is lost there: none exists, or ``force``
-    is true.
-    """
+    """Return the path; raise a SceneError if a file would be lost."""
     if not force and path.is_file() and path.stat().st_size:
         raise SceneError(f"{path}: is there already; give another name, or --force to replace it")
     return path
 
 
 def kind_of_file(path: Path) -> str | None:
-    """Return the kind that a results' file names; None for any other file."""
+    """Return the kind of a results' file, None for any other file."""
     try:
         with netCDF4.Dataset(os.fspath(path)) as dataset:
             return str(getattr(dataset, "kind", ""))
@@ -98,15 +81,13 @@ def kind_of_file(path: Path) -> str | None:
 
 
 def unfinished(path: str | os.PathLike[str]) -> Path:
-    """Return a new name beside a file, for the file that will replace it; a link leads to the file that it
-    names.
-    """
+    """Return a new name beside a file, for its successor."""
     target = Path(os.path.realpath(path))
     return target.with_name(f".{target.stem[:_REPEATED]}.{uuid.uuid4().hex}.part{target.suffix[:_REPEATED]}")
 
 
 def abandoned(path: str | os.PathLike[str]) -> list[Path]:
-    """Return the unfinished files of a file that processes left which were killed while they wrote."""
+    """Return the unfinished files of killed processes."""
     target = Path(os.path.realpath(path))
     stem, suffix = re.escape(target.stem[:_REPEATED]), re.escape(target.suffix[:_REPEATED])
     name = re.compile(rf"\.{stem}\.[0-9a-f]{{32}}\.part{suffix}")
@@ -118,11 +99,7 @@ def abandoned(path: str | os.PathLike[str]) -> list[Path]:
 
 @contextlib.contextmanager
 def replacement(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Context that gives the name of a file to write, which then replaces ``path`` in one step.
-
-    Readers see the old file or the new one, whole. After any error the old file is there and the new one is
-    not.
-    """
+    """Context with the name of a file, which replaces ``path`` if all goes well."""
     growing = unfinished(path)
     try:
         yield growing
@@ -137,7 +114,7 @@ def replacement(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def replace_bytes(content: bytes | memoryview, path: str | os.PathLike[str]) -> None:
-    """Write bytes as :func:`replacement` does, with the rights that the umask leaves."""
+    """Write bytes as :func:`replacement` does."""
     with replacement(path) as growing, open(growing, "xb") as file:
         file.write(content)
 
@@ -145,8 +122,7 @@ def replace_bytes(content: bytes | memoryview, path: str | os.PathLike[str]) -> 
 def replace_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     """Write a dataset as NetCDF, as :func:`replacement` does.
 
-    The file is built in memory and written when it is closed: HDF5 keeps a file open that finds no room on
-    its disk. A file made by ``netCDF4.Dataset(memory=…)`` could not be opened again for writing.
+    The file is built in memory: HDF5 keeps a file open that finds no room on its disk.
     """
     from xarray.backends import NetCDF4DataStore
 

@@ -14,16 +14,15 @@ ROUND_OFF = 1e-10
 def without_round_off(series: xr.Dataset) -> xr.Dataset:
     """Return the series over time with values below round-off set to zero.
 
-    The scale of a series is the largest magnitude of all series of its unit. Positions have that of the
-    displacement from the start counted, against the largest coordinate L; velocities have L over the time T
-    at least, spins one turn over T.
+    The scale of a series is the largest magnitude of its unit: at least L/T of velocities, with the largest
+    coordinate L and the time T, and one turn over T of spins. Of positions the displacement counts.
     """
     if "time" not in series.dims or series.sizes["time"] < 2:
         return series
     known = {
-        str(name): array
-        for name, array in series.data_vars.items()
-        if "time" in array.dims and array.dtype.kind == "f"
+        str(name): one
+        for name, one in series.data_vars.items()
+        if "time" in one.dims and one.dtype.kind == "f"
     }
     scales: dict[str, float] = {}
     for array in known.values():

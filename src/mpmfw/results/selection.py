@@ -26,7 +26,7 @@ Results = xr.DataTree | xr.Dataset | str | os.PathLike[str]
 
 @contextmanager
 def opened(results: Results) -> Iterator[xr.DataTree | xr.Dataset]:
-    """Context with results; arrays of a file are read when they are used, and it is closed at the end."""
+    """Context with results; a file is open while it lasts."""
     if isinstance(results, xr.DataTree | xr.Dataset):
         yield results
         return
@@ -39,7 +39,7 @@ def opened(results: Results) -> Iterator[xr.DataTree | xr.Dataset]:
 
 @contextmanager
 def opened_run(results: Results) -> Iterator[xr.DataTree]:
-    """Context with the tree of one run, as :func:`opened` gives it."""
+    """Context with the tree of one run."""
     with opened(results) as found:
         if not isinstance(found, xr.DataTree):
             where = f"{os.fspath(results)}: " if isinstance(results, str | os.PathLike) else ""
@@ -51,7 +51,7 @@ def opened_run(results: Results) -> Iterator[xr.DataTree]:
 
 
 def points_of(dataset: xr.Dataset, dims: Iterable[Hashable]) -> Iterator[tuple[dict[str, Any], xr.Dataset]]:
-    """Yield the labels of every point along some dimensions, and what the dataset holds there."""
+    """Yield every point along some dimensions: its labels and its data."""
     names = [str(dim) for dim in dims]
     for labels in itertools.product(*(dataset[name].values.tolist() for name in names)):
         point = dict(zip(names, labels, strict=True))
@@ -59,7 +59,7 @@ def points_of(dataset: xr.Dataset, dims: Iterable[Hashable]) -> Iterator[tuple[d
 
 
 def series_of(results: Results) -> xr.Dataset:
-    """Return the series of a run, or the dataset of a comparison, in memory; a run's frames are not read."""
+    """Return the series of a run, or the dataset of a comparison."""
     with opened(results) as found:
         if isinstance(found, xr.Dataset):
             return found.load()
@@ -74,7 +74,7 @@ def checked_name(kind: str, name: str, valid: Sequence[str]) -> str:
 
 
 def bodies_of(tree: xr.DataTree, selection: str | Sequence[str] | None = None) -> list[str]:
-    """Return the bodies whose material points are stored, in the scene's order: all, or those selected."""
+    """Return the bodies whose points are stored, in the scene's order."""
     groups = tree["particles"].children if "particles" in tree.children else {}
     order = tree.coords["body"].values.tolist() if "body" in tree.coords else list(groups)
     present = [str(name) for name in order if name in groups and groups[name].data_vars]
@@ -92,7 +92,7 @@ def bodies_of(tree: xr.DataTree, selection: str | Sequence[str] | None = None) -
 
 
 def times_of(tree: xr.DataTree) -> FloatArray:
-    """Return the times of the outputs that hold material points, or of all where none does [s]."""
+    """Return the times of outputs with points, else of all [s]."""
     points = tree["particles"].children.values() if "particles" in tree.children else ()
     group = next((points for points in points if "time" in points.coords), None)
     times = output_times(tree) if group is None else group.coords["time"]
@@ -100,9 +100,7 @@ def times_of(tree: xr.DataTree) -> FloatArray:
 
 
 def frame_at(tree: xr.DataTree, time: float | None = None) -> int:
-    """Return the index of the output nearest to ``time`` [s], the last by default, among those that hold
-    material points.
-    """
+    """Return the output with points nearest to ``time`` [s], by default the last."""
     times = times_of(tree)
     if len(times) == 0:
         raise SceneError("the run has no output")
@@ -118,9 +116,7 @@ def frame_at(tree: xr.DataTree, time: float | None = None) -> int:
 
 
 def frame_of(tree: xr.DataTree, place: str, index: int) -> xr.Dataset:
-    """Read the arrays of a group, such as ``particles/cylinder``, at one output; its ``index`` is among
-    those that hold material points.
-    """
+    """Read a group, such as ``particles/disc``, at an output with points."""
     group, times = tree[place].to_dataset(), times_of(tree)
     if group.sizes.get("time", len(times)) != len(times):  # a surface has more outputs
         index = int(np.argmin(np.abs(group["time"].values - times[index])))
@@ -128,7 +124,7 @@ def frame_of(tree: xr.DataTree, place: str, index: int) -> xr.Dataset:
 
 
 def chosen_frames(tree: xr.DataTree, every: int) -> range:
-    """Return the indices of the first output that holds material points and of each ``every``-th after it."""
+    """Return each ``every``-th output with points."""
     try:
         every = operator.index(every)
     except TypeError:
@@ -139,23 +135,10 @@ def chosen_frames(tree: xr.DataTree, every: int) -> range:
 
 
 def select(comparison: Results, **choice: Any) -> xr.DataTree:
-    """Return one run of a comparison as a tree as :func:`mpmfw.run` returns it.
+    """Return one run of a comparison as a tree: ``series``, and ``particles/<body>`` if it keeps fields.
 
-    Parameters
-    ----------
-    comparison
-        Of :func:`mpmfw.compare`, or the name of its file.
-    choice
-        A label of each dimension, such as ``contact="penalty"``; one that has a single label may be left out.
-
-    Returns
-    -------
-    The group ``series``, and ``particles/<body>`` if the comparison keeps fields.
-
-    Raises
-    ------
-    SceneError
-        There is no such dimension or label, or a dimension is left open.
+    ``choice`` names a label of each dimension that has several, such as ``contact="penalty"``; a SceneError
+    says if it does not.
     """
     with opened(comparison) as dataset:
         if not isinstance(dataset, xr.Dataset) or "status" not in dataset:
@@ -196,24 +179,20 @@ def _tree(run: xr.Dataset) -> xr.DataTree:
 def runs_of(
     comparison: xr.Dataset, against: str | None = None, name: str = "", *, contact: str | None = None
 ) -> dict[str, xr.DataTree]:
-    """Return the runs of a comparison that keep material points, all or those with a ``contact``, by their
-    labels.
+    """Return the runs of a comparison that keep material points, or those with a ``contact``, by labels.
 
-    With a contact ``against`` and the ``name`` of a field every other run has the field ``NAME_difference``
-    against the run with that contact and the same other choices.
+    With ``against`` every other run gets the field ``NAME_difference`` against the run with that contact.
     """
     if "particle_position" not in comparison:
         why = "the comparison keeps no fields; run it with --set output.particles=true"
         raise SceneError(str(comparison.attrs.get("fields", why)))
-    dims = [str(dim) for dim in comparison["status"].dims]
     contacts = [str(one) for one in comparison["contact"].values]
     for chosen in (against, contact):
         if chosen is not None:
             checked_name("contact", chosen, contacts)
     runs = {}
-    for labels in itertools.product(*(comparison[dim].values.tolist() for dim in dims)):
-        choice = dict(zip(dims, labels, strict=True))
-        run, label = select(comparison, **choice), ", ".join(map(str, labels))
+    for choice, _ in points_of(comparison, comparison["status"].dims):
+        run, label = select(comparison, **choice), ", ".join(map(str, choice.values()))
         if "particles" not in run.children or contact not in (None, str(choice["contact"])):
             continue
         if against is None:
@@ -229,33 +208,19 @@ def runs_of(
 
 
 def difference(run: xr.DataTree, reference: xr.DataTree, name: str = "von_mises") -> xr.DataTree:
-    """Return a run with the field ``NAME_difference`` on its material points: its values less those of the
-    reference.
+    """Return a run with the field ``NAME_difference``: a scalar field less that of the ``reference``.
 
-    Parameters
-    ----------
-    run, reference
-        Two runs, of :func:`select`, :func:`mpmfw.run` or :func:`mpmfw.open`, with the same material points
-        and outputs.
-    name
-        Of a scalar field, see :func:`mpmfw.results.point_fields.point_field`.
-
-    Raises
-    ------
-    SceneError
-        There is no such field, or the material points or the times of their outputs differ.
+    A SceneError says if there is no such field, or the material points or their times differ.
     """
     times, others = times_of(run), times_of(reference)
     if len(times) != len(others) or not np.allclose(times, others):
         raise SceneError("fields cannot be compared: the runs recorded their material points at other times")
-    tree = run.copy()
+    tree, known = run.copy(), bodies_of(reference)
     for body in bodies_of(run):
         points = run[f"particles/{body}"].to_dataset()
         own = point_field(points, name)
-        if body not in bodies_of(reference):
-            raise SceneError(f"fields cannot be compared: the material points of '{body}' differ")
-        theirs = reference[f"particles/{body}"].to_dataset()
-        if not same_points(points, theirs):
+        theirs = reference[f"particles/{body}"].to_dataset() if body in known else None
+        if theirs is None or not same_points(points, theirs):
             raise SceneError(f"fields cannot be compared: the material points of '{body}' differ")
         attributes = {**own.attrs, "long_name": f"difference of {own.attrs['long_name']}"}
         change = own.copy(data=own.values - point_field(theirs, name).values).assign_attrs(attributes)
@@ -264,10 +229,7 @@ def difference(run: xr.DataTree, reference: xr.DataTree, name: str = "von_mises"
 
 
 def same_points(one: xr.Dataset, other: xr.Dataset) -> bool:
-    """Return whether a body has the same material points in two runs.
-
-    Masses must be equal. First positions may differ by half a point's size, as settling moves them.
-    """
+    """Return True if two runs have a body's points in common."""
     if one.sizes["particle"] != other.sizes["particle"]:
         return False
     begin, end = one["position"][0].values, other["position"][0].values

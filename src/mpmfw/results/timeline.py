@@ -37,7 +37,7 @@ _WHOLE = {
 
 @dataclasses.dataclass(slots=True)
 class _Column:
-    """A variable of the file, and its arrays of frames that are not in it yet."""
+    """A variable, and its arrays of frames that wait."""
 
     variable: netCDF4.Variable[Any]
     static: bool  #: whether it has no time
@@ -127,7 +127,7 @@ class Timeline:
         return f"{self.group.path.strip('/')}/{field.name}"
 
     def _define(self, field: Field, values: AnyArray) -> netCDF4.Variable[Any]:
-        """Return the variable of a field, a new one with the sizes of the array where the file has none."""
+        """Return the variable of a field, created if it is new."""
         if (known := self.group.variables.get(field.name)) is not None:
             known.set_auto_maskandscale(False)
             return known
@@ -148,12 +148,12 @@ class Timeline:
         return variable
 
     def _unit(self, unit: str) -> str:
-        """Return the unit of a field; in 2D extensive quantities are per metre of thickness, or whole."""
+        """Return a unit in 3D, or of whole bodies in 2D."""
         plane = self.header.dim == 2 and (self.header.per_metre or unit == "m2")
         return unit if plane else _WHOLE.get(unit, unit)
 
     def _chunks(self, field: Field, sizes: tuple[int, ...], itemsize: int) -> tuple[int, ...] | None:
-        """Return the shape of a chunk: one frame, or many frames of a short series."""
+        """Return a chunk: one frame, or many of a short series."""
         if _is_static(field):
             return None
         if field.group != "series":
@@ -183,7 +183,7 @@ def _variable(
 
 
 def _write(variable: netCDF4.Variable[Any], start: int, values: AnyArray) -> None:
-    """Write whole frames from ``start`` on, five times as fast as by ``variable[start:…] = values``."""
+    """Write frames from ``start`` on, faster than by an index."""
     at = [start] + [0] * (values.ndim - 1)
     variable._put(np.ascontiguousarray(values), at, list(values.shape), [1] * values.ndim)
 

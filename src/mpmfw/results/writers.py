@@ -21,7 +21,7 @@ with contextlib.suppress(ImportError):  # Windows
 
 
 def claim(path: str) -> int:
-    """Take the lock of a file, a new one if there is none, and return a descriptor for :func:`release`."""
+    """Take the lock of a file; return a descriptor for :func:`release`."""
     descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
     if not _locked(descriptor, "F_WRLCK"):
         os.close(descriptor)
@@ -49,7 +49,7 @@ def is_written(path: str | os.PathLike[str]) -> bool:
 
 
 def _locked(descriptor: int, kind: str) -> bool:
-    """Return whether the lock was taken; a system without locks refuses nobody."""
+    """Return True if the lock was taken, or there are none."""
     if not hasattr(fcntl, "F_OFD_SETLK"):
         return True
     whole_file = struct.pack("hhqqi4x", getattr(fcntl, kind), os.SEEK_SET, 0, 0, 0)

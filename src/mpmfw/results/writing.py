@@ -83,7 +83,7 @@ class RunWriter:
         return len(self._times)
 
     def write(self, frame: Frame) -> None:
-        """Append one frame; raise MpmfwError if an array is not as declared, or the disk is full."""
+        """Append one frame."""
         with self._failing(self.frames):
             self._add_pairs(frame.pairs)
             places = self._places(frame)
@@ -96,7 +96,7 @@ class RunWriter:
             self.flush()
 
     def is_due(self, now: float) -> bool:
-        """Return True if frames have waited long enough at a wall time [s]; in memory they never have."""
+        """Return True if frames have waited long enough at a wall time [s]."""
         wait = WRITTEN_EVERY * max(1.0, self._took / QUICK)
         return self.path is not None and self._outputs.waits > 0 and now - self._written >= wait
 
@@ -104,7 +104,7 @@ class RunWriter:
         return sum(each.waiting_bytes for each in self._groups.values())
 
     def flush(self) -> None:
-        """Write the frames that wait, and sync; if the disk is full, they are lost."""
+        """Write the frames that wait, and sync."""
         if not self._outputs.waits:
             return
         begin = time.thread_time()
@@ -128,7 +128,7 @@ class RunWriter:
 
     @contextlib.contextmanager
     def _failing(self, frame: int) -> Iterator[None]:
-        """Context in which a failure of the file is a failure to write a frame."""
+        """Context that names the frame which could not be written."""
         try:
             yield
         except (OSError, RuntimeError) as error:
@@ -136,7 +136,7 @@ class RunWriter:
             raise MpmfwError(f"cannot write frame {frame} to '{self.path}': {reason}") from error
 
     def take_place_of(self, path: str, descriptor: int | None) -> None:
-        """Rename the file to that of another, which was claimed with ``descriptor``."""
+        """Take the name of a file that ``descriptor`` claimed."""
         assert self.path is not None
         self.flush()
         os.replace(self.path, path)
@@ -144,13 +144,13 @@ class RunWriter:
         self.path = path
 
     def finish(self, attributes: Mapping[str, Any]) -> None:
-        """Add costs and the like as root attributes; ``status`` is ``ok`` unless they say otherwise."""
+        """Add root attributes; ``status`` is ``ok`` by default."""
         self.flush()
         self._set_attributes({"status": "ok", **attributes})
         self._dataset.sync()
 
     def close(self) -> None:
-        """Close the file; results kept in memory are read first. Closing twice is allowed."""
+        """Close the file, once or again."""
         if not self._dataset.isopen():
             return
         try:
@@ -162,7 +162,7 @@ class RunWriter:
             release(self._lock)
 
     def results(self) -> xr.DataTree:
-        """Close and return the results, the same whether they are in memory or in a file."""
+        """Close and return the results."""
         self.close()
         if self.path is not None:
             return read_run(self.path)
@@ -223,7 +223,7 @@ class RunWriter:
             variable[:] = following
 
     def _timeline(self, place: str) -> Timeline:
-        """Return the times and variables of a group; in a new one, all outputs so far lack the variables."""
+        """Return a group, a new one with the times so far."""
         if place not in self._groups:
             # Not every output has material points
             times = () if place.startswith("particles/") else tuple(self._times)
@@ -231,7 +231,7 @@ class RunWriter:
         return self._groups[place]
 
     def _places(self, frame: Frame) -> dict[str, dict[str, tuple[Field, AnyArray]]]:
-        """Return the arrays of a frame, with their declarations, by group of the file."""
+        """Return the arrays of a frame by group of the file."""
         places = {"series": self._declared("series", frame.series)}
         if frame.grid:
             places["grid"] = self._declared("grid", frame.grid)
@@ -253,7 +253,7 @@ class RunWriter:
         return places
 
     def _add_pairs(self, labels: tuple[str, ...]) -> None:
-        """Make room for pairs that no frame before this had; there they are missing."""
+        """Make room for new pairs."""
         if len(labels) <= self._pairs:
             return
         if not self.header.more_pairs:
