@@ -78,11 +78,7 @@ def test_what_is_called_as_a_checkpoint_and_is_none_stays(folder, force):
     mine = folder / "new.nc.checkpoint"
     mine.write_text(MINE)
     output = said("run", "s.toml", "-o", "new.nc", *force, status=2)
-    assert (
-        output
-        == "new.nc.checkpoint: is not a checkpoint of a run, and would be replaced by that of new.nc; give "
-        "another name\n"
-    )
+    assert output == "new.nc.checkpoint: is not a checkpoint of a run, for new.nc; give another name\n"
     mpmfw.run(SCENE, output="new.nc", checkpoint=float("inf"))
     assert mine.read_text() == MINE
 
@@ -160,7 +156,7 @@ def test_an_empty_folder_beside_results_lets_nothing_be_replaced(folder):
         path.unlink()
     assert "c.nc: is there already; give another name, or --force" in said(*command, status=2)
     Path("d.nc.runs").write_text(MINE)
-    assert "its finished runs are kept in d.nc.runs, which is a file" in said(*command[:-1], "d.nc", status=2)
+    assert "d.nc.runs: is a file, and no folder of finished runs" in said(*command[:-1], "d.nc", status=2)
 
 
 @pytest.mark.parametrize(

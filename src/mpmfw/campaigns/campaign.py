@@ -40,13 +40,11 @@ def campaign(
     measures
         Names of quantities to read off every run, see :data:`mpmfw.campaigns.measures.MEASURES`.
     reference
-        Keys of a study's table ``error`` without ``quantity``, such as ``{"kind": "finest"}``: what the
-        measures are judged by. By default the scene's own closed form or reference, where there is one.
+        Keys of a study's table ``error``, such as ``{"kind": "finest"}``; by default the scene's reference.
     set
         Values by key that all runs share.
     **running
-        ``executor``, ``jobs``, ``store``, ``repeats``, ``force``, ``progress`` and ``run_progress``, as
-        :class:`mpmfw.campaigns.execution.Execution` takes them.
+        As :class:`mpmfw.campaigns.execution.Execution` takes them.
 
     Returns
     -------
@@ -77,9 +75,10 @@ def run_grid(
     threads: int = 1,
     grown: Callable[[xr.Dataset], None] | None = None,
 ) -> xr.Dataset:
-    """Run all points of a grid, and join what came of them, as :func:`campaign` returns it.
+    """Run all points of a grid, and join them, as :func:`campaign` returns them.
 
-    ``threads`` is that of each run in this process; ``grown`` gets the dataset so far after each run."""
+    ``threads`` are those of each run in this process; ``grown`` gets the dataset so far after each run.
+    """
     if all(one.scene is None for one in grid.combinations.values()):
         raise SceneError(problems=next(iter(grid.combinations.values())).problems)
     judges = judge_all(grid, measures, reference)
@@ -111,7 +110,7 @@ def run_grid(
 
 
 def dataset_of(runs: GridRuns, *, fields: bool = True) -> xr.Dataset:
-    """Join series, status, costs and the conditions of their measurement."""
+    """Join series, status, costs and their conditions."""
     grid, costs = runs.grid, runs.costs()
     results = {index: runs.results(index) for index, _, _ in runs.known()}
     trees = {index: tree for index, tree in results.items() if tree is not None}

@@ -38,27 +38,25 @@ def compare(
     measures: Iterable[str] | None = None,
     **running: Unpack[Running],
 ) -> xr.Dataset:
-    """Run a scene with every combination of contact and shape (and varied keys) and join what they give.
+    """Run a scene with every combination of contact and shape (and varied keys) and join the results.
 
     Parameters
     ----------
     scene
         A file, the name of a shipped scene, or a mapping.
     contact, shape
-        Methods, each once: names of plug-ins, names with options such as ``"penalty(kappa=2)"``,
-        ``"module:Class"``, strategy objects or their classes. Options beside a name are set over those of the
-        scene's table; an object has its own alone. Equal labels of objects get ``#2``, ``#3`` …
+        Methods, each once: names with or without options, such as ``"penalty(kappa=2)"``, ``"module:Class"``,
+        strategy objects or their classes. Options beside a name are set over those of the scene.
     vary
         Scene keys and their values, such as ``{"grid.cell_size": [0.4, 0.2]}``; the key's last part names the
         dimension.
     output
-        NetCDF file to write, brought up to date after every run; it replaces nothing but another comparison.
-        Finished runs are kept in the folder ``<output>.runs``, from which another start takes what applies.
+        NetCDF file to write, brought up to date after every run. Finished runs are kept in the folder
+        ``<output>.runs``, from which another start goes on.
     set
-        Scene keys that all runs share. Fields of material points are kept if ``output.particles`` is set here
-        or in the scene and all runs have the same points.
+        Scene keys that all runs share. ``output.particles`` keeps fields if all runs have the same points.
     measures
-        As :func:`mpmfw.campaign` takes them; left out, those of which the scene has an exact value.
+        As :func:`mpmfw.campaign` takes them; by default those of which the scene has an exact value.
     **running
         As :class:`mpmfw.campaigns.execution.Execution` takes them.
 
@@ -109,7 +107,7 @@ def compare(
 
 
 def _first(scene: Any, methods: Mapping[str, Sequence[Any]], shared: Mapping[str, Any]) -> Scene | None:
-    """Return the scene with the first methods; None where it is refused."""
+    """Return the scene with the first methods, if it is not refused."""
     named = {f"{kind}.method": chosen[0] for kind, chosen in methods.items() if isinstance(chosen[0], str)}
     try:
         return load_scene(scene, set={**shared, **named})
@@ -118,7 +116,7 @@ def _first(scene: Any, methods: Mapping[str, Sequence[Any]], shared: Mapping[str
 
 
 def _applicable_measures(scene: Scene | None) -> list[str]:
-    """Return the measures that the scene can be judged by; a report reads others off the series."""
+    """Return the measures whose exact value the scene has."""
     if scene is None:
         return []
     try:
@@ -146,7 +144,7 @@ def _write(dataset: xr.Dataset, path: str) -> None:
 
 
 def _methods(kind: Kind, chosen: Sequence[Any]) -> list[Any]:
-    """Return the methods, names as labels write them; one that is not installed is an error."""
+    """Return the methods, names as labels write them."""
     if isinstance(chosen, str) or len(chosen) == 0:
         raise SceneError(f"{kind}: expected a list of at least one method, got {chosen!r}")
     methods = [written(kind, one, kind) if isinstance(one, str) else object_of(one) for one in chosen]

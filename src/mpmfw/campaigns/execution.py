@@ -14,7 +14,7 @@ from mpmfw.errors import SceneError
 
 
 class Running(TypedDict, total=False):
-    """Keywords of :func:`mpmfw.campaign` and the like, as :class:`Execution` takes them."""
+    """Keywords of :func:`mpmfw.campaign` and the like."""
 
     executor: Any
     jobs: int | None
@@ -47,7 +47,7 @@ class Execution:
 
     @classmethod
     def of(cls, running: Mapping[str, Any], **others: Any) -> Execution:
-        """Return what keywords ask for; ``others`` take their place. A TypeError names an unknown one."""
+        """Return these keywords, with ``others`` set over them."""
         return cls(**{**running, **others})
 
     def runner(self) -> Executor:
@@ -55,5 +55,5 @@ class Execution:
         return executor_of(self.executor, self.jobs)
 
     def kept(self, output: str | os.PathLike[str] | None = None) -> Store:
-        """Return the store of finished runs: as named, else ``<output>.runs``, else a temporary one."""
+        """Return the store: as named, ``<output>.runs`` or a temporary one."""
         return Store(self.store if self.store is not None else store_of(output))

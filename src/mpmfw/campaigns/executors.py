@@ -32,14 +32,8 @@ from mpmfw.runs.limits import cores
 T = TypeVar("T")
 R = TypeVar("R")
 
-_THREADS = (
-    "NUMBA_NUM_THREADS",
-    "OMP_NUM_THREADS",
-    "OPENBLAS_NUM_THREADS",
-    "MKL_NUM_THREADS",
-    "VECLIB_MAXIMUM_THREADS",
-)
-
+_THREADS = [f"{name}_NUM_THREADS" for name in ("NUMBA", "OMP", "OPENBLAS", "MKL")]
+_THREADS.append("VECLIB_MAXIMUM_THREADS")
 
 #: Seconds to wait for the scheduler of a Dask cluster to answer.
 PATIENCE = 10.0
@@ -68,10 +62,10 @@ class InProcess:
 
 
 class Pool:
-    """Processes of one thread each, started afresh; one that dies takes no other run with it.
+    """Processes of one thread each, by default one for each core.
 
-    ``jobs`` are the processes at a time, by default one for each core that may be used. If ``fresh``,
-    each task has a process of its own."""
+    One that dies takes no other run with it. If ``fresh``, each task has a process of its own.
+    """
 
     def __init__(self, jobs: int | None = None, fresh: bool = False) -> None:
         self.jobs, self.fresh = jobs or cores(), fresh
@@ -79,10 +73,7 @@ class Pool:
         self.cores = "one core" if self.jobs == 1 else f"{self.jobs} processes on {cores()} cores"
 
     def outcomes(self, work: Callable[[T], R], tasks: Sequence[T]) -> Iterator[tuple[T, R | None]]:
-        """Do all tasks; those whose process died are done again, one at a time, before they are given up.
-
-        What cannot leave this process, such as the object of a notebook's class, is done here at the end.
-        """
+        """Do all tasks; those whose process died again, alone; those that cannot leave this process here."""
         leaving, here, died, dead = (deque[T]() for _ in range(4))
         for task in tasks:
             (leaving if _leaves(task) else here).append(task)
@@ -96,7 +87,7 @@ class Pool:
     def _done(
         self, work: Callable[[T], R], waiting: deque[T], jobs: int, died: deque[T]
     ) -> Iterator[tuple[T, R]]:
-        """Do the tasks that wait, so many at a time, and add to ``died`` those whose process did."""
+        """Do tasks, some at a time; add those whose process died to ``died``."""
         idle: list[ProcessPoolExecutor] = []
         under_way: dict[Future[R], tuple[T, ProcessPoolExecutor]] = {}
         try:
@@ -129,7 +120,7 @@ class Pool:
 
 
 def _process() -> ProcessPoolExecutor:
-    """One process, started afresh, not forked: threads of this process's libraries do not survive a fork."""
+    """Return one process, started afresh: threads do not survive a fork."""
     context = multiprocessing.get_context("spawn")
     return ProcessPoolExecutor(1, mp_context=context, initializer=_begin_worker)
 
@@ -144,9 +135,7 @@ def _leaves(task: Any) -> bool:
 
 
 class Futures:
-    """Another executor, such as a pool of MPI processes, or the one of a Dask client.
-
-    ``opened`` is the context of the executor; ``cores`` are its workers, in words."""
+    """Another executor, opened in a context, such as a pool of MPI processes; ``cores`` in words."""
 
     timing = "shared cores"
 
@@ -174,7 +163,7 @@ class Futures:
                     future.cancel()
 
     def _result(self, future: Future[R]) -> R | None:
-        """Return the result of a task; None if Dask gave it up because its workers died again and again."""
+        """Return the result of a task, None if Dask gave it up."""
         try:
             return future.result()
         except BrokenExecutor:
@@ -188,8 +177,7 @@ class Futures:
 def dask_cluster(place: Any) -> Futures:
     """Return the workers of a Dask cluster, which share no files with this process.
 
-    ``place`` is a ``distributed.Client``, which is left open, a cluster's object, or the scheduler's address.
-    A SceneError says that Dask is not installed, no scheduler answers there, or it has no workers.
+    ``place`` is a ``distributed.Client``, a cluster's object, or the scheduler's address.
     """
     try:
         import distributed
@@ -210,8 +198,7 @@ def dask_cluster(place: Any) -> Futures:
         except (ValueError, OSError, TypeError) as error:  # TypeError: tls:// without certificates
             raise SceneError(
                 f"{said}: no scheduler answers there ({error}); expected an address such as "
-                "tcp://127.0.0.1:8786, or a Client or cluster, and for tls:// the certificates in Dask's own "
-                "configuration"
+                "tcp://127.0.0.1:8786, or a Client or cluster"
             ) from error
         with made:
             yield made
@@ -229,14 +216,14 @@ def dask_cluster(place: Any) -> Futures:
 
 
 def _knock(comm: Any, address: str) -> None:
-    """Raise a ValueError for a text that is no address, an OSError where nothing answers."""
+    """Raise a ValueError for no address, an OSError without an answer."""
     scheme, place = comm.parse_address(address)
     comm.registry.get_backend(scheme)
     socket.create_connection(comm.parse_host_port(place), timeout=PATIENCE).close()
 
 
 def _begin_worker() -> None:
-    """Leave Ctrl-C to the parent, and end this worker when its parent dies."""
+    """Ignore Ctrl-C, and end when the parent dies."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
 
@@ -250,7 +237,7 @@ def _begin_worker() -> None:
 
 @contextmanager
 def _one_thread() -> Iterator[None]:
-    """Processes that are started inside use one thread each; libraries read this when they are loaded."""
+    """Context in which processes start with one thread each."""
     before = {name: os.environ.get(name) for name in _THREADS}
     os.environ.update(dict.fromkeys(_THREADS, "1"))
     try:
@@ -264,11 +251,9 @@ def _one_thread() -> Iterator[None]:
 
 
 def executor_of(executor: Any = None, jobs: int | None = None) -> Executor:
-    """Return what runs tasks: an ``executor`` as ``Execution`` names it, or so many processes; a SceneError
-    refuses both, but one job, which is the default.
-    """
+    """Return an ``executor``, or one of so many processes."""
     if executor is not None and jobs not in (None, 1):
-        raise SceneError("jobs: has no effect with an executor, whose workers are as many as they are")
+        raise SceneError("jobs: has no effect with an executor")
     if executor is None:
         if jobs is not None and jobs < 1:
             raise SceneError(f"jobs: must be at least 1, not {jobs}")

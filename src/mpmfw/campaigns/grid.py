@@ -80,31 +80,27 @@ class RunGrid:
 
     @property
     def problem_dims(self) -> list[str]:
-        """Dimensions that change the problem: errors and costs under their values are not compared."""
+        """Dimensions that change the problem."""
         return [dim for dim in self.coords if dim == "scene" or not is_numerical(self.keys[dim])]
 
     def array(
         self, values: Mapping[Index, Any], meaning: str, unit: str | None = None, **attributes: str
     ) -> xr.DataArray:
-        """Return a variable over all combinations: numbers with a unit, or words without one."""
+        """Return numbers with a unit, or words without one, over the grid."""
         kind, empty = (object, "") if unit is None else (float, np.nan)
         filled = np.full([len(labels) for labels in self.coords.values()], empty, dtype=kind)
         for index, value in values.items():
             filled[index] = value
-        text = {"long_name": meaning, **attributes}
-        return xr.DataArray(
-            filled, dims=tuple(self.coords), attrs=text if unit is None else {"units": unit, **text}
-        )
+        text = {"long_name": meaning, **attributes} | ({} if unit is None else {"units": unit})
+        return xr.DataArray(filled, dims=tuple(self.coords), attrs=text)
 
     def tasks(self, force: bool = False, threads: int = 1) -> dict[str, Task]:
-        """Return the different runs by key; forced ones may be past the limits of steps and frames."""
+        """Return the different runs by key."""
         found = {}
         for one in self.combinations.values():
             if one.scene is not None:
-                code = code_of(one.scene, one.contact, one.shape)
-                task = Task(
-                    one.key, one.name, one.scene, one.contact, one.shape, code, force=force, threads=threads
-                )
+                methods = one.scene, one.contact, one.shape
+                task = Task(one.key, one.name, *methods, code_of(*methods), force=force, threads=threads)
                 found[one.key] = task
         return found
 
@@ -114,8 +110,7 @@ def make_grid(
 ) -> RunGrid:
     """Expand ``vary``, values by short name or dotted key, over scenes by label.
 
-    A single scene without a label is not a dimension. Methods are names or strategy objects. ``shared`` are
-    values by dotted key of all runs.
+    A single scene without a label has no dimension. ``shared`` are values by dotted key of all runs.
     """
     names = dimension_names(vary)
     coords: dict[str, list[Any]] = {"scene": list(scenes)} if list(scenes) != [""] else {}
@@ -146,10 +141,9 @@ def _combination(
                 overrides |= _of_contact(scene, objects, methods, value)
             elif full.removesuffix(".method") not in objects:
                 loaded = load_scene(scene, set=shared) if "*" in full else None
-                overrides |= (
-                    {full: value} if loaded is None else overrides_of(loaded.bodies, loaded.dim, key, value)
-                )
-        said = {key: f"--vary {short}" for short in values for key in (full_key(short),)}
+                bodies, dim = ((), 0) if loaded is None else (loaded.bodies, loaded.dim)
+                overrides |= overrides_of(bodies, dim, key, value)
+        said = {full_key(short): f"--vary {short}" for short in values}
         said |= {
             f"{kind}.method": f"{kind} {labels[kind]}" for kind in ("contact", "shape") if kind in values
         }
@@ -161,7 +155,7 @@ def _combination(
 def _of_contact(
     scene: Any, objects: dict[str, Any], methods: Mapping[str, Any], value: Any
 ) -> dict[str, Any]:
-    """Return the override of κ for the contact that runs; none for a contact without κ."""
+    """Return the override of κ for a contact that has it."""
     own = objects.get("contact")
     if own is not None:
         if has_option("contact", own, "kappa"):
@@ -177,7 +171,7 @@ def _of_contact(
 
 
 def has_option(kind: Any, method: Any, name: str) -> bool:
-    """Return True if a plug-in, by name or as an object, has an option of this name."""
+    """Return True if a plug-in has an option of this name."""
     plugin = load(kind, method) if isinstance(method, str) else type(method)
     return name in getattr(getattr(plugin, "Options", None), "model_fields", {})
 
@@ -206,7 +200,7 @@ def in_words(labels: Mapping[str, Any]) -> str:
 
 
 def given_twice(values: Iterable[Any]) -> list[int]:
-    """Indices of values that stand before as well; a truth is no number."""
+    """Return indices of repeated values; booleans are not numbers."""
     plainly = [plain(value) if is_value(value) else value for value in values]
     same = [
         [one == other and isinstance(one, bool) == isinstance(other, bool) for other in plainly[:k]]
@@ -216,7 +210,7 @@ def given_twice(values: Iterable[Any]) -> list[int]:
 
 
 def labels_of(values: list[Any]) -> list[Any]:
-    """Values as coordinates; texts where they are not all numbers or all texts."""
+    """Return values as coordinates of one type."""
     labels = [plain(value) if is_value(value) else label_of(value) for value in values]
     twice = [labels[:k].count(label) for k, label in enumerate(labels)]
     labels = [f"{label}#{n + 1}" if n else label for label, n in zip(labels, twice, strict=True)]
@@ -227,7 +221,7 @@ def labels_of(values: list[Any]) -> list[Any]:
 
 
 def is_value(value: Any) -> bool:
-    """Return True if a varied value is a scene's, and not a strategy object."""
+    """Return True if a value is not a strategy object."""
     return (
         value is None
         or isinstance(value, bool | int | float | str | list | tuple | Mapping)
@@ -236,9 +230,6 @@ def is_value(value: Any) -> bool:
 
 
 def label_of(method: Any) -> str:
-    """What tables and figures call a strategy object.
-
-    A formula between two $ would be set, and one that is none fails the figure.
-    """
+    """Return the name of a strategy object, without the $ of a formula."""
     given = str(getattr(method, "label", None) or getattr(method, "name", None) or type(method).__name__)
     return "".join(c for c in given.replace("$", "") if c.isprintable())

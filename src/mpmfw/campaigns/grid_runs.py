@@ -47,16 +47,13 @@ def costs_of(coords: Mapping[str, Sequence[Any]], costs: Mapping[Index, Sequence
 
 
 def least(each: xr.Dataset) -> xr.Dataset:
-    """Of every run the repeat of the least CPU time: what else the machine does only adds to it.
-
-    Peak memory is the largest, since it is known of the first run of a process alone.
-    """
+    """Return of every run the repeat of the least CPU time, and the largest peak memory."""
     one = each.isel(repeat=each["cpu_time"].fillna(np.inf).argmin("repeat"))
     return one.assign(peak_memory=each["peak_memory"].max("repeat"))
 
 
 def over_repeats(each: xr.Dataset) -> dict[str, xr.DataArray]:
-    """Return half the range of the CPU time (NaN of one), the number of repeats and the mean load."""
+    """Return half the range of the CPU time, the repeats and the mean load."""
     times = each["cpu_time"]
     count = times.count("repeat")
     spread = 0.5 * (times.max("repeat") - times.min("repeat"))
@@ -68,7 +65,7 @@ def over_repeats(each: xr.Dataset) -> dict[str, xr.DataArray]:
 
 
 def timing_of(costs: Sequence[Cost]) -> str:
-    """Return ``exclusive`` if nothing ran beside them, with the number of runs on a loaded machine."""
+    """Return ``exclusive`` if nothing ran beside them."""
     if not costs:
         return ""
     if any(cost.timing != "exclusive" for cost in costs):
@@ -80,9 +77,8 @@ def timing_of(costs: Sequence[Cost]) -> str:
 class GridRuns:
     """The runs of a grid, which a store keeps and an executor does.
 
-    ``what`` names the whole in the text of an interruption. Finished runs are kept beside ``output`` where
-    the execution has no store. With ``exclusive`` only costs count that were measured one run at a time.
-    ``threads`` are those of each run in this process.
+    ``what`` names the whole in messages. With ``exclusive`` only costs count that were measured one run at a
+    time. ``threads`` are those of each run in this process.
     """
 
     def __init__(
@@ -105,7 +101,7 @@ class GridRuns:
         return isinstance(self.executor, InProcess)
 
     def complete(self, only: Collection[Index] | None = None, progress: Progress | None = None) -> None:
-        """Run the missing points, all or ``only`` some, as :func:`mpmfw.campaigns.running.complete` does."""
+        """Run the missing points, all or ``only`` some."""
         points, how = self.grid.combinations, self.execution
         grid = self.grid if only is None else replace(self.grid, combinations={i: points[i] for i in only})
         tasks = grid.tasks(how.force, self.threads)
@@ -120,7 +116,7 @@ class GridRuns:
             do(work, self.grid.tasks().values(), self.store, self.executor, self.execution.progress)
 
     def outcome(self, index: Index) -> Outcome | None:
-        """What came of a point; None where it was not run, or is refused."""
+        """Return the outcome of a point, or None."""
         key = self.grid.combinations[index].key
         return self.store.outcome(key) if key else None
 
@@ -137,7 +133,7 @@ class GridRuns:
                 yield index, one, outcome
 
     def statuses(self) -> dict[Index, str]:
-        """How every point went: ``ok``, why not, why it is refused, or ``not run``."""
+        """Return the status of every point."""
         refused = {i: f"refused: {one.refusal}" for i, one in self.grid.combinations.items() if not one.key}
         begun = dict.fromkeys(self.grid.combinations, "not run") | refused
         return begun | {index: outcome.status for index, _, outcome in self.known()}
@@ -148,7 +144,7 @@ class GridRuns:
         return {index: costs for index, costs in every.items() if costs}
 
     def conditions(self) -> dict[str, str]:
-        """Under which conditions costs were measured: processor, cores, timing."""
+        """Return processor, cores and timing of the costs."""
         every = [cost for many in self.costs().values() for cost in many]
         processors = sorted({cost.machine for cost in every if cost.machine})
         return {"processor": ", ".join(processors), "cores": self.executor.cores, "timing": timing_of(every)}
@@ -164,11 +160,11 @@ class GridRuns:
                 warnings.warn(f"{name}: {note}", ResultsWarning, stacklevel=3)
 
     def succeeded(self) -> dict[Index, bool]:
-        """Return True where a point came to its end, suspect ones included."""
+        """Return True where a point came to its end."""
         return {index: is_complete(status) for index, status in self.statuses().items()}
 
     def numbers(self, measure: Measure) -> xr.DataArray:
-        """A measure that is a number, over the grid; NaN where it is not known."""
+        """Return a measure over the grid."""
         found = measured(measure, self.grid, self.results, self.succeeded())
         values = {index: float(one.values[0]) for index, one in found.items()}
         return self.grid.array(values, measure.meaning, measure.unit)

@@ -67,11 +67,6 @@ class Judge:
     """Judges the runs of a campaign.
 
     ``at`` makes an error about a key of the table, ``beside`` the path of a file that the table names.
-
-    Raises
-    ------
-    SceneError
-        A scene has no closed form or reference of the quantity, or the file of the reference is wrong.
     """
 
     def __init__(
@@ -144,13 +139,13 @@ class Judge:
         )
 
     def describe(self) -> str:
-        """What errors are against, in words; several scenes have several."""
+        """Return in words what errors are against."""
         if self.table.kind == "finest":
             return "the finest run of the study, interpolated in time"
         return "; ".join(dict.fromkeys(exact.says for exact in self.exact.values()))
 
     def says(self) -> str:
-        """Return the quantity in words: ``end-displacement of block along x``."""
+        """Return the quantity in words."""
         return said(self.measure.name, self.about)
 
     def measured(self, results: Results, succeeded: Mapping[Index, bool]) -> dict[Index, Measured]:
@@ -165,7 +160,7 @@ class Judge:
         return measured(self.measure, self.grid, results, succeeded, self.about)
 
     def _check_size(self, run: xr.DataTree, scene: Scene) -> None:
-        """Refuse a quantity along an axis along which next to nothing happens."""
+        """Refuse a quantity along an axis where nothing happens."""
         if "axis" not in self.measure.keys:
             return
         sizes = {
@@ -181,7 +176,7 @@ class Judge:
             )
 
     def judge(self, results: Results, succeeded: Mapping[Index, bool]) -> dict[Index, Judgement]:
-        """Errors of all runs that went through; NaN for the others, and for a run that is the reference."""
+        """Return the errors of all runs that succeeded."""
         found = self.measured(results, succeeded)
         judged = dict.fromkeys(self.grid.combinations, Judgement())
         for index, one in found.items():
@@ -194,7 +189,7 @@ class Judge:
         return judged
 
     def finest(self, index: Index) -> Index:
-        """The run that another one is compared with: the same problem, on the finest discretisation."""
+        """Return the finest run of the same problem."""
         chosen = list(index)
         for k, (dim, labels) in enumerate(self.grid.coords.items()):
             key = self.grid.keys.get(dim, dim)
@@ -212,7 +207,7 @@ class Judge:
         return tuple(chosen)
 
     def compare(self, measured: Measured, expected: FloatArray) -> Judgement:
-        """Return the error of one run at its times; NaN where either side is not known."""
+        """Return the error of one run at its times."""
         values = measured.values
         if not np.isfinite(values).all() or not np.isfinite(expected).all() or not values.size:
             return Judgement()
@@ -246,7 +241,7 @@ def measured(
 
 
 def check_names(about: About, scene: Scene, at: At) -> None:
-    """Refuse a body, a pair or an axis that a scene does not have; ``at`` makes the error."""
+    """Refuse a body, a pair or an axis that a scene lacks."""
     pairs = [f"{a}-{b}" for a, b, _ in scene.pairs]
     valid = {"body": list(scene.bodies), "pair": pairs, "axis": list("xyz"[: scene.dim])}
     for key, names in valid.items():
@@ -257,7 +252,7 @@ def check_names(about: About, scene: Scene, at: At) -> None:
 
 
 def said(measure: str, about: About) -> str:
-    """Return a measure's name with what it is of: ``end-displacement of block along x``."""
+    """Return a measure in words: ``end-displacement of block along x``."""
     of = {"body": " of ", "pair": " of ", "axis": " along "}
     parts = (f"{of[key]}{getattr(about, key)}" for key in of if getattr(about, key) is not None)
     return measure + "".join(parts)
@@ -273,7 +268,7 @@ def interpolated(reference: Measured, at: Measured) -> FloatArray:
 def judge_all(
     grid: RunGrid, measures: tuple[str, ...], reference: Mapping[str, Any] | None
 ) -> list[tuple[Measure, Judge | None]]:
-    """Return the measures, each with what judges it, where something is known to judge it by."""
+    """Return the measures, each with its judge, if there is one."""
     scenes = [one.scene for one in grid.combinations.values() if one.scene is not None]
     judges: list[tuple[Measure, Judge | None]] = []
     for name in measures:
@@ -292,7 +287,7 @@ def judge_all(
 
 
 def _read_reference(error: ErrorTable, at: At, beside: Callable[[Any], Any]) -> Exact:
-    """Read a CSV file as what a curve must be; a SceneError without the file or its columns."""
+    """Read a curve from a CSV file."""
     path = Path(beside(error.file))
     try:
         # NumPy takes the columns' names from the first line even if that is a comment
@@ -317,7 +312,7 @@ def _read_reference(error: ErrorTable, at: At, beside: Callable[[Any], Any]) -> 
 
 
 def _within(at: FloatArray, time: FloatArray, values: FloatArray) -> FloatArray:
-    """A curve at other times; NaN before its start and after its end, round-off apart."""
+    """Return a curve at other times, NaN outside."""
     slack = 1e-9 * (time[-1] - time[0])
     inside = (at >= time[0] - slack) & (at <= time[-1] + slack)
     return np.where(inside, np.interp(at, time, values), np.nan)

@@ -41,12 +41,12 @@ _TAKEN = ("scene", "stage", "time", "body", "pair", "axis", "rotation", "frame",
 
 
 def full_key(key: str) -> str:
-    """The key of the scene that a short name stands for; other keys are as they are."""
+    """Return the key that a short name stands for."""
     return SHORT.get(key, key)
 
 
 def written_alike(key: str, values: list[Any]) -> list[Any]:
-    """Values of a key; methods with options in the one way of writing that labels have."""
+    """Return values of a key as labels write them."""
     if full_key(key) not in ("contact.method", "shape.method"):
         return values
     return [_written(value) if isinstance(value, str) else value for value in values]
@@ -60,14 +60,14 @@ def _written(text: str) -> str:
 
 
 def is_numerical(key: str) -> bool:
-    """Return True if the key changes only the method: errors under its values may be compared."""
+    """Return True if the key changes the method alone."""
     full = full_key(key)
     of_friction_law = full.startswith("contact.") and full.split(".")[1] in available("friction")
     return _NUMERICAL.match(full) is not None and not of_friction_law
 
 
 def finer(key: str) -> int:
-    """-1 where smaller values are finer, 1 where larger ones are, 0 where neither is."""
+    """Return -1 where smaller values are finer, 1 where larger ones are."""
     last = full_key(key).rpartition(".")[2]
     if key == "particles_per_cell":
         return 1
@@ -75,7 +75,7 @@ def finer(key: str) -> int:
 
 
 def as_number(value: Any) -> float | None:
-    """A value that can be put in order: a number, a length, a number of cells; None for others."""
+    """Return a value that can be put in order, else None."""
     if isinstance(value, bool):
         return None
     if isinstance(value, int | float):
@@ -89,7 +89,7 @@ def as_number(value: Any) -> float | None:
 
 
 def overrides_of(bodies: Iterable[str], dim: int, key: str, value: Any) -> dict[str, Any]:
-    """Return the keys of a scene with these bodies that a campaign's key sets, and their values."""
+    """Return the keys that a campaign's key sets, and their values."""
     if key == "particles_per_cell":
         if isinstance(value, bool) or not isinstance(value, int | float) or value <= 0:
             raise SceneError(f"{value!r} is no number of particles; expected a positive number, such as 4")
@@ -102,7 +102,7 @@ def overrides_of(bodies: Iterable[str], dim: int, key: str, value: Any) -> dict[
 
 
 def dimension_names(keys: Iterable[str]) -> dict[str, str]:
-    """Names of the dimensions by key: its last part, or the whole where that is taken or not unique."""
+    """Return dimensions by key: its last part where that is unique."""
     keys = list(keys)
     last = [re.sub(r"\W+", "_", key.rpartition(".")[2]).strip("_") for key in keys]
     whole = [re.sub(r"\W+", "_", key).strip("_") for key in keys]

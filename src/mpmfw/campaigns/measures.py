@@ -1,9 +1,8 @@
-"""Measures by name: what a campaign reads off a run, and what is known of it beforehand.
+"""Measures by name: quantities that a campaign reads off stored runs, and their exact values.
 
-A measure is a class derived from :class:`mpmfw.api.results.Measure`, which an installed distribution
-announces, or a function ``(run, scene, about) -> Measured`` under ``@measure(name, unit, kind, keys,
-exact)``. A script may register its own in this way before it calls ``mpmfw.study``: measures are read here,
-not by the workers, off the runs' stored series."""
+A measure is an announced class derived from :class:`mpmfw.api.results.Measure`, or a function
+``(run, scene, about) -> Measured`` under ``@measure(name, unit, kind, keys, exact)``, as in a script before
+it calls ``mpmfw.study``."""
 
 from __future__ import annotations
 
@@ -62,7 +61,7 @@ def measure(
 
 
 def measure_of(name: str) -> Measure:
-    """Return the measure of a name: registered here, announced, or ``module:Class``; else a SceneError."""
+    """Return the measure of a name."""
     if name not in MEASURES:
         if name not in available("measure"):
             raise SceneError(f"'{name}' is unknown; {did_you_mean(name, names_of_measures())}")
@@ -71,7 +70,7 @@ def measure_of(name: str) -> Measure:
 
 
 def _made(kind: Literal["measure", "reference"], name: str, base: type[Any]) -> Any:
-    """Return an object of what a distribution announces; a SceneError if it is of another kind."""
+    """Return an object of an announced class."""
     plugin = load(kind, name)
     if not issubclass(plugin, base):
         raise SceneError(
@@ -81,34 +80,27 @@ def _made(kind: Literal["measure", "reference"], name: str, base: type[Any]) -> 
 
 
 def outputs_for(measure: Measure) -> dict[str, bool]:
-    """Return overrides with which a scene records nothing that a measure does not need."""
+    """Return overrides that record only what a measure needs."""
     unused = dict.fromkeys(("output.surface", "output.gap", "output.ledger"), False)
     return {"output.particles": measure.particles, **unused}
 
 
 def names_of_measures() -> list[str]:
-    """Names of all measures, announced ones included, which are not imported."""
+    """Return the names of all measures."""
     return sorted({*MEASURES, *available("measure")})
 
 
 def exact_of(measure: Measure, scene: Scene, about: About) -> Exact | None:
-    """Return what a quantity must be in a scene; None where nobody knows.
+    """Return the exact value of a quantity in a scene, by its ``[reference] kind``; None where it is unknown.
 
-    A scene declares what its motion is known to be by ``[reference] kind = …``: a bundled kind, or a
-    :class:`mpmfw.api.results.Reference` that a distribution announces. Nothing is recognised in a scene
-    without it.
-
-    Raises
-    ------
-    SceneError
-        The scene is not of the kind that it declares, or the kind cannot be imported.
+    A SceneError says that the scene is not of the kind, or that the kind cannot be imported.
     """
     about = known_axis(measure, scene, about)
     return _exact_along(measure, scene, replace(about, axis=about.axis or "x"))
 
 
 def known_axis(measure: Measure, scene: Scene, about: About) -> About:
-    """Return ``about`` with the first axis along which an exact value is known, if none is named."""
+    """Return ``about`` with the axis of a known value, if none is named."""
     if "axis" not in measure.keys or about.axis is not None:
         return about
     every = (replace(about, axis=axis) for axis in "xyz"[: scene.dim])
@@ -123,7 +115,7 @@ def _exact_along(measure: Measure, scene: Scene, about: About) -> Exact | None:
 
 
 def _incline(scene: Scene) -> Incline | None:
-    """Return the motion down a plane that a scene declares and meets; else None."""
+    """Return the motion down a plane of a scene, or None."""
     try:
         known = declared(scene)
     except SceneError:
@@ -135,10 +127,11 @@ def _incline(scene: Scene) -> Incline | None:
 
 
 def inferred(measure: Measure, run: xr.DataTree, scene: Scene, about: About) -> About:
-    """Return what a measure is of, with what nobody named taken from the closed form, else from the motion.
+    """Return the subject of a measure, with the closed form's or the motion's labels where none is named.
 
-    The pair is that of the largest impulse, the body the one whose centre moves farthest, the axis the one
-    along which it moves or the impulse acts."""
+    The pair is that of the largest impulse, the body the one whose centre moves farthest, the axis that of
+    the largest motion or impulse.
+    """
     series, keys, known = run["series"].to_dataset(), measure.keys, _incline(scene)
     if known is not None:
         sure = {"body": known.body, "axis": "x"}
@@ -166,7 +159,7 @@ def inferred(measure: Measure, run: xr.DataTree, scene: Scene, about: About) -> 
 
 
 def _largest(sizes: xr.DataArray, dim: str) -> str:
-    """Return the label of the largest value along a dimension; of equal ones the first."""
+    """Return the label of the largest value."""
     return str(sizes[dim].values[int(np.argmax(sizes.fillna(0.0).values))])
 
 
@@ -177,7 +170,7 @@ def _displacement(run: xr.DataTree, about: About) -> Measured:
 
 
 def _of_pair(name: str, run: xr.DataTree, about: About) -> xr.DataArray | None:
-    """A series of the pair that is meant; None where the run has none of this name."""
+    """Return a series of the pair, or None."""
     series = run["series"].to_dataset()
     return series[name].sel(pair=about.pair) if name in series else None
 
@@ -187,7 +180,7 @@ def _number(value: float) -> Measured:
 
 
 def _from_rest(scene: Scene, about: About) -> Incline | None:
-    """The known motion down a plane, if it is of the body and the axis that are meant."""
+    """Return the motion down a plane of this body and axis, or None."""
     known = declared(scene)
     if not isinstance(known, Incline):
         return None

@@ -54,9 +54,7 @@ def complete(
 ) -> None:
     """Run what the store lacks, results and repeats, and keep each as it ends.
 
-    Each run gets ``repeats`` costs; ``exclusive`` ones are measured one at a time, in this process, after all
-    results are there.
-    ``progress`` is called after every run, ``run_progress`` within every run in this process.
+    Each run gets ``repeats`` costs; ``exclusive`` ones are measured one at a time after all results.
     """
 
     def lacking(key: str) -> int:
@@ -116,18 +114,18 @@ def _do(
 
 
 def _names(tasks: Iterable[Any], executor: Executor) -> Iterator[str]:
-    """The names of runs in the order in which they begin; none where several go on at a time."""
+    """Return names of runs that follow each other."""
     return iter([task.name for task in tasks] if isinstance(executor, InProcess) else ())
 
 
 def counted(outcome: Outcome | None, exclusive: bool) -> list[Cost]:
-    """The costs of a run that count: the exclusive ones where asked for, else all."""
+    """Return the costs that count."""
     costs = [] if outcome is None else list(outcome.costs)
     return [cost for cost in costs if cost.timing == "exclusive"] if exclusive else costs
 
 
 def _with_repeat(known: Outcome, finished: Finished | None) -> Outcome:
-    """The outcome with one cost more; a repeat that failed, or gave other numbers, is a note."""
+    """Return the outcome with one cost more, or a note."""
     if finished is None or not finished.outcome.costs or not is_complete(finished.outcome.status):
         why = "its process ended abruptly" if finished is None else finished.outcome.status
         return _noted(known, f"a repeat for its cost did not end as the run did: {why}")
@@ -145,7 +143,7 @@ def _noted(outcome: Outcome, note: str) -> Outcome:
 
 @contextmanager
 def resumable(store: Store, what: str) -> Iterator[None]:
-    """Context in which Ctrl-C and SIGTERM raise an Interrupted that says how to go on."""
+    """Context in which an interruption says how to go on."""
     with interruptible():
         try:
             yield

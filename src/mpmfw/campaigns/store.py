@@ -20,7 +20,7 @@ from pydantic import TypeAdapter
 
 from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.results.reading import read_run
-from mpmfw.results.replacing import kind_of_file, replace_bytes
+from mpmfw.results.replacing import replace_bytes
 from mpmfw.state.clock import COSTS as RUN_COSTS
 
 #: Root attributes of a run that are its costs: name, unit, meaning.
@@ -72,11 +72,10 @@ _ABANDONED = 3600.0
 
 
 class Store:
-    """A folder of finished runs: ``<key>.nc`` with the results, then ``<key>.json``, which says that the run
-    is complete. Without a folder outcomes are kept for as long as this object lives.
+    """A folder of finished runs: ``<key>.nc`` with the results, then ``<key>.json``, which completes them.
 
-    Both files get their names only when they are whole, so that several campaigns may share a folder and a
-    kill at any moment leaves none half written. Rights are those that the umask leaves.
+    Files get their names when they are whole, so that campaigns may share a folder. Without a folder outcomes
+    are kept as long as this object lives.
     """
 
     def __init__(self, folder: str | os.PathLike[str] | None = None) -> None:
@@ -88,7 +87,7 @@ class Store:
         self._known: dict[str, Outcome | None] = {}
 
     def outcome(self, key: str) -> Outcome | None:
-        """What came of a run; None if it is not there, or not readable, and has to be run."""
+        """Return the outcome of a run, or None."""
         if key not in self._known:
             self._known[key] = self._read(key)
         return self._known[key]
@@ -99,7 +98,7 @@ class Store:
         return read_run(path) if path.is_file() else None
 
     def put(self, outcome: Outcome, results: bytes | None = None) -> None:
-        """Store an outcome and its file; an outcome that would not last stays in memory."""
+        """Store an outcome and its file, in memory if it would not last."""
         self._known[outcome.key] = outcome
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
@@ -121,19 +120,15 @@ class Store:
     def prune(
         self, takes: Callable[[Mapping[str, str]], bool], days: float | None = None
     ) -> tuple[int, int, int]:
-        """Forget outcomes whose code ``takes`` refuses or that are older than ``days``, and what killed
-        processes left; keep other files.
+        """Forget outcomes whose code ``takes`` refuses, older than ``days``, or left by killed processes.
 
-        Returns the numbers of runs that were forgotten and are kept, and the bytes that became free. A
-        SceneError refuses a folder with files of which none is a store's.
+        Return the numbers of runs that were forgotten and are kept, and the bytes that became free. A
+        SceneError refuses a folder without any.
         """
         try:
             own = own_files(self.folder)
             if not own and any(self.folder.iterdir()):
-                raise SceneError(
-                    f"{self.folder}: holds no finished runs, and nothing was removed; expected a folder such "
-                    "as FILE.nc.runs"
-                )
+                raise SceneError(f"{self.folder}: holds no finished runs; expected one such as FILE.nc.runs")
             known = {key for path in own if (key := key_in(path, "json"))}
             keep = self._current(known, takes, days)
             past = {path: path.stat().st_size for path in own if _is_past(path, known, keep)}
@@ -167,7 +162,7 @@ class Store:
 
 
 def _is_past(path: Path, known: set[str], keep: set[str]) -> bool:
-    """Return True if a store's file is of a run to be forgotten, or of a process that was killed."""
+    """Return True if a file is of a run to be forgotten."""
     key = key_in(path, "json") or key_in(path, "nc")
     if key in known:
         return key not in keep
@@ -179,43 +174,17 @@ def store_of(output: str | os.PathLike[str] | None) -> Path | None:
     return None if output is None else Path(f"{os.fspath(output)}.runs")
 
 
-# -- which files of a folder are a store's: known by what they are called and by what they hold, both
-
-#: What is written with every outcome, in every version.
-_FIELDS = frozenset({"key", "status", "name", "digest", "costs"})
 _WHOLE = re.compile(r"([0-9a-f]{32})\.(json|nc)")
 _HALF = re.compile(r"\.[0-9a-f]{32}\.[0-9a-f]{32}\.part\.(json|nc)")
 
-#: How the files begin, by ending.
-_HEADS = {"nc": b"\x89HDF\r\n\x1a\n", "json": b"{\n"}
-
 
 def key_in(path: Path, ending: str) -> str:
-    """The key of the run that a file of this ending is called by; empty of other names."""
+    """Return the key in a file's name, or nothing."""
     found = _WHOLE.fullmatch(path.name)
     return found.group(1) if found and found.group(2) == ending else ""
 
 
 def own_files(folder: Path) -> list[Path]:
-    """Return the files of a folder that a store wrote, whole or by half; links are not followed."""
-    return [path for path in sorted(folder.iterdir()) if _is_own(path)]
-
-
-def _is_own(path: Path) -> bool:
-    if path.is_symlink() or not path.is_file():
-        return False
-    if half := _HALF.fullmatch(path.name):
-        head = _HEADS[half.group(1)]
-        with path.open("rb") as file:
-            return head.startswith(file.read(len(head)))
-    if key_in(path, "nc"):
-        return kind_of_file(path) == "run"
-    return key_in(path, "json") != "" and _holds_outcome(path)
-
-
-def _holds_outcome(path: Path) -> bool:
-    try:
-        fields = json.loads(path.read_bytes())
-    except (OSError, ValueError, RecursionError):
-        return False
-    return isinstance(fields, dict) and fields.keys() >= _FIELDS and fields["key"] == path.stem
+    """Return the files of a folder that have names of a store's, whole or half written."""
+    files = [path for path in sorted(folder.iterdir()) if path.is_file() and not path.is_symlink()]
+    return [path for path in files if _WHOLE.fullmatch(path.name) or _HALF.fullmatch(path.name)]

@@ -45,13 +45,13 @@ def processor() -> str:
 
 
 class Load:
-    """Measures, from when it is made, how many cores other processes keep busy."""
+    """Cores that other processes keep busy since it was made."""
 
     def __init__(self) -> None:
         self._busy, self._own, self._wall = _busy(), _own(), time.perf_counter()
 
     def others(self) -> float:
-        """Return the mean number of cores that other processes kept busy; NaN where unknown."""
+        """Return the mean number of cores that others kept busy."""
         wall = time.perf_counter() - self._wall
         busy = _busy() - self._busy - (_own() - self._own)
         # The system counts in hundredths of a second: of shorter spans it says nothing
@@ -64,7 +64,7 @@ def _own() -> float:
 
 
 def _busy() -> float:
-    """CPU seconds that all processes of the machine have taken since it was started."""
+    """Return CPU seconds of all processes since the machine started."""
     try:
         first = Path("/proc/stat").read_text(encoding="utf-8").splitlines()[0].split()
     except (OSError, IndexError):
@@ -98,7 +98,7 @@ class Task:
 
 
 def run_once(task: Task, progress: Callable[[float, int], None] | None = None) -> Finished:
-    """Run a task and return all that it wrote; nothing but an interruption is raised."""
+    """Run a task and return all that it wrote."""
     with _ALONE, _warnings() as text, tempfile.TemporaryDirectory(prefix="mpmfw-") as folder:
         path = Path(folder) / "run.nc"
         outcome, tree = _try(task, path, progress)
@@ -116,7 +116,7 @@ def time_once(task: Task) -> Finished:
 def _try(
     task: Task, path: Path | None, progress: Callable[[float, int], None] | None
 ) -> tuple[Outcome, xr.DataTree | None]:
-    """How a run went, with the digest and the cost of its results, and these, if there are any."""
+    """Return the outcome of a run, and its results."""
     global _begun
     first, load = _begun == 0, Load()
 
@@ -160,7 +160,7 @@ def _try(
 
 @contextmanager
 def _warnings() -> Iterator[list[warnings.WarningMessage]]:
-    """Collect warnings; what a run wants its reader to know is shown however often it is said."""
+    """Collect warnings, those of results each time."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("ignore")
         warnings.filterwarnings("always", category=ResultsWarning)
@@ -179,7 +179,7 @@ def _cost(tree: xr.DataTree, task: Task, others: float, first: bool) -> Cost:
 
 
 def _digest(tree: xr.DataTree) -> str:
-    """Hash of every bit of the series; empty of a run that broke off before it had any."""
+    """Return a hash of every bit of the series."""
     if "series" not in tree.children:
         return ""
     digest = hashlib.sha256()

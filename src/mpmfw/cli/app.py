@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from typer import Argument, Option
 
 from mpmfw._version import __version__
 from mpmfw.cli.benchmark import benchmark
@@ -39,7 +40,7 @@ app = typer.Typer(
 
 
 def exit_status(command: Callable[..., Any]) -> Callable[..., None]:
-    """Return the command with errors on stderr as one message, and 1 or 2 as the exit status."""
+    """Return the command with errors on stderr and an exit status."""
 
     @functools.wraps(command)
     def guarded(*args: Any, **kwargs: Any) -> None:
@@ -50,9 +51,8 @@ def exit_status(command: Callable[..., Any]) -> Callable[..., None]:
             raise
         except (MpmfwError, Interrupted, OSError) as error:
             text = str(error)
-            if isinstance(error, OSError):  # of a file that no command asked about before
-                reason = error.strerror or text
-                text = f"'{error.filename}': {reason}" if error.filename else reason
+            if isinstance(error, OSError) and error.filename:
+                text = f"'{error.filename}': {error.strerror}"
             typer.echo(text, err=True)
             status = 2 if isinstance(error, SceneError) else 1
             raise typer.Exit(128 + error.number if isinstance(error, Interrupted) else status) from error
@@ -62,7 +62,7 @@ def exit_status(command: Callable[..., Any]) -> Callable[..., None]:
 
 @contextmanager
 def _plain_warnings() -> Iterator[None]:
-    """Print what readers of results must know as one line on stderr; other warnings as Python does."""
+    """Context in which warnings about results are one line on stderr."""
     shown = warnings.showwarning
 
     def show(message: Warning | str, category: type[Warning], *rest: Any, **named: Any) -> None:
@@ -79,14 +79,10 @@ def _plain_warnings() -> Iterator[None]:
 
 
 def prune(
-    folders: Annotated[list[Path], typer.Argument(metavar="FOLDER", help="Folders such as FILE.nc.runs.")],
-    days: Annotated[
-        float | None,
-        typer.Option(metavar="N", min=0.0, help="Forget runs that are older as well."),
-    ] = None,
+    folders: Annotated[list[Path], Argument(metavar="FOLDER", help="Folders such as FILE.nc.runs.")],
+    days: Annotated[float | None, Option(metavar="N", min=0.0, help="Forget older runs as well.")] = None,
 ) -> None:
-    """Forget runs that no campaign of today would take: those of other code, or of other versions of the
-    libraries.
+    """Forget runs of other code or other versions of the libraries, which no campaign would take.
 
     Unfinished files of killed processes go as well. Other files stay, results such as FILE.nc included.
     """
@@ -96,7 +92,6 @@ def prune(
     for folder in folders:
         if not folder.is_dir():
             raise SceneError(f"{folder}: no such folder; expected one of finished runs, such as FILE.nc.runs")
-    for folder in folders:
         forgotten, kept, freed = Store(folder).prune(is_current, days)
         typer.echo(f"{folder}: {forgotten} runs forgotten, {1e-6 * freed:.3g} MB free, {kept} runs kept")
 
@@ -126,16 +121,14 @@ def _print_version(asked: bool) -> None:
 @app.callback()
 def _options(
     version: Annotated[
-        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
+        bool, Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
     ] = False,
 ) -> None:
     """Contact algorithms of the Material Point Method, side by side: error, noise and cost."""
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run the command line; the entry point of the script ``mpmfw``, which takes the process's own
-    arguments.
-    """
+    """Run the command line with these arguments, or those of the process."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # names of files may be no text

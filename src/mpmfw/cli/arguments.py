@@ -1,4 +1,4 @@
-"""Arguments that several commands take, and how their text is read; wrong text raises a SceneError."""
+"""Arguments of several commands, and their values; wrong text raises a SceneError."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-import typer
+from typer import Argument, Option
 
 from mpmfw.errors import SceneError
 
@@ -17,102 +17,73 @@ if TYPE_CHECKING:
     from mpmfw.scene import Scene
 
 SceneName: TypeAlias = Annotated[
-    str, typer.Argument(metavar="SCENE", help="A TOML file, or the name of a shipped scene.")
+    str, Argument(metavar="SCENE", help="A TOML file, or the name of a shipped scene.")
 ]
 Contact: TypeAlias = Annotated[
-    str | None,
-    typer.Option(
-        metavar="NAME", help="Contact, instead of the scene's; with options as in 'penalty(kappa=2)'."
-    ),
+    str | None, Option(metavar="NAME", help="Contact instead of the scene's, such as 'penalty(kappa=2)'.")
 ]
 Shape: TypeAlias = Annotated[
-    str | None, typer.Option(metavar="NAME", help="Shape function, instead of the scene's.")
+    str | None, Option(metavar="NAME", help="Shape function instead of the scene's.")
 ]
 Contacts: TypeAlias = Annotated[
-    str | None,
-    typer.Option("--contact", metavar="A,B,…", help="Contacts, with options as in 'none,penalty(kappa=2)'."),
+    str | None, Option("--contact", metavar="A,B,…", help="Contacts, such as 'none,penalty(kappa=2)'.")
 ]
-Shapes: TypeAlias = Annotated[str | None, typer.Option("--shape", metavar="A,B,…", help="Shape functions.")]
+Shapes: TypeAlias = Annotated[str | None, Option("--shape", metavar="A,B,…", help="Shape functions.")]
 Set: TypeAlias = Annotated[
     list[str] | None,
-    typer.Option(
-        "--set", metavar="KEY=VALUE", help="Set a key of the scene, such as grid.cell_size=0.2; repeatable."
-    ),
+    Option("--set", metavar="KEY=VALUE", help="Set a key, such as grid.cell_size=0.2; repeatable."),
 ]
 Trust: TypeAlias = Annotated[
-    bool,
-    typer.Option(
-        "--trust", help="Import the code that a file names as module:Class; only if you trust its author."
-    ),
+    bool, Option("--trust", help="Import code that a file names as module:Class, if you trust its author.")
 ]
-Output: TypeAlias = Annotated[
-    Path | None, typer.Option("-o", "--output", metavar="FILE", help="File to write.")
-]
+Output: TypeAlias = Annotated[Path | None, Option("-o", "--output", metavar="FILE", help="File to write.")]
 Force: TypeAlias = Annotated[
     bool,
-    typer.Option(
-        "--force",
-        help="Replace a result of the same kind, and begin a run past the limits of steps and frames.",
-    ),
+    Option("--force", help="Replace a result of the same kind; run past the limits of steps and frames."),
 ]
-Replace: TypeAlias = Annotated[bool, typer.Option("--force", help="Replace files that exist.")]
+Replace: TypeAlias = Annotated[bool, Option("--force", help="Replace files that exist.")]
 Checkpoint: TypeAlias = Annotated[
     str | None,
-    typer.Option(
-        metavar="TIME",
-        help="Wall time between two checkpoints, from which 'mpmfw resume' goes on; '10 min' by default, inf "
-        "for "
-        "none.",
+    Option(
+        metavar="TIME", help="Wall time between checkpoints for 'mpmfw resume'; 10 min by default, or inf."
     ),
 ]
 Jobs: TypeAlias = Annotated[
-    int | None, typer.Option("-j", "--jobs", min=1, help="Processes at a time, one thread each.")
+    int | None, Option("-j", "--jobs", min=1, help="Processes at a time, one thread each.")
 ]
 Body: TypeAlias = Annotated[
-    str | None, typer.Option(metavar="NAME", help="Body that is measured; if left out the motion decides.")
+    str | None, Option(metavar="NAME", help="Body that is measured; by default the motion decides.")
 ]
 Pair: TypeAlias = Annotated[
-    str | None,
-    typer.Option(metavar="A-B", help="Pair of bodies that is measured; if left out the motion decides."),
+    str | None, Option(metavar="A-B", help="Pair that is measured; by default the motion decides.")
 ]
 Axis: TypeAlias = Annotated[
-    str | None,
-    typer.Option(metavar="NAME", help="Axis along which is measured; if left out the motion decides."),
+    str | None, Option(metavar="NAME", help="Axis of the measure; by default the motion decides.")
 ]
 Repeats: TypeAlias = Annotated[
-    int | None,
-    typer.Option(
-        min=1,
-        help="Runs of each combination, of which the cheapest is its cost; 1 or the study's if left out.",
-    ),
+    int | None, Option(min=1, help="Runs of each combination, whose cheapest counts; 1 by default.")
 ]
 Scheduler: TypeAlias = Annotated[
-    str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler whose workers run it instead.")
+    str | None, Option(metavar="ADDRESS", help="Dask scheduler whose workers run it.")
 ]
 Bodies: TypeAlias = Annotated[
-    list[str] | None, typer.Option("--body", metavar="NAME", help="Only this body; repeatable.")
+    list[str] | None, Option("--body", metavar="NAME", help="Only this body; repeatable.")
 ]
-Every: TypeAlias = Annotated[int, typer.Option(metavar="N", min=1, help="Only each N-th output.")]
+Every: TypeAlias = Annotated[int, Option(metavar="N", min=1, help="Only each N-th output.")]
 Field: TypeAlias = Annotated[
-    str | None,
-    typer.Option(
-        metavar="NAME",
-        help="Field on the material points: von_mises, velocity, stress_xy … A wrong name lists all.",
-    ),
+    str | None, Option(metavar="NAME", help="Field: von_mises, velocity, stress_xy … A wrong name lists all.")
 ]
 Limits: TypeAlias = Annotated[
-    str | None, typer.Option(metavar="LOW,HIGH", help="Ends of the colour scale, in SI units.")
+    str | None, Option(metavar="LOW,HIGH", help="Ends of the colour scale, in SI units.")
 ]
-Arrows: TypeAlias = Annotated[
-    bool, typer.Option("--arrows", help="Draw contact forces on surface nodes as arrows.")
-]
+Arrows: TypeAlias = Annotated[bool, Option("--arrows", help="Draw contact forces on surface nodes.")]
 
 
-def jobs_of(jobs: int | None, scheduler: str | None, default: int | None = 1) -> int | None:
-    """Return the number of processes at a time; None beside a scheduler."""
+def workers(jobs: int | None, scheduler: str | None, default: int | None = 1) -> dict[str, Any]:
+    """Return a campaign's keywords ``jobs`` and ``executor``."""
     if scheduler is not None and jobs is not None:
-        raise SceneError("--jobs: has no effect with --scheduler, whose workers are as many as they are")
-    return None if scheduler is not None else jobs or default
+        raise SceneError("--jobs: has no effect with --scheduler")
+    return {"jobs": None if scheduler is not None else jobs or default, "executor": scheduler}
 
 
 def assignments(texts: list[str] | None, option: str = "--set") -> dict[str, str]:
@@ -136,17 +107,15 @@ def chosen_scene(
     from mpmfw.scene.requested import check_methods_run, friction_laws
     from mpmfw.scene.specification import written
 
-    overrides = assignments(set_)
+    overrides, said = assignments(set_), dict[str, str]()
     choices: tuple[tuple[Kind, str | None], ...] = (("contact", contact), ("shape", shape))
     for kind, name in choices:
         if name is None:
             continue
-        if f"{kind}.method" in overrides:
-            raise SceneError(
-                f"--{kind} {name}: --set {kind}.method chooses another one; leave one of them out"
-            )
-        overrides[f"{kind}.method"] = written(kind, name, f"--{kind}")
-    said = {f"{kind}.method": f"--{kind} {name}" for kind, name in choices if name is not None}
+        key = f"{kind}.method"
+        if key in overrides:
+            raise SceneError(f"--{kind} {name}: --set {key} chooses another one; leave one of them out")
+        overrides[key], said[key] = written(kind, name, f"--{kind}"), f"--{kind} {name}"
     loaded = load_scene(scene, set=overrides, trust=trust, said=said)
     methods = {
         "contact": loaded.contact.tables if loaded.contact else (),
@@ -158,9 +127,7 @@ def chosen_scene(
 
 
 def names(text: str | None, kind: Kind) -> list[str] | None:
-    """Return the plug-ins between commas, each a name or a name with options, or None if the option is
-    absent.
-    """
+    """Return the plug-ins between commas, with options, or None if the option is absent."""
     from mpmfw.scene.specification import split_specifications, written
 
     if text is None:
@@ -188,9 +155,7 @@ def variations(texts: list[str] | None) -> dict[str, list[Any]]:
         if not isinstance(values, list):  # bare words and quantities: 2 mm, 1 mm
             values = [parse_value(part.strip()) for part in text.split(",")]
         if not values or "" in values:
-            raise SceneError(
-                f"--vary {key}: expected values with a comma between them, such as {key}=0.4,0.2"
-            )
+            raise SceneError(f"--vary {key}: expected values between commas, such as {key}=0.4,0.2")
         for k in given_twice(values):
             raise SceneError(f"--vary {key}: {values[k]} is given twice")
         found[key] = values
@@ -220,15 +185,11 @@ def numbers(option: str, text: str | None) -> list[float] | None:
 
 def limits_of(text: str | None) -> tuple[float, float] | None:
     """Return ``LOW,HIGH`` as numbers."""
-    given = numbers("limits", text)
-    if given is None:
+    if (given := numbers("limits", text)) is None:
         return None
-    if len(given) != 2 or not all(map(math.isfinite, given)):
-        raise SceneError(f"--limits {text}: expected two finite numbers with a comma between them")
-    low, high = given
-    if not low < high:
-        raise SceneError(f"--limits {text}: expected the lower number first")
-    return low, high
+    if len(given) != 2 or not -math.inf < given[0] < given[1] < math.inf:
+        raise SceneError(f"--limits {text}: expected two finite numbers, the lower one first")
+    return given[0], given[1]
 
 
 def named(**given: str | None) -> dict[str, str]:

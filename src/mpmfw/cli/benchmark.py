@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import typer
+from typer import Option
 
 from mpmfw.cli import arguments as args
 from mpmfw.errors import SceneError
@@ -20,30 +20,22 @@ HIDDEN = ("dim", "ns_low", "ns_high")
 
 
 def benchmark(
-    scenes: Annotated[
-        str, typer.Option("--scenes", help="Scenes between commas.")
-    ] = "rolling-cylinder-slip,colliding-rings",
-    repeats: Annotated[int, typer.Option("--repeats", min=3, help="Samples of each measurement.")] = 15,
-    threads: Annotated[
-        int, typer.Option("--threads", min=1, help="Compare wall times with one thread and with so many.")
-    ] = 1,
+    scenes: Annotated[str, Option(help="Scenes between commas.")] = "rolling-cylinder-slip,colliding-rings",
+    repeats: Annotated[int, Option(min=3, help="Samples of each measurement.")] = 15,
+    threads: Annotated[int, Option(min=1, help="Compare wall times with one thread and these.")] = 1,
     trust: args.Trust = False,
 ) -> None:
-    """Print ns per material point and step of whole scenes, by stage, and the contact's share; or what
-    threads gain.
-    """
+    """Print ns per material point and step of scenes, by stage; or what threads gain."""
     from rich.console import Console
 
     from mpmfw.benchmark import measure_scene, measure_threads, table
     from mpmfw.campaigns.work import Load, processor
     from mpmfw.scene import load_scene
 
-    names = [name for name in scenes.split(",") if name]
-    if not names:
+    # a wrong scene is refused before any is measured
+    loaded = {name: load_scene(name, trust=trust) for name in scenes.split(",") if name}
+    if not loaded:
         raise SceneError("--scenes: expected at least one scene")
-    loaded = {
-        name: load_scene(name, trust=trust) for name in names
-    }  # a wrong one is refused before any is measured
     rows, load = [], Load()
     for name, scene in loaded.items():
         start = IN_CONTACT.get(name, 0)
@@ -54,10 +46,6 @@ def benchmark(
         shown = {key: value for key, value in row.items() if key not in HIDDEN}
         rows.append({**shown, "contact %": 100.0 * row["ns_contact"] / row["ns_total"]})
     console = Console(width=max(Console().width, WIDTH))
-    what = (
-        "ns per material point and step"
-        if threads == 1
-        else "least wall time of a step, ns per material point"
-    )
+    what = "ns per material point and step" if threads == 1 else "least wall time of a step, ns per point"
     console.print(table(rows, f"Scenes: {what}"))
     console.print(f"{processor()}; other processes kept {load.others():.1f} cores busy")

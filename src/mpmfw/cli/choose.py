@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from typer import Option
 
 from mpmfw.cli import arguments as args
 from mpmfw.cli.paths import result_path
@@ -28,16 +29,9 @@ _HEADS = {
 
 def choose(
     scene: args.SceneName,
-    error: Annotated[
-        str, typer.Option(metavar="ERROR", help="Relative error that is asked for: 1% or 0.01.")
-    ] = "1%",
+    error: Annotated[str, Option(metavar="ERROR", help="Relative error to reach: 1% or 0.01.")] = "1%",
     measure: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME",
-            help="Quantity whose error it is; the first that the scene's closed form or reference knows if "
-            "left out.",
-        ),
+        str | None, Option(metavar="NAME", help="Quantity; by default the first whose value is known.")
     ] = None,
     body: args.Body = None,
     pair: args.Pair = None,
@@ -45,12 +39,10 @@ def choose(
     contact: args.Contacts = None,
     shape: args.Shapes = None,
     coarsest: Annotated[
-        str | None,
-        typer.Option(metavar="LENGTH", help="Largest cell size; twice the scene's own if left out."),
+        str | None, Option(metavar="LENGTH", help="Largest cell size; twice the scene's by default.")
     ] = None,
     finest: Annotated[
-        str | None,
-        typer.Option(metavar="LENGTH", help="Smallest cell size; a quarter of the scene's own if left out."),
+        str | None, Option(metavar="LENGTH", help="Smallest cell size; a quarter of the scene's by default.")
     ] = None,
     set_: args.Set = None,
     trust: args.Trust = False,
@@ -59,14 +51,13 @@ def choose(
     jobs: args.Jobs = None,
     scheduler: args.Scheduler = None,
     form: FormatOption = Format.table,
-    as_json: Annotated[bool, typer.Option("--json", help="The same as --format json.")] = False,
+    as_json: Annotated[bool, Option("--json", help="The same as --format json.")] = False,
 ) -> None:
     """Say which method and cell size bring the error of SCENE below --error: coarse to fine, until two laws
     agree.
 
-    Contacts and shape functions left out are five cheap contacts, gimp and cpdi. The result is written to a
-    file, by default named as the scene. Finished runs are kept in the folder FILE.runs: a choice that was
-    broken off, or that is asked for another error, goes on from there.
+    By default it chooses among five cheap contacts, gimp and cpdi. The result is written to a file, by
+    default named as the scene. A choice that was broken off goes on from the folder FILE.runs.
     """
     from mpmfw.scene import load_scene
     from mpmfw.scene.requested import check_compared, check_requested
@@ -82,25 +73,10 @@ def choose(
 
     methods = {"contact": contacts or CONTACTS, "shape": shapes or SHAPES}
     check_compared(loaded, methods, shared, {}, ("--set", "--vary"))
-    with campaign_progress("runs") as (progress, within):
-        dataset = run_ladder(
-            loaded,
-            error,
-            measure=measure,
-            body=body,
-            pair=pair,
-            axis=axis,
-            contact=contacts,
-            shape=shapes,
-            coarsest=coarsest,
-            finest=finest,
-            output=path,
-            executor=scheduler,
-            jobs=args.jobs_of(jobs, scheduler),
-            progress=progress,
-            run_progress=within,
-            force=force,
-        )
+    about = args.named(measure=measure, body=body, pair=pair, axis=axis, coarsest=coarsest, finest=finest)
+    running: dict[str, Any] = {**about, **args.workers(jobs, scheduler), "force": force, "output": path}
+    with campaign_progress() as reports:
+        dataset = run_ladder(loaded, error, contact=contacts, shape=shapes, **running, **reports)
     _print(dataset, form)
     typer.echo(f"{path}: runs and answer", err=form is not Format.table)
 
@@ -113,16 +89,11 @@ def _print(dataset: xr.Dataset, form: Format) -> None:
     if form is not Format.table:
         write_rows(rows, form)
         return
-    cells = [
-        {
-            **row,
-            "pilots": row["pilots"].replace(" ", "\n"),
-            "error": 100.0 * row["error"],
-            "verdict": row["verdict"] if row["status"] in ("ok", "not run") else row["status"],
-        }
-        for row in rows
-    ]
+    for row in rows:
+        row |= {"pilots": row["pilots"].replace(" ", "\n"), "error": 100.0 * row["error"]}
+        if row["status"] not in ("ok", "not run"):
+            row["verdict"] = row["status"]
     title = dataset.attrs["title"]
-    print_table(cells, _HEADS, labels=("contact", "shape"), words=("verdict",), title=title)
+    print_table(rows, _HEADS, labels=("contact", "shape"), words=("verdict",), title=title)
     for sentence in advice(dataset):
         typer.echo(sentence)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from typer import Option
 
 from mpmfw.cli import arguments as args
 from mpmfw.cli.paths import new_path, result_path
@@ -24,17 +26,12 @@ def compare(
     contact: args.Contacts = None,
     shape: args.Shapes = None,
     vary: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="KEY=A,B,…", help="A key of the scene and its values, a dimension more; repeatable."
-        ),
+        list[str] | None, Option(metavar="KEY=A,B,…", help="A key and its values; repeatable.")
     ] = None,
     set_: args.Set = None,
     trust: args.Trust = False,
     output: args.Output = None,
-    report: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Page of tables and figures (HTML) to write as well.")
-    ] = None,
+    report: Annotated[Path | None, Option(metavar="FILE", help="HTML page to write as well.")] = None,
     force: args.Force = False,
     jobs: args.Jobs = None,
     scheduler: args.Scheduler = None,
@@ -44,15 +41,14 @@ def compare(
     """Run SCENE with every combination of methods and join the results, by default in a file named as the
     scene.
 
-    A method that fails does not stop the others: its status says why. Methods left out are the scene's own.
-    Finished runs are kept in the folder FILE.runs: a comparison that was broken off goes on from there.
+    A method that fails does not stop the others. Methods are by default the scene's. A comparison that was
+    broken off goes on from the folder FILE.runs.
     """
     from mpmfw.scene import load_scene
     from mpmfw.scene.requested import check_compared, check_requested
 
     contacts, shapes = args.names(contact, "contact"), args.names(shape, "shape")
-    varied = args.variations(vary)
-    shared = args.assignments(set_)
+    varied, shared = args.variations(vary), args.assignments(set_)
     check_requested(shared, varied, ("--set", "--vary"))
     loaded = load_scene(scene, set=shared, trust=trust)
     path = result_path(output, loaded, "compare", force, report=report)
@@ -65,20 +61,14 @@ def compare(
     from mpmfw.campaigns.comparison import compare as run_all
     from mpmfw.report import table, write_report
 
-    with campaign_progress() as (progress, within):
-        dataset = run_all(
-            loaded,
-            contact=contacts,
-            shape=shapes,
-            vary=varied,
-            output=path,
-            progress=progress,
-            run_progress=within,
-            force=force,
-            jobs=args.jobs_of(jobs, scheduler),
-            executor=scheduler,
-            repeats=repeats,
-        )
+    running: dict[str, Any] = {
+        **args.workers(jobs, scheduler),
+        "repeats": repeats,
+        "force": force,
+        "output": path,
+    }
+    with campaign_progress() as reports:
+        dataset = run_all(loaded, contact=contacts, shape=shapes, vary=varied, **running, **reports)
     alone = form is not Format.table
     if alone:
         write_rows(table(dataset), form)
@@ -109,12 +99,10 @@ def print_comparison(dataset: xr.Dataset) -> None:
         heads[name] = column.short + ("" if column.unit == "1" else f"\n[{column.unit}]")
     cells = []
     for row in rows:
-        bad = row["status"] != "ok"
-        cells.append(
-            {name: row.get(name, "") for name in (*labels, *CHOICES)}
-            | {name: shown(row.get(name, float("nan")), column_of(name)) for name in columns}
-            | ({"status": row["status"].partition(":")[0], "style": "red"} if bad else {})
-        )
+        words = {name: row.get(name, "") for name in (*labels, *CHOICES)}
+        if row["status"] != "ok":
+            words |= {"status": row["status"].partition(":")[0], "style": "red"}
+        cells.append(words | {name: shown(row.get(name, math.nan), column_of(name)) for name in columns})
     print_table(cells, heads, labels=labels, words=("status", *CHOICES))
     for row in rows:
         if row["status"] != "ok":

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from typer import Option
 
 from mpmfw.cli import arguments as args
 from mpmfw.cli.tables import print_table
@@ -25,10 +26,7 @@ def explain(
     set_: args.Set = None,
     trust: args.Trust = False,
     everything: Annotated[
-        bool,
-        typer.Option(
-            "--all", help="Print the reason of every effect, hooks, arrays, limits and stages, too."
-        ),
+        bool, Option("--all", help="Print reasons of effects, hooks, arrays, limits and stages, too.")
     ] = False,
 ) -> None:
     """Print what SCENE would run: effects, the time step, its cost, and facts that are not used."""
@@ -70,25 +68,16 @@ def _print_head(simulation: Simulation) -> None:
         f"contact {method}, shape {simulation.shape.label}"
     )
     if simulation.threads > 1:
-        typer.echo(_of_threads(simulation))
+        from mpmfw.runs.limits import remark_on_threads
+
+        shared = " and sums at nodes" if simulation.shape.rows_ascend else "; sums at nodes are one thread's"
+        typer.echo(f"{simulation.threads} threads share points{shared}")
+        if remark := remark_on_threads(simulation.threads):
+            typer.echo(remark)
     typer.echo("")
 
 
-def _of_threads(simulation: Simulation) -> str:
-    """Return a sentence on the work that threads share, with a remark where cores are missing."""
-    from mpmfw.runs.limits import remark_on_threads
-
-    what = (
-        "points and sums at nodes"
-        if simulation.shape.rows_ascend
-        else "points; sums at nodes are one thread's"
-    )
-    remark = remark_on_threads(simulation.threads)
-    return f"{simulation.threads} threads share {what}" + (f"\n{remark}" if remark else "")
-
-
 def _print_parts(simulation: Simulation) -> None:
-    """Print the effects with their reasons, the hooks and the arrays."""
     effects = [
         {"effect": e.name, "state": "on" if e.on else "off", "because": e.reason} for e in simulation.effects
     ]
@@ -106,7 +95,7 @@ def _print_parts(simulation: Simulation) -> None:
 
 
 def named_arrays(state: Any) -> Iterable[tuple[str, Any]]:
-    """Arrays of material points, grid, surface and plug-ins by name."""
+    """Yield the arrays of material points, grid, surface and plug-ins by name."""
     from dataclasses import fields
 
     for group in ("particles", "grid", "surface"):
@@ -119,7 +108,7 @@ def named_arrays(state: Any) -> Iterable[tuple[str, Any]]:
 
 
 def _print_step(simulation: Simulation, found: Prediction, everything: bool) -> None:
-    """The first step that a run takes, and what limits it."""
+    """Print the first step that a run takes, and its least limit."""
     limits = sorted(found.limits)
     if everything:
         rows = [{"set by": owner, "limit [s]": f"{seconds:.6g}"} for seconds, owner in limits]
@@ -132,24 +121,21 @@ def _print_step(simulation: Simulation, found: Prediction, everything: bool) -> 
 
 
 def _print_share_of_springs(simulation: Simulation) -> None:
-    """Part of driven sides' motion and of initial overlaps that contact springs take, where a scene has
-    either.
-    """
+    """Print the part of driven sides' motion or of overlaps that contact springs take."""
     from mpmfw.runs.prediction import driven_speed, share_of_springs
 
     speed = driven_speed(simulation)
     axis = int(speed.argmax()) if speed.any() else None
     if axis is None and not simulation.scene.allow_overlap:
         return
-    share = share_of_springs(simulation, axis)
-    if share > 0.0:
+    share, law = share_of_springs(simulation, axis), simulation.contact
+    if share > 0.0 and law is not None:
         of = "the overlap" if axis is None else "the sides' motion"
-        law = simulation.contact.label if simulation.contact is not None else ""
-        typer.echo(f"springs of {law} take about {100.0 * share:.2g} % of {of}; stiffer ones take less\n")
+        typer.echo(f"springs of {law.label} take about {100 * share:.2g} % of {of}; stiffer ones take less\n")
 
 
 def _print_cost(simulation: Simulation, found: Prediction, everything: bool) -> None:
-    """Steps, CPU time, by stage where ``everything`` is printed, and memory, predicted from a trial."""
+    """Print steps, CPU time and memory, predicted from a trial."""
     from mpmfw.runs.limits import results_size
     from mpmfw.runs.prediction import TIMED
     from mpmfw.runs.sizing import most_memory, shown_bytes
@@ -168,7 +154,6 @@ def _print_cost(simulation: Simulation, found: Prediction, everything: bool) -> 
     typer.echo(f"{found.output_time:.3g} s for output, {found.start_time:.3g} s to start")
     if found.settle_steps:
         typer.echo(f"settling: at most {found.settle_steps} steps, {found.settle_time:.3g} s")
-    missing = ["compilation", "contacts that come later"]
-    materials = simulation.setup.materials.values()
-    missing += ["plastic flow"] if any(m.dissipates and m.slices for m in materials) else []
-    typer.echo(f"from a trial of {TIMED} steps, without {', '.join(missing[:-1])} and {missing[-1]}\n")
+    flows = any(one.dissipates and one.slices for one in simulation.setup.materials.values())
+    missing = "contacts that come later" + (" and plastic flow" if flows else "")
+    typer.echo(f"from a trial of {TIMED} steps, without compilation{', ' if flows else ' and '}{missing}\n")

@@ -6,57 +6,43 @@ from pathlib import Path
 from typing import Annotated, Any, TypeAlias
 
 import typer
+from typer import Argument, Option
 
 from mpmfw.cli import arguments as args
 from mpmfw.cli.paths import figure_path, new_path
 from mpmfw.cli.progress import outputs_progress
 from mpmfw.errors import SceneError
 
-FilesArgument: TypeAlias = Annotated[
-    list[Path], typer.Argument(metavar="FILE", help="Files of runs or comparisons.")
-]
+FilesArgument: TypeAlias = Annotated[list[Path], Argument(metavar="FILE", help="Runs or comparisons.")]
 
 
 def plot(
     file: FilesArgument,
     output: args.Output = None,
     field: args.Field = None,
-    time: Annotated[
-        float | None, typer.Option(metavar="T", help="Of the field [s]; the last output by default.")
-    ] = None,
+    time: Annotated[float | None, Option(metavar="T", help="Of the field [s]; by default the last.")] = None,
     series: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NAME", help="Series over time; repeatable. A wrong name lists all."),
+        list[str] | None, Option(metavar="NAME", help="Series; repeatable. A wrong name lists all.")
     ] = None,
     body: args.Bodies = None,
-    pair: Annotated[str | None, typer.Option(metavar="NAME", help="Only this pair of bodies.")] = None,
-    axis: Annotated[str | None, typer.Option(metavar="NAME", help="Only this component: x, y or z.")] = None,
+    pair: Annotated[str | None, Option(metavar="NAME", help="Only this pair of bodies.")] = None,
+    axis: Annotated[str | None, Option(metavar="NAME", help="Only this component: x, y or z.")] = None,
     limits: args.Limits = None,
     arrows: args.Arrows = False,
     plane: Annotated[
         str | None,
-        typer.Option(
-            metavar="AXIS[=AT]",
-            help="Of a field in 3D: axis across the plane that is drawn, and its place [m]; the middle along "
-            "z by "
-            "default.",
-        ),
+        Option(metavar="AXIS[=AT]", help="Plane of a field in 3D [m]; by default the middle of z."),
     ] = None,
     against: Annotated[
-        str | None,
-        typer.Option(
-            metavar="CONTACT",
-            help="Of a comparison: draw the difference of the field against this contact as well.",
-        ),
+        str | None, Option(metavar="CONTACT", help="Of a comparison: draw the difference from it as well.")
     ] = None,
     force: args.Replace = False,
 ) -> None:
     """Draw the figures of FILE, by default to PNG files named as it; -o NAME.pdf or NAME.svg draws vectors.
 
     With --field, a field on the material points of a run, in 3D on a plane, or of the runs of a comparison
-    side by side. With --series, series over time of a run or a comparison. Several FILEs then stand side by
-    side, fields under one colour scale. Without either, several FILEs that are comparisons of a rolling
-    cylinder make one figure, a row each.
+    side by side. With --series, series over time. Several FILEs stand side by side under one colour scale.
+    Without either, several comparisons of a rolling cylinder make one figure, a row each.
     """
     args.check_files(file)
     if field is not None and series:
@@ -95,14 +81,13 @@ def plot(
 
 
 def _check_effect(given: dict[str, Any], needed: str, chosen: object) -> None:
-    """Refuse options that have no effect without another one."""
     for option, value in given.items():
         if value is not None and not chosen:
             raise SceneError(f"{option}: has no effect without {needed}")
 
 
 def _check_paths(file: list[Path], path: Path, force: bool) -> None:
-    """Check that ``path`` can be written without loss of a file, and that all FILEs are results."""
+    """Check that ``path`` can be written, and that all FILEs are results."""
     from mpmfw.results import check_results
 
     new_path(path, force)
@@ -111,7 +96,6 @@ def _check_paths(file: list[Path], path: Path, force: bool) -> None:
 
 
 def _default(file: list[Path], field: str | None, series: list[str] | None) -> Path:
-    """Return the name of the figure: of the file, and of the quantity that is drawn."""
     if field is None and not series:
         return file[0].with_suffix(".png") if len(file) == 1 else file[0].with_name("motion.png")
     drawn = field or "-".join(series or ())
@@ -133,10 +117,8 @@ def animate(
     file: FilesArgument,
     output: args.Output = None,
     field: args.Field = None,
-    contact: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Of a comparison: only the runs with this contact.")
-    ] = None,
-    fps: Annotated[int, typer.Option(metavar="N", min=1, help="Frames a second.")] = 20,
+    contact: Annotated[str | None, Option(metavar="NAME", help="Of a comparison: only this contact.")] = None,
+    fps: Annotated[int, Option(metavar="N", min=1, help="Frames a second.")] = 20,
     every: args.Every = 1,
     body: args.Bodies = None,
     limits: args.Limits = None,
@@ -145,38 +127,27 @@ def animate(
 ) -> None:
     """Write a moving picture of a field (default von_mises) of the run in FILE, a frame for each output.
 
-    Several FILEs, or the runs of a comparison, stand side by side, at the times of the first. The ending of
-    the output, .gif or .mp4, chooses the format; .mp4 needs ffmpeg. By default a .gif named as the first
-    FILE.
+    Several FILEs, or the runs of a comparison, stand side by side, at the times of the first. The output is
+    a .gif, or an .mp4, which needs ffmpeg.
     """
     from mpmfw.plots.animation import animate as animate_runs
     from mpmfw.plots.animation import check_movie
 
     args.check_files(file)
-    scale, path = args.limits_of(limits), file[0].with_suffix(".gif") if output is None else output
+    path = output or file[0].with_suffix(".gif")
+    chosen: dict[str, Any] = {"bodies": body or None, "limits": args.limits_of(limits), "arrows": arrows}
     _check_paths(file, path, force)
     check_movie(path)
     with outputs_progress("frames") as progress:
-        animate_runs(
-            file if len(file) > 1 else file[0],
-            path,
-            field or "von_mises",
-            contact=contact,
-            fps=fps,
-            every=every,
-            bodies=body or None,
-            limits=scale,
-            arrows=arrows,
-            progress=progress,
-        )
+        files, chosen["progress"] = file if len(file) > 1 else file[0], progress
+        animate_runs(files, path, field or "von_mises", contact=contact, fps=fps, every=every, **chosen)
     typer.echo(str(path))
 
 
 def export(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="File of a run.")],
+    file: Annotated[Path, Argument(metavar="FILE", help="File of a run.")],
     output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", metavar="FOLDER", help="Folder, or a name ending in .pvd."),
+        Path | None, Option("-o", "--output", metavar="FOLDER", help="Folder, or a name ending in .pvd.")
     ] = None,
     every: args.Every = 1,
     body: args.Bodies = None,
@@ -188,7 +159,7 @@ def export(
     …-surfaces.pvd: surfaces with contact force and gap; …-series.csv: the series.
     """
     args.check_files([file])
-    target = file.with_name(f"{file.stem}-paraview") if output is None else output
+    target = output or file.with_name(f"{file.stem}-paraview")
     if target.exists() and not target.is_dir() and target.suffix != ".pvd":
         raise SceneError(f"{target}: is a file; give a folder, or a name that ends in .pvd")
 

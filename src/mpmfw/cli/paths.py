@@ -16,10 +16,9 @@ _ENDINGS = {"run": "", "compare": "-compare", "choice": "-choose", "stability": 
 
 
 def check_result(path: Path, kind: str, force: bool = False) -> Path:
-    """Return the path, if results of a ``kind`` can be written there without loss of a file.
+    """Return the path; raise a SceneError if results of a ``kind`` would replace a file.
 
-    With ``force`` another result of the kind is replaced. A campaign whose finished runs lie beside its
-    result goes on from them, which replaces nothing.
+    With ``force`` a result of the kind is replaced. A campaign goes on from finished runs beside its result.
     """
     from mpmfw.campaigns.store import own_files
     from mpmfw.results.replacing import check_replaceable
@@ -33,9 +32,7 @@ def check_result(path: Path, kind: str, force: bool = False) -> Path:
             hint = f", of a run that did not end; mpmfw resume {path} goes on with it"
     elif (folder := Path(f"{path}.runs")).exists():
         if not folder.is_dir():
-            raise SceneError(
-                f"{path}: its finished runs are kept in {folder}, which is a file; give another name"
-            )
+            raise SceneError(f"{folder}: is a file, and no folder of finished runs; give another name")
         resumable = bool(own_files(folder))
     if exists and not force and not resumable:
         raise SceneError(f"{path}: is there already{hint}; give another name, or --force to replace it")
@@ -47,10 +44,7 @@ def _check_checkpoint(checkpoint: Path, path: Path, may_replace: bool) -> None:
     from mpmfw.runs.restart import is_foreign
 
     if is_foreign(str(checkpoint)):
-        raise SceneError(
-            f"{checkpoint}: is not a checkpoint of a run, and would be replaced by that of {path}; give "
-            "another name"
-        )
+        raise SceneError(f"{checkpoint}: is not a checkpoint of a run, for {path}; give another name")
     if not may_replace:
         raise SceneError(
             f"{checkpoint}: is the checkpoint of a run whose results are not there; give another name, or "
@@ -59,10 +53,7 @@ def _check_checkpoint(checkpoint: Path, path: Path, may_replace: bool) -> None:
 
 
 def result_path(output: Path | None, scene: Scene, kind: str, force: bool, **others: Path | None) -> Path:
-    """Return the path of a scene's results: ``output``, or one named as the scene.
-
-    ``others`` are files to write beside it, by the name of their option; no two may be the same.
-    """
+    """Return the path of a scene's results, by default named as the scene; ``others`` must be other files."""
     path = Path(f"{scene.name}{_ENDINGS[kind]}.nc") if output is None else output
     taken = {}
     if scene.source.name is not None and scene.source.directory is not None:
@@ -77,16 +68,14 @@ def result_path(output: Path | None, scene: Scene, kind: str, force: bool, **oth
 
 
 def new_path(path: Path, force: bool) -> Path:
-    """Return the path of a figure, a page or an export, if it can be written without loss of a file."""
+    """Return the path of a figure, a page or an export, if it can be written."""
     from mpmfw.results.replacing import check_new, check_writable
 
     return check_new(check_writable(path), force)
 
 
 def figure_path(path: Path) -> Path:
-    """Return the name of a figure's file, PNG where it says no format."""
+    """Return the name of a figure's file, by default PNG."""
     if path.suffix.lower() not in ("", ".png", ".pdf", ".svg"):
-        raise SceneError(
-            f"{path}: figures are PNG, PDF or SVG files; give a name that ends in .png, .pdf or .svg"
-        )
+        raise SceneError(f"{path}: expected a figure whose name ends in .png, .pdf or .svg")
     return path if path.suffix else path.with_suffix(".png")

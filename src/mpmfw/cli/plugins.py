@@ -1,6 +1,4 @@
-"""``mpmfw plugins``, ``schema`` and ``new``: what is installed, what scenes may hold, and the start of a
-plug-in.
-"""
+"""``mpmfw plugins``, ``schema`` and ``new``: plug-ins that are installed, and the start of one."""
 
 from __future__ import annotations
 
@@ -11,16 +9,16 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from typer import Argument, Option
 
 from mpmfw.cli.tables import print_table
 from mpmfw.errors import SceneError
 
 
 def plugins() -> None:
-    """List the installed plug-ins: name, kind, the distribution that each comes from, and a description.
+    """List the installed plug-ins: name, kind, distribution and description.
 
-    A plug-in that cannot be used is BROKEN, with the reason. Measures that mpmfw registers itself are listed
-    as well.
+    A plug-in that cannot be used is BROKEN, with the reason.
     """
     from mpmfw.campaigns.measures import MEASURES
     from mpmfw.plugin.discovery import KINDS, available, distribution_of, load, unknown_groups
@@ -58,23 +56,11 @@ def schema() -> None:
 
 
 def new(
-    kind: Annotated[
-        str,
-        typer.Argument(
-            metavar="KIND",
-            help="contact, law, detection, shape, material, load, boundary, output, friction, geometry, "
-            "measure or "
-            "reference.",
-        ),
-    ],
-    name: Annotated[str, typer.Argument(metavar="NAME", help="Name in scenes, such as soft_wall.")],
-    into: Annotated[
-        Path, typer.Option(metavar="DIR", help="Folder that the distribution's folder is made in.")
-    ] = Path(),
+    kind: Annotated[str, Argument(metavar="KIND", help="As 'mpmfw plugins' lists them: contact, shape …")],
+    name: Annotated[str, Argument(metavar="NAME", help="Name in scenes, such as soft_wall.")],
+    into: Annotated[Path, Option(metavar="DIR", help="Folder to write it in.")] = Path(),
 ) -> None:
-    """Write a distribution with a plug-in of KIND called NAME that passes its tests, to be filled with
-    your method.
-    """
+    """Write a distribution with a plug-in of KIND called NAME that passes its tests, for your method."""
     from mpmfw_testing.templates import write_package
 
     place = write_package(kind, name, into)

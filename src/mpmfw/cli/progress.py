@@ -19,9 +19,7 @@ PREPARING = "compiling, settling"
 
 @contextmanager
 def _bar(*columns: str, total: float | None = None, **fields: Any) -> Iterator[Callable[..., None] | None]:
-    """Function that updates a bar between columns of text, or those of rich that are named; None without a
-    terminal.
-    """
+    """Context with a function that updates a bar of these columns; None without a terminal."""
     from rich import progress
     from rich.console import Console
 
@@ -36,7 +34,7 @@ def _bar(*columns: str, total: float | None = None, **fields: Any) -> Iterator[C
 
 @contextmanager
 def run_progress(end: float) -> Iterator[RunReport | None]:
-    """Report of one run until ``end`` [s]: steps, simulated time, time left; None without a terminal."""
+    """Context with the report of one run until ``end`` [s]."""
     simulated = "{task.completed:.4g} of {task.total:.4g} s simulated"
     columns = ("BarColumn", simulated, "TimeElapsedColumn", "left", "TimeRemainingColumn")
     with _bar("{task.description}", *columns, total=end) as update:
@@ -45,20 +43,18 @@ def run_progress(end: float) -> Iterator[RunReport | None]:
 
 @contextmanager
 def outputs_progress(doing: str) -> Iterator[Callable[[int, int], None] | None]:
-    """Report of the number of outputs done; None without a terminal."""
+    """Context with the report of outputs that are done."""
     with _bar(doing, "BarColumn", "MofNCompleteColumn", "left", "TimeRemainingColumn") as update:
         yield update and (lambda done, total: update(completed=done, total=total))
 
 
 @contextmanager
-def campaign_progress(
-    what: str = "runs",
-) -> Iterator[tuple[Callable[[Event], None] | None, RunReport | None]]:
-    """Reports of the runs of a campaign that are done, and of the run in this process; None in a pipe."""
+def campaign_progress(what: str = "runs") -> Iterator[dict[str, Any]]:
+    """Context with a campaign's keywords ``progress`` and ``run_progress``; None in a pipe."""
     counts = (what, "BarColumn", "MofNCompleteColumn", "TimeElapsedColumn", "left", "TimeRemainingColumn")
     with _bar(*counts, "{task.description}", "{task.fields[inner]}", inner="") as update:
         if update is None:
-            yield None, None
+            yield {"progress": None, "run_progress": None}
             return
 
         def tell(event: Event) -> None:
@@ -66,4 +62,7 @@ def campaign_progress(
             text, inner = (event.next, PREPARING) if event.next else (ended, "")
             update(completed=event.done, total=event.total, description=text, inner=inner)
 
-        yield tell, lambda time, steps: update(inner=f"{steps} steps, {time:.4g} s simulated")
+        def within(time: float, steps: int) -> None:
+            update(inner=f"{steps} steps, {time:.4g} s simulated")
+
+        yield {"progress": tell, "run_progress": within}

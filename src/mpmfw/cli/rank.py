@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from typer import Argument, Option
 
 from mpmfw.cli import arguments as args
 from mpmfw.cli.paths import figure_path, new_path
@@ -14,22 +16,9 @@ from mpmfw.cli.tables import Format, FormatOption, print_table, write_rows
 
 
 def rank(
-    results: Annotated[
-        list[Path],
-        typer.Argument(
-            metavar="RESULTS",
-            help="Files of mpmfw study, of one study or several.",
-        ),
-    ],
-    by: Annotated[
-        str,
-        typer.Option(
-            metavar="KEY", help="What is ranked: contact, shape, or another dimension of the studies."
-        ),
-    ] = "contact",
-    levels: Annotated[
-        str, typer.Option(metavar="ERRORS", help="Relative errors to be reached, falling.")
-    ] = "10%,5%,2%,1%,0.5%",
+    results: Annotated[list[Path], Argument(metavar="RESULTS", help="Files of mpmfw study.")],
+    by: Annotated[str, Option(metavar="KEY", help="Rank contact, shape, or another dimension.")] = "contact",
+    levels: Annotated[str, Option(metavar="ERRORS", help="Errors to reach, falling.")] = "10%,5%,2%,1%,0.5%",
     body: args.Body = None,
     pair: args.Pair = None,
     axis: args.Axis = None,
@@ -39,9 +28,8 @@ def rank(
 ) -> None:
     """Rank the methods of studies by the problems that they solve, and by what that costs over the cheapest.
 
-    Every method counts at its best settings: of its options, shape functions and cell sizes the cheapest run
-    that reaches a level. With --output a figure (PNG, PDF or SVG): the share of problems and levels that each
-    method solves within a cost.
+    Of every method the cheapest run counts that reaches a level. With --output a figure (PNG, PDF or SVG):
+    the share of problems and levels that each method solves within a cost.
     """
     from mpmfw.studies import ranking
     from mpmfw.studies.study import relative_error
@@ -75,11 +63,7 @@ def rank(
 
 def _print_failures(failures: list[dict[str, Any]], *, err: bool) -> None:
     """Print the runs that do not count, by method and reason."""
-    counts: dict[tuple[str, str], int] = {}
-    for one in failures:
-        key = one["method"], one["status"]
-        counts[key] = counts.get(key, 0) + 1
+    counts = Counter((one["method"], one["status"]) for one in failures)
     for (method, status), times in counts.items():
-        typer.echo(
-            f"{method}: {times} {'run does' if times == 1 else 'runs do'} not count: {status}", err=err
-        )
+        runs = "run does" if times == 1 else "runs do"
+        typer.echo(f"{method}: {times} {runs} not count: {status}", err=err)

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from typer import Argument, Option
 
 from mpmfw.cli import arguments as args
 from mpmfw.cli.paths import result_path
@@ -34,16 +35,11 @@ def run(
 
 
 def resume(
-    results: Annotated[Path, typer.Argument(metavar="RUN.nc", help="Results of a run that did not end.")],
+    results: Annotated[Path, Argument(metavar="RUN.nc", help="Results of a run that did not end.")],
     checkpoint: args.Checkpoint = None,
-    threads: Annotated[
-        int | None, typer.Option(help="Threads instead of the scene's; the results are the same.")
-    ] = None,
+    threads: Annotated[int | None, Option(help="Threads instead of the scene's.")] = None,
     force: Annotated[
-        bool,
-        typer.Option(
-            "--force", help="Go on with another version of the code or a library, to other numbers."
-        ),
+        bool, Option("--force", help="Go on with another version of the code, to other numbers.")
     ] = False,
     trust: args.Trust = False,
 ) -> None:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from typer import Option
 
 from mpmfw.cli import arguments as args
 from mpmfw.cli.paths import new_path, result_path
@@ -20,20 +21,14 @@ def stability(
     output: args.Output = None,
     contact: args.Contact = None,
     shape: args.Shape = None,
-    kappa: Annotated[
-        str | None, typer.Option(metavar="A,B,…", help="Stiffness factors of the contact.")
-    ] = None,
+    kappa: Annotated[str | None, Option(metavar="A,B,…", help="Stiffness factors of the contact.")] = None,
     ratio: Annotated[
-        str | None,
-        typer.Option(
-            metavar="A,B,…", help="Stiffnesses of the second body over the first, instead of kappa."
-        ),
+        str | None, Option(metavar="A,B,…", help="Stiffnesses of the second body over the first instead.")
     ] = None,
     cfl: Annotated[
-        str | None,
-        typer.Option(metavar="A,B,…", help="Courant numbers of the fixed step; 0.1 to 1.2 if left out."),
+        str | None, Option(metavar="A,B,…", help="Courant numbers of the step; by default 0.1 to 1.2.")
     ] = None,
-    steps: Annotated[int, typer.Option(min=2, help="Steps of every run.")] = 300,
+    steps: Annotated[int, Option(min=2, help="Steps of every run.")] = 300,
     set_: args.Set = None,
     trust: args.Trust = False,
     jobs: args.Jobs = None,
@@ -42,28 +37,21 @@ def stability(
 ) -> None:
     """Run SCENE at many stiffnesses and time steps, past the limit too, and map where it stays stable.
 
-    The map is written to a file, by default named as the scene, with the figure beside it. One that was
-    broken off goes on where it stopped.
+    The map is written to a file, by default named as the scene, with the figure beside it.
     """
     loaded = args.chosen_scene(scene, contact, shape, set_, trust)
     path = result_path(output, loaded, "stability", force)
     new_path(path.with_suffix(".png"), force)
-    options = {"kappa": kappa, "ratio": ratio, "cfl": cfl}
-    given = {name: args.numbers(name, text) for name, text in options.items() if text is not None}
+    options = args.named(kappa=kappa, ratio=ratio, cfl=cfl)
+    given = {name: args.numbers(name, text) for name, text in options.items()}
 
     from mpmfw.plots import plot_file
     from mpmfw.stability import stability_map
 
-    with campaign_progress() as (progress, _):
-        dataset = stability_map(
-            loaded,
-            steps=steps,
-            output=path,
-            progress=progress,
-            jobs=args.jobs_of(jobs, scheduler),
-            executor=scheduler,
-            **given,  # type: ignore[arg-type]
-        )
+    running: dict[str, Any] = {**given, **args.workers(jobs, scheduler)}
+    with campaign_progress() as reports:
+        progress = reports["progress"]
+        dataset = stability_map(loaded, steps=steps, output=path, progress=progress, **running)
     _print(dataset)
     typer.echo(str(path))
     for written in plot_file(path, force=True):
@@ -71,9 +59,7 @@ def stability(
 
 
 def _print(dataset: xr.Dataset) -> None:
-    """Print the largest stable Courant number at every stiffness, those of the theory, and a letter for
-    every point.
-    """
+    """Print the largest stable Courant numbers, those of the theory, and a letter for every point."""
     from mpmfw.stability.chart import largest_stable
 
     axis, cfl = str(dataset["class"].dims[0]), dataset["cfl"].values

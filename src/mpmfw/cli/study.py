@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from typer import Argument, Option
 
 from mpmfw.cli import arguments as args
 from mpmfw.cli.paths import check_result
@@ -37,19 +38,14 @@ class Timing(StrEnum):
 
 
 def study(
-    study: Annotated[
-        str, typer.Argument(metavar="STUDY", help="A TOML file, or the name of a shipped study.")
-    ],
+    study: Annotated[str, Argument(metavar="STUDY", help="A TOML file, or the name of a shipped study.")],
     output: args.Output = None,
-    timing: Annotated[
-        Timing, typer.Option(help="Take costs as runs come, or of one run at a time.")
-    ] = Timing.shared,
+    timing: Annotated[Timing, Option(help="Take costs as runs come, or of one at a time.")] = Timing.shared,
     jobs: args.Jobs = None,
     scheduler: args.Scheduler = None,
     repeats: args.Repeats = None,
     under: Annotated[
-        str | None,
-        typer.Option(metavar="ERROR", help="Relative error below which the cheapest is named: 1% or 0.01."),
+        str | None, Option(metavar="ERROR", help="Name the cheapest below this error: 1% or 0.01.")
     ] = None,
     body: args.Body = None,
     pair: args.Pair = None,
@@ -60,8 +56,8 @@ def study(
 ) -> None:
     """Run all combinations of STUDY, and say what accuracy costs in time.
 
-    The results are written to a file, by default named as the study. Finished runs are kept in the folder
-    FILE.runs: a study that was broken off goes on from there.
+    The results are written to a file, by default named as the study. One that was broken off goes on from the
+    folder FILE.runs.
     """
     from mpmfw.studies.conclusion import conclusions, rows
     from mpmfw.studies.loading import load_study
@@ -75,19 +71,16 @@ def study(
 
     from mpmfw.studies.study import study as run_study
 
-    with campaign_progress() as (progress, _):
-        dataset = run_study(
-            loaded,
-            output=path,
-            timing=timing.value,
-            jobs=args.jobs_of(jobs, scheduler, None),
-            executor=scheduler,
-            repeats=repeats,
-            under=under,
-            about=args.named(body=body, pair=pair, axis=axis),
-            progress=progress,
-            force=force,
-        )
+    running: dict[str, Any] = {
+        **args.workers(jobs, scheduler, None),
+        "repeats": repeats,
+        "force": force,
+        "output": path,
+    }
+    about = args.named(body=body, pair=pair, axis=axis)
+    with campaign_progress() as reports:
+        running["progress"] = reports["progress"]
+        dataset = run_study(loaded, timing=timing.value, under=under, about=about, **running)
     if form is not Format.table:
         write_rows(list(rows(dataset)), form)
     else:
@@ -98,7 +91,6 @@ def study(
 
 
 def _print(dataset: xr.Dataset) -> None:
-    """Print a line for each combination; those without a result say why below the table."""
     from mpmfw.studies.conclusion import rows
 
     dims = [str(dim) for dim in dataset["status"].dims]
@@ -107,17 +99,11 @@ def _print(dataset: xr.Dataset) -> None:
     if not (dataset["settle_time"] > 0.0).any():
         del heads["settle_time"]
     found = list(rows(dataset))
-    cells = [
-        {
-            **row,
-            "error": 100.0 * row["error"],
-            "noise": 100.0 * row["noise"],
-            "steps": int(row["steps"]) if row["steps"] > 0.0 else row["steps"],
-            "pareto": "●" if row["pareto"] else "",
-        }
-        for row in found
-    ]
-    print_table(cells, heads, labels=labels, title=dataset.attrs["title"])
+    for row in found:
+        row |= {"error": 100.0 * row["error"], "noise": 100.0 * row["noise"]}
+        row |= {"steps": int(row["steps"]) if row["steps"] > 0.0 else row["steps"]}
+        row |= {"pareto": "●" if row["pareto"] else ""}
+    print_table(found, heads, labels=labels, title=dataset.attrs["title"])
     for row in found:
         if row["status"] != "ok":
             print_text(f"{', '.join(str(row[dim]) for dim in dims)}: {row['status']}")

@@ -11,7 +11,7 @@ from enum import StrEnum
 from numbers import Integral
 from typing import Annotated, Any, TypeAlias
 
-import typer
+from typer import Option
 
 #: Width of a wrapped column of words.
 _WRAPPED = 24
@@ -26,17 +26,12 @@ class Format(StrEnum):
 
 
 FormatOption: TypeAlias = Annotated[
-    Format,
-    typer.Option(
-        "--format", help="How the table is printed; csv and json have all digits and nothing beside it."
-    ),
+    Format, Option("--format", help="Form of the table; csv and json have all digits.")
 ]
 
 
 def formatted(value: Any) -> str:
-    """Return text and whole numbers as they are, other numbers to four digits, a dash for NaN, nothing for
-    None.
-    """
+    """Return a cell: numbers to four digits, a dash for NaN, nothing for None."""
     if isinstance(value, bool) or not hasattr(value, "__float__"):
         return "" if value is None else str(value)
     if isinstance(value, Integral):
@@ -53,18 +48,10 @@ def print_table(
     words: Collection[str] = (),
     title: str = "",
 ) -> None:
-    """Print rows as a table; columns that find no room go to a further table with the same labels.
+    """Print rows as a table; columns that find no room go to a further table with the same ``labels``.
 
-    Parameters
-    ----------
-    rows
-        Cells by column; ``style`` is rich's style of the row.
-    heads
-        Heads by column, in order; the names of the cells by default. A column without any value is left out.
-    labels
-        Columns that say what a row is; every table has them, and groups rows by the first.
-    words
-        Further columns of text. They are wrapped, as labels are; all other columns are numbers.
+    ``rows`` are cells by column, and rich's ``style``; ``heads`` gives columns in order. Columns without any
+    value are left out. ``words`` are wrapped, as labels are; all other columns are numbers.
     """
     from rich import box
     from rich.console import Console
@@ -100,13 +87,11 @@ def print_table(
 
     if title:
         console.print(Text(title, style="bold"))
-    unlimited = console.options.update_width(10_000)
+    wide = console.options.update_width(10_000)
     left = [name for name in known if name not in heading]
     while True:
         count = len(left)
-        while (
-            count > 1 and console.measure(table_of(left[:count]), options=unlimited).maximum > console.width
-        ):
+        while count > 1 and console.measure(table_of(left[:count]), options=wide).maximum > console.width:
             count -= 1
         console.print(table_of(left[:count]))
         console.print()
@@ -124,7 +109,7 @@ def print_text(text: str) -> None:
 
 
 def write_rows(rows: Sequence[Mapping[str, Any]], form: Format) -> None:
-    """Print rows as CSV, empty where a value is not known, or as JSON, null there."""
+    """Print rows as CSV or JSON; unknown values are empty or null."""
     plain = [{key: _plain(value) for key, value in row.items()} for row in rows]
     if form is Format.json:
         print(json.dumps(plain, indent=1, ensure_ascii=False))
@@ -136,10 +121,6 @@ def write_rows(rows: Sequence[Mapping[str, Any]], form: Format) -> None:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value that JSON has; None for a number that is not finite."""
-    if isinstance(value, str | bool | int) or value is None:
-        return value
-    if hasattr(value, "item"):
-        return _plain(value.item())
-    number = float(value)
-    return number if math.isfinite(number) else None
+    """Return a value of Python; None for a number that is not finite."""
+    value = value.item() if hasattr(value, "item") else value
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -9,8 +9,16 @@ if TYPE_CHECKING:
     from mpmfw.runs.simulation import Simulation
 
 
+#: Keys of ``[output]`` that an effect records, its name, and the words if it is off.
+_DIAGNOSTICS = (
+    ("ledger", "energy ledger", "no ledger is kept"),
+    ("gap", "least gap", "no gap is measured"),
+    ("contact_moment", "contact moment", "no moment is measured"),
+)
+
+
 def unused_facts(simulation: Simulation) -> list[str]:
-    """Return the facts that have no effect in this run, one line each, options of other methods included."""
+    """Return the facts that have no effect in this run, one line each."""
     groups = (_alternatives, _friction, _surfaces, _rotation, _diagnostics, _materials)
     return [line for group in groups for line in group(simulation)]
 
@@ -66,25 +74,16 @@ def _diagnostics(simulation: Simulation) -> Iterator[str]:
     """Yield diagnostics that the scene names and the run does not record."""
     scene, contact = simulation.scene, simulation.contact
     effects = {effect.name: effect for effect in simulation.effects}
-    ledger, gap = effects["energy ledger"], effects["least gap"]
-    if _asked(scene, "ledger") and not ledger.on:
-        yield f"output.ledger: no ledger is kept: {ledger.reason}"
-    if _asked(scene, "gap") and not gap.on:
-        yield f"output.gap: no gap is measured: {gap.reason}"
-    if _asked(scene, "contact_moment") and not (moment := effects["contact moment"]).on:
-        yield f"output.contact_moment: no moment is measured: {moment.reason}"
+    for key, name, words in _DIAGNOSTICS:
+        if _asked(scene, key) and not effects[name].on:
+            yield f"output.{key}: {words}: {effects[name].reason}"
+    interval = "output.particle_interval: "
     if _asked(scene, "particle_interval") and not scene.output.particles:
-        yield "output.particle_interval: no material points are stored: output.particles = false"
+        yield f"{interval}no material points are stored: output.particles = false"
     elif _asked(scene, "particle_interval") and scene.output.particle_interval <= scene.time.output_interval:
-        yield (
-            "output.particle_interval: material points are stored at every output: "
-            "time.output_interval is no shorter"
-        )
+        yield f"{interval}material points are stored at every output: time.output_interval is no shorter"
     if _asked(scene, "stability") and contact is not None and not contact.monitors():
-        yield (
-            "output.stability: of the time step alone: "
-            f"contact '{contact.name}' has no series of its own stability"
-        )
+        yield f"output.stability: of the time step alone: contact '{contact.name}' has no such series"
 
 
 def _asked(scene: Any, diagnostic: str) -> bool:

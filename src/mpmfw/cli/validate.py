@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer import Argument, Option
 
 from mpmfw.cli import arguments as args
 from mpmfw.cli.paths import new_path
@@ -16,73 +17,42 @@ from mpmfw.errors import MpmfwError, SceneError
 
 def validate(
     cases: Annotated[
-        list[str] | None,
-        typer.Argument(metavar="[CASE …]", help="Cases by name; all if left out.", show_default=False),
+        list[str] | None, Argument(metavar="[CASE …]", help="Cases; all by default.", show_default=False)
     ] = None,
-    quick: Annotated[
-        bool, typer.Option("--quick", help="The reduced version: fewer methods, coarser grids.")
-    ] = False,
+    quick: Annotated[bool, Option("--quick", help="Run fewer methods on coarser grids.")] = False,
     suite: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FOLDER",
-            help="Folder of the cases, or 'hard', the hard scenes of other fields; mpmfw's own cases if left "
-            "out.",
-            show_default=False,
-        ),
+        Option(metavar="FOLDER", help="Folder of cases, or 'hard'; by default mpmfw's.", show_default=False),
     ] = None,
     output: Annotated[
-        Path,
-        typer.Option("-o", "--output", metavar="FOLDER", help="Folder for the figures and the table (CSV)."),
+        Path, Option("-o", "--output", metavar="FOLDER", help="Folder for the figures and the table.")
     ] = Path("validation-results"),
-    document: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Page of documentation (Markdown) to write as well."),
-    ] = None,
+    document: Annotated[Path | None, Option(metavar="FILE.md", help="Page to write as well.")] = None,
     jobs: Annotated[
-        int | None,
-        typer.Option(
-            "-j",
-            "--jobs",
-            min=1,
-            help="Cases at a time, each in a process of its own; one for each core if left out.",
-            show_default=False,
-        ),
+        int | None, Option("-j", "--jobs", min=1, help="Cases at a time; one for each core by default.")
     ] = None,
     scheduler: args.Scheduler = None,
-    force: Annotated[
-        bool, typer.Option("--force", help="Run cases again whose results lie in the output folder.")
-    ] = False,
+    force: Annotated[bool, Option("--force", help="Run cases again that have results.")] = False,
 ) -> None:
     """Run validation cases by pytest: closed forms and references that tell contact algorithms apart.
 
-    Ends with 0 if every gate holds but those that are marked as known red, else with 1. The table and the
-    page are of all cases whose results, made by the code of today, lie in the output folder. Such a case is
-    not run again.
+    Ends with 0 if every gate holds but those that are marked as known red, else with 1. Table and page are of
+    all cases with results of today's code in the output folder; these are not run again.
     """
     try:
         import pytest  # noqa: F401
     except ImportError as error:
-        raise SceneError(
-            "validate runs cases by pytest, not installed: pip install 'mpmfw[testing]'"
-        ) from error
+        raise SceneError("validate needs pytest: pip install 'mpmfw[testing]'") from error
     from mpmfw.validation.page import summary, write_csv, write_page
     from mpmfw.validation.suite import find_cases, kept, run_cases, suite_of
 
     folder = suite_of(suite)
     found = find_cases(folder, cases or ())
     _check_places(found, output, document, force)
-    with campaign_progress("cases") as (progress, _):
-        results = run_cases(
-            found,
-            output,
-            quick=quick,
-            jobs=args.jobs_of(jobs, scheduler, None),
-            progress=progress,
-            executor=scheduler,
-            command=_command(cases, quick, suite if suite != folder else None, jobs, scheduler),
-            force=force,
-        )
+    command = _command(cases, quick, suite if suite != folder else None, jobs, scheduler)
+    running: dict[str, Any] = {**args.workers(jobs, scheduler, None), "command": command, "force": force}
+    with campaign_progress("cases") as reports:
+        results = run_cases(found, output, quick=quick, progress=reports["progress"], **running)
     for one in results:
         for row in one.rows:
             if row.verdict in ("RED", "known red"):

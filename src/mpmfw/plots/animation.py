@@ -24,10 +24,7 @@ _DPI = 150
 
 
 class Movie:
-    """A figure and the outputs that it goes through; colour scale and view are those of all of them.
-
-    ``trees`` are runs by label; the rest is as of :func:`animate`.
-    """
+    """A figure of runs by label, and the outputs that it goes through, under one colour scale."""
 
     def __init__(
         self,
@@ -56,9 +53,7 @@ class Movie:
         return len(self.times)
 
     def show(self, index: int) -> None:
-        """Draw the output nearest to ``times[index]`` of every run; the last one of a run that ended
-        before.
-        """
+        """Draw every run at ``times[index]``, or at its last output before."""
         for label, frames in self.frames.items():
             self._drawing.show(label, frames[index])
 
@@ -81,34 +76,24 @@ def animate(
     Parameters
     ----------
     results
-        A run or a comparison, or the name of its file. Several runs, as a sequence or by label, and those of
-        a comparison stand side by side at the same times, which are those of the first.
+        A run, or a comparison or several runs, which stand side by side at the times of the first.
     path
-        File to write: ``.gif``, or ``.mp4``, which needs ffmpeg (``pip install mpmfw[animate]`` brings one).
-    field
-        Name of the field, see :func:`mpmfw.plots.field`.
+        File to write: ``.gif``, or ``.mp4``, which needs ffmpeg (``pip install mpmfw[animate]``).
+    field, bodies, limits, arrows
+        As of :func:`mpmfw.plots.field`; the colour scale spans all frames.
     contact
         Of a comparison: only the runs with this contact.
-    fps
-        Frames a second.
-    every
-        Only each ``every``-th output, the first one included.
-    bodies, limits, arrows
-        As of :func:`mpmfw.plots.field`; the colour scale spans all frames.
+    fps, every
+        Frames a second; only each ``every``-th output.
     progress
         Called with the number of frames drawn and that of all.
-
-    Returns
-    -------
-    Path
-        The file. It takes its name when it is complete.
 
     Raises
     ------
     SceneError
         There is no such field, body or contact, the ending is another, or ffmpeg is needed and not there.
     MpmfwError
-        The results cannot be read, or the file cannot be written.
+        A file cannot be read or written.
     """
     target = Path(path)
     if fps < 1:
@@ -130,7 +115,7 @@ def animate(
 
 
 def check_movie(path: Path) -> str | None:
-    """The ffmpeg that writes a file of this ending, None for one that needs none."""
+    """Return the ffmpeg that a file's ending needs, if any."""
     if path.suffix == ".gif":
         return None
     if path.suffix != ".mp4":

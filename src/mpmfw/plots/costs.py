@@ -19,7 +19,7 @@ _COLOURS = ("#0072B2", "#56B4E9", "#009E73", "#D55E00", "#E69F00", "#CC79A7", "#
 
 @journal_style()
 def cost_bars(dataset: xr.Dataset) -> Figure:
-    """CPU time per material point and step of ``mpmfw.compare``, stacked by stage, a bar a combination."""
+    """Draw CPU time per material point and step, stacked by stage."""
     rows = []
     for contact, shape, run in combinations(dataset):
         work = run["steps"] * run["material_points"]
@@ -30,9 +30,7 @@ def cost_bars(dataset: xr.Dataset) -> Figure:
 
 @journal_style()
 def stages(dataset: xr.Dataset) -> Figure:
-    """CPU time of ``mpmfw.study`` by stage as stacked bars, one for each combination at the finest resolution
-    that ran.
-    """
+    """Draw CPU time of a study by stage, at the finest resolution that ran."""
     named = with_methods(dataset)
     resolution = resolution_of(named)
     bars = {}
@@ -46,7 +44,7 @@ def stages(dataset: xr.Dataset) -> Figure:
 def _bars(
     bars: dict[str, list[dict[str, Any]]], names: list[str], label: str, compared: xr.Dataset | None = None
 ) -> Figure:
-    """A panel of bars for each problem, with the head of the comparison that they are of."""
+    """Draw a panel of bars for each problem."""
     longest = max(len(rows) + len(_places(rows)[1]) for rows in bars.values())
     figure, panels = new_panels(len(bars), 16.0 + 4.2 * longest, sharex=True, sharey=True)
     if compared is not None:
@@ -65,7 +63,7 @@ def _bars(
 
 
 def _finest(problem: xr.Dataset, resolution: str | None) -> xr.Dataset:
-    """The part of a problem at the finest resolution of which a cost is known."""
+    """Return a problem at the finest resolution whose cost is known."""
     if resolution is None:
         return problem
     parts = [problem.sel({resolution: label}) for label in order_of(problem, resolution)[::-1]]
@@ -75,24 +73,20 @@ def _finest(problem: xr.Dataset, resolution: str | None) -> xr.Dataset:
 
 
 def _places(rows: list[dict[str, Any]]) -> tuple[list[float], dict[float, str]]:
-    """Return the places of the bars, and of the contacts' names where both contact and shape vary."""
+    """Return the places of bars, and of the contacts' names."""
     if not rows or not {"contact", "shape"} <= set(rows[0]["dims"]):
         return [float(k) for k in range(len(rows))], {}
     places: list[float] = []
     heads: dict[float, str] = {}
-    at, last = 0.0, None
     for row in rows:
-        if row["contact"] != last:
-            last = row["contact"]
-            heads[at] = str(last)
-            at += 1.0
-        places.append(at)
-        at += 1.0
+        if str(row["contact"]) not in heads.values():
+            heads[float(len(places) + len(heads))] = str(row["contact"])
+        places.append(float(len(places) + len(heads)))
     return places, heads
 
 
 def _draw_bars(axes: Any, rows: list[dict[str, Any]], names: list[str]) -> None:
-    """Bars of the shape functions under the name of each contact, which may be long with its options."""
+    """Draw bars of shape functions under the name of each contact."""
     places, heads = _places(rows)
     left = np.zeros(len(rows))
     for name, colour in zip(names, itertools.cycle(_COLOURS), strict=False):

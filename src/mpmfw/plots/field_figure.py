@@ -39,36 +39,28 @@ def field(
     plane: tuple[str, float | None] | None = None,
     against: str | None = None,
 ) -> Figure:
-    """Draw a field on the material points of a run, or of the runs of a comparison side by side, at one
-    output.
+    """Draw a field at one output of a run, in 3D by :func:`plane_cut`, or of a comparison's runs.
 
-    A run in 3D is drawn on a plane, by :func:`plane_cut`.
+    Domains of CPDI and CPDI2 are coloured patches, other points discs of their area; surfaces are lines.
 
     Parameters
     ----------
     results
         A run or a comparison, or the name of its file.
     name
-        Of the field: ``von_mises``, ``velocity`` (its size), ``velocity_x``, ``stress_xy``,
-        ``in_plane_pressure``, ``volume_ratio`` …, see :func:`mpmfw.results.point_fields.point_field`.
+        ``von_mises``, ``velocity`` (its size), ``velocity_x``, ``stress_xy``, ``volume_ratio`` …
     time
         [s]; the nearest output is drawn, the last one by default.
     bodies
         Only these bodies.
     limits
-        Ends of the colour scale [SI]; the least and the largest value by default. An end that values lie
-        beyond is a point on the colour bar.
+        Ends of the colour scale [SI]; the least and the largest value by default.
     arrows
         Draw the contact force on every surface node (2D).
     plane
-        Axis across the plane, and its place along the axis [m]; ``("z", None)`` by default, the middle (3D).
+        Axis across the plane, and its place along the axis [m]; by default the middle along z (3D).
     against
-        A contact of the comparison: draw the difference of every other run against the one that has it.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Domains of CPDI and CPDI2 as coloured patches, other points as discs of their area; surfaces as lines.
+        A contact of the comparison: draw the difference of every other run against it.
 
     Raises
     ------
@@ -99,10 +91,9 @@ def side_by_side(
     limits: tuple[float, float] | None = None,
     arrows: bool = False,
 ) -> Figure:
-    """Draw a field of several runs, one panel each, under one colour scale.
+    """Draw a field of several runs, by label or in a sequence, under one colour scale.
 
-    ``results`` are runs by the label of their panel; a sequence is labelled by contact and shape, or by the
-    files' names. The rest is as of :func:`field`.
+    The rest is as of :func:`field`.
     """
     with labelled(results) as trees:
         frames = {label: [frame_at(tree, time)] for label, tree in trees.items()}
@@ -120,11 +111,10 @@ def labelled(
     against: str | None = None,
     name: str = "",
 ) -> Iterator[dict[str, xr.DataTree]]:
-    """Context with runs by label; files are closed at the end.
+    """Context with runs by label: "" of a single run, else their own, their methods, or their files' names.
 
-    A single run has the label "", those of a comparison their methods. Several runs keep their labels; those
-    of a sequence are contact and shape, or the files' names where these do not tell them apart. ``contact``,
-    ``against`` and ``name`` choose runs of a comparison, as of :func:`mpmfw.results.selection.runs_of`.
+    ``contact``, ``against`` and ``name`` choose runs of a comparison, as of
+    :func:`mpmfw.results.selection.runs_of`.
     """
     with ExitStack() as stack:
         if isinstance(results, xr.DataTree | xr.Dataset | str | os.PathLike):
@@ -211,22 +201,15 @@ class Drawing:
 
     def _bar(self, unit: str, *, below: bool) -> None:
         about = next(iter(self.panels.values())).about
-        bar = self.figure.colorbar(
-            ScalarMappable(self.scales.norm, self.scales.colours),
-            ax=list(self.axes.values()),
-            location="bottom" if below else "right",
-            aspect=30,
-            pad=0.02,
-            extend=self.scales.extend,
-        )
+        colours, ends = ScalarMappable(self.scales.norm, self.scales.colours), self.scales.extend
+        place: dict[str, Any] = {"location": "bottom" if below else "right", "aspect": 30, "pad": 0.02}
+        bar = self.figure.colorbar(colours, ax=list(self.axes.values()), extend=ends, **place)
         bar.set_label(in_brackets(about["long_name"], unit))
         if self.scales.largest_force > 0.0:
-            panel = next(iter(self.panels.values())).tree
-            place = next(group for group in panel["surface"].children.values() if "force" in group.data_vars)
+            groups = next(iter(self.panels.values())).tree["surface"].children.values()
+            stored = next(group["force"] for group in groups if "force" in group.data_vars)
             size, prefix = (1e3, "k") if self.scales.largest_force >= 1e3 else (1.0, "")
-            force = (
-                f"{self.scales.largest_force / size:.3g} {prefix}{readable(place['force'].attrs['units'])}"
-            )
+            force = f"{self.scales.largest_force / size:.3g} {prefix}{readable(stored.attrs['units'])}"
             text = f"contact force on surface nodes, longest arrow: {force}"
             self.figure.supxlabel(text, color="#D55E00")
 
@@ -238,7 +221,7 @@ def _scales(
     *,
     arrows: bool,
 ) -> tuple[Scales, str]:
-    """Common scales of all panels over all outputs that are drawn, and the unit of the colours."""
+    """Return common scales of all panels and outputs, and the unit of the colours."""
     found, boxes = zip(*(panel.survey(frames[label]) for label, panel in panels.items()), strict=True)
     low, high, colours = _colours(found, limits)
     units = next(iter(panels.values())).about["units"]
@@ -251,7 +234,7 @@ def _scales(
 
 
 def _extend(found: Sequence[tuple[float, float]], low: float, high: float) -> str:
-    """The ends of the colour scale that values lie beyond, as matplotlib names them."""
+    """Return the ends of the scale that values lie beyond."""
     below = any(least < low for least, _ in found)
     above = any(largest > high for _, largest in found)
     return {(False, False): "neither", (True, False): "min", (False, True): "max"}.get((below, above), "both")
@@ -260,9 +243,7 @@ def _extend(found: Sequence[tuple[float, float]], low: float, high: float) -> st
 def _colours(
     found: Sequence[tuple[float, float]], limits: tuple[float, float] | None
 ) -> tuple[float, float, str]:
-    """Ends of the scale, given or found, and name of the colour map; if values have either sign, zero is in
-    the middle, white.
-    """
+    """Return the ends of the scale and the colour map, with zero in its middle."""
     if limits is not None:
         low, high = limits
         if not low < high:
@@ -273,12 +254,9 @@ def _colours(
         raise SceneError("the field has no finite value to draw")
     low, high = float(np.nanmin(ends[:, 0])), float(np.nanmax(ends[:, 1]))
     if low < 0.0 < high:
-        largest = max(-low, high)
-        return -largest, largest, "RdBu_r"
-    if low == high:
-        half = 0.5 * (abs(low) or 1.0)
-        return low - half, high + half, "viridis"
-    return low, high, "viridis"
+        return -max(-low, high), max(-low, high), "RdBu_r"
+    half = 0.5 * (abs(low) or 1.0) if low == high else 0.0
+    return low - half, high + half, "viridis"
 
 
 def _with_margin(boxes: FloatArray) -> Box:

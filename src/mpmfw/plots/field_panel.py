@@ -40,9 +40,7 @@ class Scales:
     length: float  #: shown length of a metre
     box: Box  #: that is seen
     largest_force: float  #: drawn as the longest arrow; 0 without arrows
-    extend: str = (
-        "neither"  #: ends of the colours that values lie beyond: ``neither``, ``min``, ``max``, ``both``
-    )
+    extend: str = "neither"  #: ends of the colours that values lie beyond, as matplotlib names them
 
     @property
     def longest_arrow(self) -> float:
@@ -52,9 +50,7 @@ class Scales:
 
 
 class FieldPanel:
-    """A field of one run in 2D on the material points of all ``bodies`` or some; arrays are read when they
-    are drawn.
-    """
+    """A field of one run in 2D on the material points of ``bodies``."""
 
     def __init__(self, tree: xr.DataTree, name: str, bodies: Sequence[str] | None = None) -> None:
         if tree.sizes.get("axis") != 2:
@@ -73,9 +69,7 @@ class FieldPanel:
         self._drawn: list[Any] = []
 
     def survey(self, frames: Iterable[int]) -> tuple[tuple[float, float], Box]:
-        """Least and largest finite value over some outputs, NaN if there is none, and the extent of the
-        points.
-        """
+        """Return the range of finite values, and the extent of the points."""
         ends, corners = [], []
         for frame in frames:
             for body in self.bodies:
@@ -92,7 +86,7 @@ class FieldPanel:
         return limits, (float(x0), float(x1), float(y0), float(y1))
 
     def largest_force(self, frames: Iterable[int]) -> float:
-        """Largest contact force on a surface node over some outputs [N/m]; 0 if there is none."""
+        """Return the largest contact force on a surface node [N/m]."""
         self._check_forces()
         sizes = [
             np.linalg.norm(frame_of(self.tree, f"surface/{body}", frame)["force"].values, axis=1).max()
@@ -104,24 +98,17 @@ class FieldPanel:
     def _check_forces(self) -> None:
         known = {str(name) for body in self.outlined for name in self.tree[f"surface/{body}"].data_vars}
         if "force" not in known:
-            raise SceneError(
-                "the run stored no contact force of surface nodes, which contacts between surfaces do; leave "
-                "the arrows out"
-            )
+            raise SceneError("the run stored no contact force of surface nodes; leave the arrows out")
 
     def show(self, axes: Any, frame: int, scales: Scales, title: str = "") -> Any:
-        """Replace the drawn output by another; return the artist of the colour bar."""
+        """Draw another output; return the artist of the colour bar."""
         while self._drawn:
             self._drawn.pop().remove()
         first = None
         for body in self.bodies:
             data = frame_of(self.tree, f"particles/{body}", frame)
-            shapes = self._shapes(axes, body, data, scales)
-            shapes.set(
-                norm=scales.norm,
-                cmap=scales.colours,
-                array=point_field(data, self.name).values / scales.unit_size,
-            )
+            shapes, values = self._shapes(axes, body, data, scales), point_field(data, self.name).values
+            shapes.set(norm=scales.norm, cmap=scales.colours, array=values / scales.unit_size)
             first = first or shapes
             self._drawn.append(axes.add_collection(shapes, autolim=False))
         for body in self.outlined:
@@ -137,7 +124,7 @@ class FieldPanel:
         return f"t = {scale * float(times[frame]):.4g} {unit}"
 
     def _places(self, body: str, data: xr.Dataset) -> tuple[FloatArray, float]:
-        """Corners of the domains, or centres and half the largest point's size [m]."""
+        """Return corners of domains, or centres and the largest point's radius [m]."""
         corners = self.corners[body]
         if corners is not None:
             return corners(data), 0.0
@@ -146,20 +133,14 @@ class FieldPanel:
     def _shapes(
         self, axes: Any, body: str, data: xr.Dataset, scales: Scales
     ) -> PolyCollection | EllipseCollection:
-        """Domains as polygons; points without domains as discs of their area."""
+        """Return domains as polygons, or points as discs of their area."""
         places, _ = self._places(body, data)
         if places.ndim == 3:
             return PolyCollection(list(scales.length * places), edgecolors="face", linewidths=0.25)
         diameter = scales.length * 2.0 * np.sqrt(data["volume"].values / np.pi)
-        return EllipseCollection(
-            diameter,
-            diameter,
-            np.zeros_like(diameter),
-            units="xy",
-            linewidths=0.0,
-            offsets=scales.length * places,
-            offset_transform=axes.transData,
-        )
+        centres: dict[str, Any] = {"offsets": scales.length * places, "offset_transform": axes.transData}
+        flat = np.zeros_like(diameter)
+        return EllipseCollection(diameter, diameter, flat, units="xy", linewidths=0.0, **centres)
 
     def _draw_surface(self, axes: Any, data: xr.Dataset, scales: Scales) -> list[Any]:
         position = scales.length * data["position"].values
@@ -170,16 +151,6 @@ class FieldPanel:
             force = data["force"].values
             acting = np.linalg.norm(force, axis=1) > 1e-3 * scales.largest_force
             arrows = force[acting] * scales.longest_arrow / scales.largest_force
-            drawn.append(
-                axes.quiver(
-                    *position[acting].T,
-                    *arrows.T,
-                    angles="xy",
-                    scale_units="xy",
-                    scale=1.0,
-                    color="#D55E00",
-                    width=0.004,
-                    zorder=4,
-                )
-            )
+            plain = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "width": 0.004, "zorder": 4}
+            drawn.append(axes.quiver(*position[acting].T, *arrows.T, color="#D55E00", **plain))
         return drawn

@@ -34,9 +34,7 @@ _UNDATED = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
 
 
 def figures_of(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
-    """Figures that the content of a comparison, a study, a map of stability or the series of a run allows:
-    ``{name: (figure, caption)}``.
-    """
+    """Return the figures of a result, ``{name: (figure, caption)}``."""
     if dataset.attrs.get("kind") == "study":
         return study_figures(dataset)
     if dataset.attrs.get("kind") == "stability":
@@ -86,7 +84,7 @@ def _overview(series: xr.Dataset) -> Figure:
 
 
 def _any_scene(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
-    """Draw a comparison without a closed form: motion, forces, gaps and energies."""
+    """Draw motion, forces, gaps and energies of a comparison."""
     figures = {}
     if "centre_of_mass" in dataset and scene.moving_bodies(dataset):
         text = "Motion of the bodies that do not stand still, the furthest first."
@@ -118,8 +116,7 @@ def plot_file(
     path
         The file.
     output
-        Name of the figure, PNG without an ending, next to ``path`` by default; of several figures the stem,
-        ``<stem>-<figure>.<format>``.
+        Name of the figure, by default next to ``path``; of several figures ``<stem>-<figure>.<format>``.
     force
         Replace figures that exist.
 
@@ -128,18 +125,15 @@ def plot_file(
     SceneError
         The file holds nothing to draw, or a figure exists.
     MpmfwError
-        The file cannot be read, or a figure cannot be written.
+        A file cannot be read or written.
     """
     results = open_results(path)
     dataset = series_of(results)
     if isinstance(results, xr.DataTree):
         drawn = {"series": _overview(dataset)} if dataset.sizes.get("time", 0) > 1 else {}
     else:
-        drawn = (
-            {name: figure for name, (figure, _) in figures_of(dataset).items()}
-            if "status" in dataset or "class" in dataset
-            else {}
-        )
+        known = "status" in dataset or "class" in dataset
+        drawn = {name: figure for name, (figure, _) in figures_of(dataset).items()} if known else {}
     if not drawn:
         raise SceneError(f"'{os.fspath(path)}' holds no series with two outputs or more to draw")
     first = Path(path).with_suffix(".png") if output is None else Path(output)
@@ -150,9 +144,7 @@ def plot_file(
 
 
 def plot_files(paths: Sequence[str | os.PathLike[str]], output: str | os.PathLike[str]) -> Path:
-    """Draw the motions of several comparisons of a rolling cylinder, one row each; a SceneError refuses files
-    of others.
-    """
+    """Draw the motions of comparisons of a rolling cylinder, one row each."""
     datasets = [series_of(open_results(path)) for path in paths]
     for path, dataset in zip(paths, datasets, strict=True):
         if "status" not in dataset or not isinstance(drawn_reference(dataset), RollingReference):
@@ -164,9 +156,7 @@ def plot_files(paths: Sequence[str | os.PathLike[str]], output: str | os.PathLik
 
 
 def write_figure(figure: Figure, path: Path) -> Path:
-    """Save a figure of matplotlib as PNG, or as the path's ending says: ``.pdf``, ``.svg`` …; an MpmfwError
-    names a file that cannot be written.
-    """
+    """Save a figure as PNG, or as the path's ending says."""
     path = path if path.suffix else path.with_suffix(".png")
     form, content = path.suffix.lower(), io.BytesIO()
     try:

@@ -12,11 +12,20 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from mpmfw.errors import SceneError
 from mpmfw.plots.field_figure import labelled
-from mpmfw.plots.style import PANEL, Look, combinations, dress, head, journal_style, legend_below, new_panels
+from mpmfw.plots.style import (
+    PANEL,
+    Look,
+    combinations,
+    dress,
+    entry,
+    head,
+    journal_style,
+    legend_below,
+    new_panels,
+)
 from mpmfw.plots.units import count_in, scaled_label, time_scale
 from mpmfw.results.round_off import without_round_off
 from mpmfw.results.selection import Results, checked_name, opened, series_of
@@ -43,7 +52,7 @@ class RunSeries:
 
 @dataclass(frozen=True)
 class Curve:
-    """One of the curves that a series holds: of a body or a pair, along an axis."""
+    """A curve of a series: of a body or a pair, along an axis."""
 
     name: str
     choice: tuple[tuple[str, Any], ...]
@@ -66,7 +75,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Panel:
-    """One curve of several runs, and the times and values of the reference beside it."""
+    """One curve of several runs, and of the reference."""
 
     curve: Curve
     sources: Sequence[RunSeries]
@@ -88,8 +97,8 @@ def history(
     Parameters
     ----------
     results
-        A run, whose bodies, pairs and axes are told apart by colour in one panel a series; several runs, or a
-        comparison, whose runs are told apart by colour and style in one panel for each series, body and axis.
+        A run, with a panel for each series; several runs, or a comparison, with a panel for each series, body
+        and axis.
     names
         Series: ``min_gap``, ``centre_of_mass`` …
     body, pair, axis
@@ -98,7 +107,7 @@ def history(
     Raises
     ------
     SceneError
-        There is no such series, body, pair or axis, or too many panels would be needed.
+        There is no such series, body, pair or axis, or there would be too many panels.
     """
     if isinstance(results, str | os.PathLike):
         with opened(results) as read:  # the series alone, not the frames
@@ -115,7 +124,7 @@ def history(
     if len(runs) == 1:
         return _of_one(runs[0], curves)
     figure = _drawn([Panel(curve, runs, curve.label) for curve in curves])
-    _legend(figure, [Line2D([], [], label=run.label, **run.look) for run in runs])
+    _legend(figure, [entry(run.label, **run.look) for run in runs])
     return figure
 
 
@@ -127,8 +136,9 @@ Beside = tuple[xr.DataArray, str, FloatArray, FloatArray]
 def beside_reference(
     comparisons: Sequence[tuple[xr.Dataset, str, Mapping[str, Beside]]], label: str, noisy: str = ""
 ) -> Figure:
-    """Draw series of ``comparisons``, each with the title of its panels, and their reference, which is black
-    and has a ``label``; a ``noisy`` series has thin lines.
+    """Draw series of ``comparisons``, with titles, and their reference in black with a ``label``.
+
+    A ``noisy`` series has thin lines.
     """
     panels, keys = [], []
     for dataset, title, series in comparisons:
@@ -146,13 +156,13 @@ def beside_reference(
     figure = _drawn(panels, comparisons[0][0] if len(comparisons) == 1 else None)
     key = max(keys, key=lambda rows: sum(map(len, rows)))
     if any(len(times) for _, _, series in comparisons for _, _, times, _ in series.values()):
-        key[0].insert(0, Line2D([], [], label=label, **_EXACT))
+        key[0].insert(0, entry(label, **_EXACT))
     legend_below(figure, key)
     return figure
 
 
 def _of_one(source: RunSeries, curves: Sequence[Curve]) -> Figure:
-    """Draw a run: one panel a series, a colour for each body or pair, a style for each axis."""
+    """Draw a run: a panel for each series, colours and styles for its curves."""
     names = list(dict.fromkeys(curve.name for curve in curves))
     looks, key = _looks(curves)
     figure, grid = _figure(len(names))
@@ -168,9 +178,7 @@ def _of_one(source: RunSeries, curves: Sequence[Curve]) -> Figure:
 
 
 def _looks(curves: Sequence[Curve]) -> tuple[dict[str, dict[str, Any]], list[Artist]]:
-    """Return colour and style by label, and the legend: a colour for each body or pair, a style for each
-    axis.
-    """
+    """Return colour and style by label, and the legend."""
     colours: dict[Any, str] = {}
     styles: dict[Any, Any] = {}
     looks = {}
@@ -182,22 +190,19 @@ def _looks(curves: Sequence[Curve]) -> tuple[dict[str, dict[str, Any]], list[Art
                 "color": colours.setdefault(first, _CYCLE[len(colours) % len(_CYCLE)]),
                 "linestyle": styles.setdefault(along, _STYLES[len(styles) % len(_STYLES)]) if along else "-",
             }
-    key: list[Artist] = [
-        Line2D([], [], color=colour, linewidth=2.5, label=name) for name, colour in colours.items()
-    ]
-    key += [Line2D([], [], color="0.3", linestyle=style, label=name) for name, style in styles.items()]
-    return looks, key
+    key = [entry(name, color=colour, linewidth=2.5) for name, colour in colours.items()]
+    return looks, key + [entry(name, color="0.3", linestyle=style) for name, style in styles.items()]
 
 
 def _legend(figure: Figure, entries: Sequence[Artist]) -> None:
-    """Add a legend with as many entries in a line as their labels leave room for."""
-    longest = max(len(str(entry.get_label())) for entry in entries)
+    """Add a legend whose lines have room for their labels."""
+    longest = max(len(str(one.get_label())) for one in entries)
     most = max(1, int(_LETTERS * figure.get_figwidth() / PANEL / (longest + 8)))
     legend_below(figure, [entries[k : k + most] for k in range(0, len(entries), most)])
 
 
 def _drawn(panels: Sequence[Panel], compared: xr.Dataset | None = None) -> Figure:
-    """Draw panels in two columns, with the head of the comparison that they are of."""
+    """Draw panels in two columns, under the comparison's head."""
     figure, grid = _figure(len(panels))
     if compared is not None:
         head(figure, compared)
@@ -249,7 +254,7 @@ def _runs(results: Any) -> list[RunSeries]:
 def _compared(
     dataset: xr.Dataset, names: str | Sequence[str], selection: Mapping[str, str | None]
 ) -> tuple[list[Panel], list[list[Artist]]]:
-    """Return a panel for each curve of a comparison, and the legend of the runs that have one of them."""
+    """Return a panel for each curve of a comparison, and its legend."""
     if not {"contact", "shape"} <= set(dataset.dims) or dataset.sizes.get("time", 0) < 2:
         kind = dataset.attrs.get("kind", "")
         raise SceneError(f"these results{f' of a {kind!r}' if kind else ''} hold no series over time to draw")
@@ -271,12 +276,8 @@ def _curves(
     names = [names] if isinstance(names, str) else names
     if not names:
         raise SceneError("no series named")
-    known = {
-        str(name): array
-        for data in reversed(series)
-        for name, array in data.data_vars.items()
-        if "time" in array.dims
-    }
+    known = {str(name): one for data in reversed(series) for name, one in data.data_vars.items()}
+    known = {name: one for name, one in known.items() if "time" in one.dims}
     arrays = {name: known[checked_name("series", name, sorted(known))] for name in names}
     for kind, label in selection.items():
         along = ("axis", "rotation") if kind == "axis" else (kind,)

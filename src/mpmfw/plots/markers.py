@@ -36,9 +36,7 @@ class Marker(NamedTuple):
 
 
 def draw_side_by_side(axes: Any, markers: Sequence[Marker]) -> None:
-    """Draw markers, the first ones nearest to their places; a thin line leads back from a shifted one, and a
-    dot marks its place. The panel's limits and layout are final.
-    """
+    """Draw markers beside each other; thin lines lead to the places of those shifted."""
     if not markers:
         return
     points = 72.0 / axes.figure.dpi
@@ -61,9 +59,7 @@ def draw_side_by_side(axes: Any, markers: Sequence[Marker]) -> None:
 
 
 def vertical_shifts(places: FloatArray, sizes: FloatArray, low: float, high: float) -> FloatArray:
-    """Least shifts (n,) that keep markers at ``places`` (n, 2), of diameters (n,) [pt], off those before them
-    and within the panel's edges ``low`` and ``high`` [pt].
-    """
+    """Return shifts (n,) that part markers at ``places`` (n, 2), of diameters (n,) [pt]."""
     shifts = np.zeros(len(places))
     for k in range(len(places)):
         taken = places[:k] + np.stack([np.zeros(k), shifts[:k]], axis=1)

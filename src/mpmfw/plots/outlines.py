@@ -6,9 +6,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from mpmfw.plots.scene import moving_bodies
 from mpmfw.plots.style import (
@@ -16,6 +14,7 @@ from mpmfw.plots.style import (
     combinations,
     drawn_reference,
     dress,
+    entry,
     head,
     journal_style,
     legend_below,
@@ -35,8 +34,7 @@ def positions(dataset: xr.Dataset, shape: str | None = None) -> Figure:
     """First outlines (dashed) and last ones, one panel for each method, all at one scale.
 
     Of a rolling cylinder, one row for each contact, the place under the body enlarged beside it. ``shape`` is
-    the shape function whose outlines are drawn; all by default, of a rolling cylinder the last one. A
-    ValueError says that no run of it stored an outline.
+    a shape function, by default each; of a cylinder the last. A ValueError says that there is no outline.
     """
     runs = [one for one in combinations(dataset) if np.isfinite(one[2]["outline"].values).any()]
     if not runs:
@@ -76,10 +74,8 @@ def positions(dataset: xr.Dataset, shape: str | None = None) -> Figure:
             _draw_closer(axes, grid[k, 1], run, colours, scale)
     for axes in panels[len(runs) :]:
         axes.remove()
-    key: list[Artist] = [
-        Line2D([], [], color=colour, linewidth=2.0, label=name) for name, colour in colours.items()
-    ]
-    legend_below(figure, [[*key, Line2D([], [], color="0.3", linestyle=_DASHED, label="start")]])
+    key = [entry(name, color=colour, linewidth=2.0) for name, colour in colours.items()]
+    legend_below(figure, [[*key, entry("start", color="0.3", linestyle=_DASHED)]])
     return figure
 
 
@@ -111,7 +107,7 @@ def _gap_text(run: xr.Dataset) -> str:
 
 
 def _draw_closer(axes: Any, near: Any, run: xr.Dataset, colours: dict[str, str], scale: float) -> None:
-    """Draw in ``near`` the place under the body that moved most, enlarged, over the cells of the grid."""
+    """Draw the place under the body that moved most, enlarged."""
     first, last = (scale * run["outline"].sel(frame=frame).values for frame in ("first", "last"))
     near.set_xticks([])
     near.set_yticks([])

@@ -1,6 +1,4 @@
-"""A run in space as a plane across it shows it: the material points that it meets, and the outlines of the
-bodies in it.
-"""
+"""A run in space on a plane across it: the material points and the outlines that it meets."""
 
 from __future__ import annotations
 
@@ -35,26 +33,10 @@ def plane_cut(
     bodies: Sequence[str] | None = None,
     limits: tuple[float, float] | None = None,
 ) -> Figure:
-    """Draw a field of a run in space on a plane across an axis.
+    """Draw a field of a run in space on a plane across the axis ``normal``, at a place on it [m].
 
-    Parameters
-    ----------
-    results, name, time, bodies, limits
-        A run, and the rest as of :func:`field`.
-    normal, at
-        Axis across the plane, and its place along it [m]; the middle of the material points by default.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Points nearer to the plane than half their size as discs of it; where surfaces are stored, their lines
-        in the plane.
-
-    Raises
-    ------
-    SceneError
-        The run is in the plane, has no such field, body, time or axis, keeps no material points, or none is
-        on the plane.
+    Points nearer to the plane than half their size are discs; stored surfaces are lines. By default the plane
+    is in the middle of the points; the rest is as of :func:`field`. A SceneError says what the run lacks.
     """
     with opened_run(results) as tree:
         own, frame = bodies_of(tree, bodies), frame_at(tree, time)
@@ -74,10 +56,8 @@ def plane_cut(
         met = np.abs(position[:, across] - place) <= 0.5 * size
         if not met.any():
             low, high = position[:, across].min(), position[:, across].max()
-            raise SceneError(
-                f"no material point is on the plane {normal} = {place:g} m; expected {low:.4g} to {high:.4g} "
-                "m"
-            )
+            text = f"no material point is on the plane {normal} = {place:g} m"
+            raise SceneError(f"{text}; expected {low:.4g} to {high:.4g} m")
         lines = [
             cut_lines(*surface, across, place)[:, :, shown]
             for body in own
@@ -99,7 +79,7 @@ def plane_cut(
 def _drawn(
     place: FloatArray, size: FloatArray, values: FloatArray, lines: Sequence[FloatArray], label: str
 ) -> tuple[Figure, Axes]:
-    """Points (n, 2) as discs of their ``size`` in colours by ``values``, and segments (k, 2, 2) as lines."""
+    """Draw points (n, 2) as coloured discs, and segments (k, 2, 2) as lines."""
     figure = Figure(figsize=(7.0, 5.0), layout="constrained")
     panel = figure.add_subplot()
     discs = EllipseCollection(
@@ -118,9 +98,7 @@ def _drawn(
 
 
 def cut_lines(nodes: FloatArray, facets: IntArray, across: int, place: float) -> FloatArray:
-    """Segments (n, 2, 3) [m] in which triangles (k, 3) of nodes (s, 3) [m] meet the plane at ``place``
-    along an axis.
-    """
+    """Return segments (n, 2, 3) [m] in which triangles (k, 3) meet a plane."""
     corners = nodes[facets]
     above = corners[:, :, across] >= place
     cut = above.any(axis=1) & ~above.all(axis=1)

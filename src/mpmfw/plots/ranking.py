@@ -7,15 +7,14 @@ import math
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
 
-from mpmfw.plots.style import Look, dress, journal_style, legend_below, new_panels
+from mpmfw.plots.style import Look, dress, entry, journal_style, legend_below, new_panels
 from mpmfw.state.fields import FloatArray
 
 
 def _ticks(end: float) -> list[float]:
-    """Return at least three costs to label on a logarithmic axis from 1 to ``end``."""
+    """Return three costs or more to label, from 1 to ``end``."""
     steps = (1.0, 2.0, 5.0) if end > 4.0 else (1.0, 1.2, 1.5, 2.0, 2.5, 3.0)
     decades = range(math.ceil(math.log10(end)) + 1) if end <= 200.0 else range(0)
     ticks = [step * 10.0**power for power in decades for step in steps]
@@ -24,14 +23,7 @@ def _ticks(end: float) -> list[float]:
 
 @journal_style()
 def profiles(ranking: xr.Dataset) -> Figure:
-    """Data profiles, a panel for each quantity that is known: share of problems and levels over the cost.
-
-    Parameters
-    ----------
-    ranking
-        Of :func:`mpmfw.studies.ranking.rank`. The cost is that over the cheapest method's, of each problem
-        and level.
-    """
+    """Draw data profiles of a ranking, a panel for each quantity: share of problems over the cost."""
     quantities = [
         name
         for name in ranking["quantity"].values.tolist()
@@ -60,16 +52,13 @@ def profiles(ranking: xr.Dataset) -> Figure:
         title = quantity if unit == "%" else f"{quantity}, levels in {unit}"
         dress(axes, "CPU time over the cheapest method's", ylabel, title)
     order = sorted(methods, key=lambda name: -len(profile(ranking, quantities[0], name)[0]))
-    key = [Line2D([], [], color=look.colours[name], linewidth=2.5, label=name) for name in order]
+    key = [entry(name, color=look.colours[name], linewidth=2.5) for name in order]
     legend_below(figure, [key])
     return figure
 
 
 def profile(ranking: xr.Dataset, quantity: str, method: str) -> tuple[FloatArray, FloatArray]:
-    """Data profile: costs over the best, rising (n,), and the share of problems and levels solved within each
-    (n,).
-
-    The share is that of the problems that the method ran.
+    """Return costs over the best, rising (n,), and the share of problems that a method solves within each.
 
     Source: E. D. Dolan, J. J. Moré (2002), Benchmarking optimization software with performance profiles,
     *Mathematical Programming* 91, 201-213.

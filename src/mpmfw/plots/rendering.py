@@ -1,6 +1,4 @@
-"""A picture of a run in space: surfaces in the colours of a field, rendered by pyvista (the extra
-``mpmfw[render]``).
-"""
+"""A picture of a run in space, rendered by pyvista (the extra ``mpmfw[render]``)."""
 
 from __future__ import annotations
 
@@ -39,24 +37,9 @@ def rendered(
 ) -> Figure:
     """Render the bodies of a run in space, their surfaces in the colours of a field.
 
-    Parameters
-    ----------
-    results, name, time, bodies
-        A run, and the rest as of :func:`field`.
-    towards
-        Direction in which one looks; the z axis points up.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Where surfaces are stored each node of them has the value of the nearest material point of its body; a
-        body without is drawn as spheres of its points' volume.
-
-    Raises
-    ------
-    SceneError
-        pyvista is not installed, the run is in the plane, has no such field, body or time, or keeps no
-        material points.
+    A surface node has the value of the nearest point of its body; a body without surface is drawn as spheres.
+    ``towards`` is the direction of the view, with the z axis up; the rest is as of :func:`field`. A
+    SceneError says that pyvista is missing, or what the run lacks.
     """
     vista = mesh_library("rendered", "; plane_cut draws without it")
     with opened_run(results) as tree:
@@ -76,10 +59,8 @@ def rendered(
     plotter.set_background("white")
     for body in own:
         mesh, colours = _mesh(vista, points[body], fields[body].values / divisor, surfaces[body])
-        limits = (scale.vmin, scale.vmax)
-        plotter.add_mesh(
-            mesh, scalars=colours, clim=limits, cmap="viridis", show_scalar_bar=False, ambient=0.4
-        )
+        look = {"clim": (scale.vmin, scale.vmax), "cmap": "viridis", "ambient": 0.4}
+        plotter.add_mesh(mesh, scalars=colours, show_scalar_bar=False, **look)
     plotter.view_vector([-x for x in towards], viewup=(0.0, 0.0, 1.0))
     picture = plotter.screenshot(None, return_img=True)
     plotter.close()
@@ -89,15 +70,14 @@ def rendered(
 def _mesh(
     vista: Any, points: xr.Dataset, values: FloatArray, surface: tuple[FloatArray, IntArray] | None
 ) -> tuple[Any, AnyArray]:
-    """A body as pyvista draws it, and the value at each of its vertices."""
+    """Return a body's mesh, and the value at each vertex."""
     position = np.asarray(points["position"].values, dtype=float)
     if surface is None:
         radius = np.cbrt(0.75 / np.pi * np.asarray(points["volume"].values, dtype=float))
         cloud = vista.PolyData(position)
         cloud["radius"], cloud["value"] = radius, values
-        balls = cloud.glyph(
-            scale="radius", geom=vista.Sphere(radius=1.0, theta_resolution=12, phi_resolution=12)
-        )
+        ball = vista.Sphere(radius=1.0, theta_resolution=12, phi_resolution=12)
+        balls = cloud.glyph(scale="radius", geom=ball)
         return balls, np.asarray(balls["value"])
     nodes, facets = surface
     triangles = np.column_stack([np.full(len(facets), 3), facets]).ravel()
@@ -105,14 +85,13 @@ def _mesh(
 
 
 def _framed(picture: Any, scale: Normalize, label: str, title: str) -> Figure:
-    """The picture without its white rim, with a scale beside it."""
+    """Return the picture without its white rim, with a scale beside it."""
     drawn = (picture < 250).any(axis=2)
     rows, columns = np.flatnonzero(drawn.any(axis=1)), np.flatnonzero(drawn.any(axis=0))
     if len(rows):
         picture = picture[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
-    figure = Figure(
-        figsize=(PANEL, PANEL * picture.shape[0] / picture.shape[1] * 0.85 + 0.2), layout="constrained"
-    )
+    height = PANEL * picture.shape[0] / picture.shape[1] * 0.85 + 0.2
+    figure = Figure(figsize=(PANEL, height), layout="constrained")
     panel = figure.add_subplot()
     panel.imshow(picture)
     panel.set_axis_off()

@@ -23,7 +23,7 @@ LARGEST_GAP = 3.0
 
 
 def moving_bodies(dataset: xr.Dataset) -> list[str]:
-    """Return the bodies that do not stand still in every run, those that move furthest first."""
+    """Return the bodies that move, the farthest first."""
     centre = dataset["centre_of_mass"]
     away = centre - centre.isel(time=0)
     far = _largest(_size(away, away), "body")
@@ -37,23 +37,21 @@ def touching_pairs(dataset: xr.Dataset) -> list[str]:
 
 
 def _largest(array: xr.DataArray, dim: str) -> xr.DataArray:
-    """Return the largest finite magnitude for each label of a dimension, the largest first."""
+    """Return the largest magnitude for each label, the largest first."""
     size = abs(array).where(np.isfinite(array))
     size = size.max([one for one in size.dims if one != dim]).fillna(0.0)
     return size.isel({dim: np.argsort(-size.values, kind="stable")})
 
 
 def near_pairs(dataset: xr.Dataset) -> list[str]:
-    """Return the pairs that come within so many cells in any run, or all where their size is not known."""
+    """Return the pairs that come within so many cells."""
     h, gap = cell_size(at_last(dataset)), at_last(dataset)["min_gap"]
     near = (gap < (LARGEST_GAP * h if h > 0.0 else np.inf)).any([dim for dim in gap.dims if dim != "pair"])
     return [str(name) for name in dataset["pair"].values[near.values]]
 
 
 def body_motion(dataset: xr.Dataset) -> Figure:
-    """Displacement of the centre of mass along every axis and, where there is one, the spin of each body
-    that moves.
-    """
+    """Draw displacement and spin of each body that moves."""
     centre = dataset["centre_of_mass"]
     displacement = (centre - centre.isel(time=0)).assign_attrs(units="m")
     shown = dataset.assign(displacement=displacement).sel(body=moving_bodies(dataset)[:MOST])
@@ -61,7 +59,7 @@ def body_motion(dataset: xr.Dataset) -> Figure:
 
 
 def pair_forces(dataset: xr.Dataset) -> Figure:
-    """Size of the normal and the tangential force of every pair that touches."""
+    """Draw the normal and the tangential force of every pair that touches."""
     shown = dataset.sel(pair=touching_pairs(dataset)[:MOST])
     force = shown["contact_force"]
     if "friction_force" not in dataset:
@@ -72,9 +70,7 @@ def pair_forces(dataset: xr.Dataset) -> Figure:
 
 
 def gap_history(dataset: xr.Dataset) -> Figure:
-    """Least distance between the surfaces of every pair of a comparison that comes near, in cells where their
-    size is known; negative where they penetrate.
-    """
+    """Draw the gap of every pair that comes near."""
     h = cell_size(at_last(dataset))
     known = h > 0.0
     shown = dataset.sel(pair=near_pairs(dataset)[:MOST] or dataset["pair"].values[:1])

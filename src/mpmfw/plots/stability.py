@@ -23,23 +23,15 @@ def stability_figures(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
     """The one figure of a map: ``{name: (figure, caption)}``."""
     caption = (
         f"Runs of {dataset.attrs['steps_asked']} steps: {dataset.attrs['bounds']}. Line: closed form of two "
-        "bodies in "
-        "line. Circles: Gershgorin's bound, the least limit that the run at the smallest step met. Dashes: "
-        "the shape "
-        "function's own Courant number, past which a step is refused whatever the springs."
+        "bodies in line. Circles: Gershgorin's bound, the least limit that the run at the smallest step met. "
+        "Dashes: the shape function's own Courant number, past which a step is refused whatever the springs."
     )
     return {"stability": (stability_chart(dataset), caption)}
 
 
 @journal_style()
 def stability_chart(dataset: xr.Dataset) -> Figure:
-    """Classes over stiffness and Courant number, both logarithmic.
-
-    Parameters
-    ----------
-    dataset
-        Of :func:`mpmfw.stability.stability_map`.
-    """
+    """Draw the classes of a map over stiffness and Courant number, both logarithmic."""
     axis = str(dataset["class"].dims[0])
     names = dataset.attrs["classes"].split(", ")
     x, y = (np.sort(dataset[name].values.astype(float)) for name in (axis, "cfl"))
@@ -71,19 +63,14 @@ def stability_chart(dataset: xr.Dataset) -> Figure:
 
 
 def _edges(values: FloatArray) -> FloatArray:
-    """Borders of cells round points, halfway between them in the logarithm."""
+    """Return borders halfway between points in the logarithm."""
     logs = np.log(values)
-    middle = 0.5 * (logs[1:] + logs[:-1])
-    first, last = (
-        (logs - 0.35, logs + 0.35)
-        if len(logs) == 1
-        else (2 * logs[:1] - middle[:1], 2 * logs[-1:] - middle[-1:])
-    )
-    return np.asarray(np.exp(np.concatenate([first, middle, last])))
+    half = 0.5 * np.diff(logs) if len(logs) > 1 else np.array([0.35])
+    return np.asarray(np.exp([logs[0] - half[0], *(logs[:-1] + half[: len(logs) - 1]), logs[-1] + half[-1]]))
 
 
 def _draw_limits(axes: Any, dataset: xr.Dataset, axis: str) -> None:
-    """The closed form as a line, the limits of the runs as a marker for each stiffness."""
+    """Draw the closed form as a line, limits of runs as markers."""
     x = dataset[axis].values.astype(float)
     axes.plot(x, dataset["closed_form"].values, color="white", linewidth=2.8)
     axes.plot(x, dataset["closed_form"].values, color="black", linewidth=1.2, label="closed form")
@@ -95,7 +82,7 @@ def _draw_limits(axes: Any, dataset: xr.Dataset, axis: str) -> None:
 
 
 def _ticks(axis: Any, values: FloatArray) -> None:
-    """The points themselves, as plain numbers; every other one where they are many."""
+    """Label the points, or every other one of many."""
     every = 1 + (len(values) - 1) // 10
     axis.set_major_locator(FixedLocator(list(values[::every])))
     axis.set_minor_locator(NullLocator())

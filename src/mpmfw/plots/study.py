@@ -8,13 +8,12 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from mpmfw.plots.costs import stages
 from mpmfw.plots.markers import Marker, draw_side_by_side
 from mpmfw.plots.study_grid import label_of, order_of, problems_of, resolution_of, runs_of, with_methods
-from mpmfw.plots.style import Look, dress, journal_style, legend_below, new_panels
+from mpmfw.plots.style import Look, dress, entry, journal_style, legend_below, new_panels
 
 #: Marker sizes [pt] of the coarsest and the finest resolution.
 _SIZES = (5.5, 3.5)
@@ -23,17 +22,15 @@ _LIMIT: dict[str, Any] = {"color": "0.55", "linewidth": 0.6, "linestyle": (0, (4
 
 
 def study_figures(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
-    """Figures of a study: ``{name: (figure, caption)}``; none where no error or no cost is known."""
+    """Return the figures of a study, ``{name: (figure, caption)}``."""
     figures: dict[str, tuple[Figure, str]] = {}
     timing = dataset.attrs.get("timing", "")
     if (np.isfinite(dataset["error"]) & (dataset["error"] > 0) & np.isfinite(dataset["cpu_time"])).any():
         figures["front"] = (
             front(dataset),
             "Error over CPU time; bars are the range of the repeats. The line joins the runs that no other "
-            "one beats "
-            "in both, and these are filled. Markers that would cover each other are moved up or down; a dot "
-            "is their place. "
-            f"Timing: {timing}.{_failed(dataset)}",
+            "one beats in both, which are filled. Markers that would cover each other are moved up or down; "
+            f"a dot is their place. Timing: {timing}.{_failed(dataset)}",
         )
     if np.isfinite(dataset["stage_time"]).any():
         figures["stages"] = (stages(dataset), f"CPU time by stage of the step. Timing: {timing}.")
@@ -42,10 +39,9 @@ def study_figures(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
 
 @journal_style()
 def front(dataset: xr.Dataset) -> Figure:
-    """Error over CPU time of ``mpmfw.study`` on logarithmic axes, one panel a problem, with the Pareto front.
+    """Draw error over CPU time of a study, one panel a problem, with the Pareto front.
 
-    Colour says the contact, marker the shape function, size the resolution; what is on the front is filled.
-    Markers that would cover each other are moved up or down, a dot is where they belong.
+    Colour says the contact, marker the shape function, size the resolution.
     """
     named = with_methods(dataset)
     problems = list(problems_of(named))
@@ -82,10 +78,7 @@ def _size(dataset: xr.Dataset, resolution: str | None, row: dict[str, Any]) -> f
 
 
 def _title(title: str, problem: xr.Dataset) -> str:
-    """The title, and how many runs of the problem have no marker because they failed or were refused.
-
-    A run without an error whose status is ok did not fail: the reference has none.
-    """
+    """Return the title, and how many runs of the problem failed."""
     without = sum(
         not np.isfinite(row["run"]["error"]) and str(row["run"]["status"].item()) != "ok"
         for row in runs_of(problem)
@@ -94,7 +87,7 @@ def _title(title: str, problem: xr.Dataset) -> str:
 
 
 def _failed(dataset: xr.Dataset) -> str:
-    """Return a sentence that names the runs that failed or were refused; empty if none did."""
+    """Return a sentence on runs that failed or were refused."""
     named = with_methods(dataset)
     failed = [
         ", ".join(str(row[dim]) for dim in row["dims"])
@@ -105,7 +98,7 @@ def _failed(dataset: xr.Dataset) -> str:
 
 
 def _can_be_drawn(run: xr.Dataset) -> bool:
-    """Return whether a logarithmic axis can show the error and the cost of a run."""
+    """Return True if a logarithmic axis can show a run."""
     return bool(np.isfinite(run["error"]) and run["error"] > 0.0 and np.isfinite(run["cpu_time"]))
 
 
@@ -150,7 +143,7 @@ def _draw_front(axes: Any, problem: xr.Dataset) -> None:
 
 
 def _plain_ticks(axes: Any) -> None:
-    """Numbers as they are written in words where the axis spans a few decades."""
+    """Write numbers in full where the axis spans a few decades."""
     for axis, limits in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
         decades = np.log10(limits[1] / limits[0])
         axis.set_major_locator(LogLocator(subs=(1.0,) if decades > 2.5 else (1.0, 2.0, 5.0)))
@@ -161,27 +154,16 @@ def _plain_ticks(axes: Any) -> None:
 def _key(dataset: xr.Dataset, look: Look, resolution: str | None) -> list[list[Artist]]:
     """Rows of the legend: colours, markers, sizes, and the front."""
     colours, _ = look.key()
-    markers: list[Artist] = [
-        Line2D([], [], color="0.3", linestyle="", marker=marker, markersize=5, label=name)
-        for name, (_, marker) in look.styles.items()
-    ]
-    limit = 100.0 * float(dataset.attrs["under"])
+    grey: dict[str, Any] = {"color": "0.3", "linestyle": "", "markersize": 5}
+    markers = [entry(name, marker=marker, **grey) for name, (_, marker) in look.styles.items()]
     filled: dict[str, Any] = {"markerfacecolor": "0.6", "markeredgecolor": "black", "markersize": 4}
-    lines: list[Artist] = [
-        Line2D([], [], color="0.25", linewidth=0.9, marker="o", label="front", **filled),
-        Line2D([], [], label=f"{limit:g} %", **_LIMIT),
+    lines = [
+        entry("front", color="0.25", linewidth=0.9, marker="o", **filled),
+        entry(f"{100.0 * float(dataset.attrs['under']):g} %", **_LIMIT),
     ]
-    if resolution is None:
-        return [colours, markers, lines]
-    grey: dict[str, Any] = {"color": "0.3", "linestyle": "", "marker": "o"}
-    sizes: list[Artist] = [
-        Line2D(
-            [],
-            [],
-            label=label_of(resolution, label),
-            markersize=_size(dataset, resolution, {resolution: label}),
-            **grey,
-        )
-        for label in order_of(dataset, resolution)
-    ]
+    sizes = []
+    for label in order_of(dataset, resolution) if resolution is not None else ():
+        assert resolution is not None
+        size = _size(dataset, resolution, {resolution: label})
+        sizes.append(entry(label_of(resolution, label), marker="o", **grey | {"markersize": size}))
     return [colours, markers, [*sizes, *lines]] if len(sizes) <= 2 else [colours, markers, sizes, lines]

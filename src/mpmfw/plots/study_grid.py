@@ -17,7 +17,7 @@ _RESOLUTIONS = ("cell_size", "particle_size", "particles_per_cell", "size", "seg
 
 
 def with_methods(dataset: xr.Dataset) -> xr.Dataset:
-    """Return the study with contact and shape as dimensions, even where there is one of each or none."""
+    """Return the study with dimensions of contact and shape."""
     for name in ("contact", "shape"):
         if name not in dataset.dims:
             label = dataset[name].item() if name in dataset.coords else "the scene's"
@@ -26,7 +26,7 @@ def with_methods(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def problems_of(dataset: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
-    """Yield the parts of a study whose errors and costs may be compared, by their title."""
+    """Yield the parts of a study that can be compared, by title."""
     for labels, problem in points_of(dataset, json.loads(dataset.attrs["problem_dims"])):
         yield ", ".join(str(v) if dim == "scene" else f"{dim} {v}" for dim, v in labels.items()), problem
 
@@ -38,7 +38,7 @@ def runs_of(dataset: xr.Dataset) -> Iterator[dict[str, Any]]:
 
 
 def resolution_of(dataset: xr.Dataset) -> str | None:
-    """Return the dimension that the size of markers shows; None where none has several values."""
+    """Return the dimension that the size of markers shows, if any."""
     problem_dims = json.loads(dataset.attrs["problem_dims"])
     dims = [
         str(dim)
@@ -50,7 +50,7 @@ def resolution_of(dataset: xr.Dataset) -> str | None:
 
 
 def order_of(dataset: xr.Dataset, resolution: str) -> list[Any]:
-    """Return the labels of the resolution, the coarsest first where they are numbers."""
+    """Return the labels of the resolution, the coarsest first."""
     labels = dataset[resolution].values.tolist()
     if all(isinstance(label, int | float) for label in labels):
         return sorted(labels, reverse=resolution != "particles_per_cell")
@@ -58,6 +58,6 @@ def order_of(dataset: xr.Dataset, resolution: str) -> list[Any]:
 
 
 def label_of(resolution: str, label: Any) -> str:
-    """Return a label such as ``cell size 0.2 m``; a text has its unit already."""
+    """Return a label such as ``cell size 0.2 m``."""
     unit = " m" if resolution in _LENGTHS and not isinstance(label, str) else ""
     return f"{resolution.replace('_', ' ')} {label}{unit}"

@@ -51,22 +51,20 @@ _SPARE_STYLES: tuple[tuple[Any, str], ...] = (((0, (8, 2)), "P"), ((0, (1, 3)), 
 
 
 def installed(kind: Kind) -> list[str]:
-    """Names of the methods of a kind: those that come with mpmfw, then others, each in the order of the
-    alphabet.
-    """
+    """Return the methods of a kind: mpmfw's own, then others."""
     found = available(kind)
     return sorted(found, key=lambda name: (distribution_of(found[name]) != "mpmfw", name))
 
 
 @contextmanager
 def journal_style() -> Iterator[None]:
-    """Draw with the style sheet ``mpmfw.plots.journal``: a context, or a decorator of what draws a figure."""
+    """Context, or decorator, of the style sheet ``mpmfw.plots.journal``."""
     with rc_context(fname=Path(__file__).with_name("journal.mplstyle")):
         yield
 
 
 class _Figure(Figure):
-    """Draws itself with the style sheet too, since matplotlib asks for some settings only then (ticks)."""
+    """Figure that is drawn with the style sheet: matplotlib reads some settings late."""
 
     @journal_style()
     def draw(self, renderer: RendererBase) -> None:
@@ -76,17 +74,14 @@ class _Figure(Figure):
 
 @journal_style()
 def new_figure(columns: int, rows: int, height: float = 58.0) -> Figure:
-    """Return an empty figure for ``columns`` × ``rows`` panels of ``height`` [mm], as wide as a journal's
-    column if it is one panel wide, else as its page."""
+    """Return a figure for ``columns`` × ``rows`` panels of ``height`` [mm]."""
     figure = _Figure(figsize=(PANEL if columns == 1 else PAGE, rows * height / 25.4 + LEGEND))
     FigureCanvasAgg(figure)
     return figure
 
 
 def new_panels(count: int, height: float, most: int = 2, **options: Any) -> tuple[Figure, list[Any]]:
-    """Return a figure of ``count`` panels of ``height`` [mm], at most ``most`` in a row, and the panels.
-
-    ``options`` are those of ``Figure.subplots``."""
+    """Return a figure of ``count`` panels of ``height`` [mm], at most ``most`` in a row."""
     columns = min(most, count)
     rows = -(-count // columns)
     figure = new_figure(columns, rows, height)
@@ -97,11 +92,7 @@ def new_panels(count: int, height: float, most: int = 2, **options: Any) -> tupl
 
 
 def dress(axes: Any, xlabel: str, ylabel: str, title: str = "") -> None:
-    """Label one panel, in type that is legible at column width; a title has a method's options on a line of
-    their own.
-
-    Where there are several panels, each has a letter, unless its title begins with one.
-    """
+    """Label one panel; of several each has a letter, unless its title begins with one."""
     axes.set_xlabel(xlabel)
     axes.set_ylabel(ylabel)
     axes.grid(visible=True)
@@ -113,8 +104,7 @@ def dress(axes: Any, xlabel: str, ylabel: str, title: str = "") -> None:
 
 
 def on_lines(text: str, width: int = 30) -> str:
-    """``text`` with each method's options on lines of their own, of at most ``width`` letters: a panel of
-    three in a row has room for 30."""
+    """Return a text whose options have lines of at most ``width`` letters."""
     return re.sub(r"(?<=\w)\((?=\w+=)[^)]*\)", lambda options: "\n" + textwrap.fill(options[0], width), text)
 
 
@@ -131,7 +121,7 @@ class Look:
         self.styles = {name: styles.get(name) or next(spare_styles) for name in self.shapes}
 
     def line(self, contact: str, shape: str, points: int, turn: int) -> dict[str, Any]:
-        """Keywords of ``Axes.plot``; ``turn`` shifts the markers of coinciding curves apart."""
+        """Return keywords of ``Axes.plot``; ``turn`` shifts the markers."""
         style, marker = self.styles[shape]
         every = max(1, points // 8)
         return {
@@ -146,43 +136,44 @@ class Look:
     def key(
         self, contacts: Iterable[str] | None = None, shapes: Iterable[str] | None = None
     ) -> list[list[Artist]]:
-        """Rows of the legend: colours of the contacts, styles of the shapes; all, or those that are drawn."""
-        drawn = set(self.contacts if contacts is None else contacts) | set(
-            self.shapes if shapes is None else shapes
-        )
-        colours: list[Artist] = [
-            Line2D([], [], color=colour, linewidth=2.5, label=name)
+        """Return rows of the legend: colours of contacts, styles of shapes."""
+        colours = [
+            entry(name, color=colour, linewidth=2.5)
             for name, colour in self.colours.items()
-            if name in drawn
+            if contacts is None or name in contacts
         ]
-        styles: list[Artist] = [
-            Line2D(
-                [], [], color="0.3", linestyle=style, marker=marker, markersize=3, linewidth=1.1, label=name
-            )
+        look: dict[str, Any] = {"color": "0.3", "markersize": 3, "linewidth": 1.1}
+        styles = [
+            entry(name, linestyle=style, marker=marker, **look)
             for name, (style, marker) in self.styles.items()
-            if name in drawn
+            if shapes is None or name in shapes
         ]
         return [colours, styles]
 
 
+def entry(label: str, **look: Any) -> Artist:
+    """Return a line of a legend."""
+    return Line2D([], [], label=label, **look)
+
+
 def varied_dims(dataset: xr.Dataset) -> list[str]:
-    """Dimensions of a comparison that are varied keys; none of a run."""
+    """Return the dimensions of a comparison that are varied keys."""
     dims = dataset["status"].dims if "status" in dataset else ()
     return [str(dim) for dim in dims if dim not in ("contact", "shape")]
 
 
 def at_last(dataset: xr.Dataset) -> xr.Dataset:
-    """The comparison at the last value of each varied key, which is what figures draw."""
+    """Return a comparison at the last value of each varied key."""
     return dataset.isel(dict.fromkeys(varied_dims(dataset), -1))
 
 
 def drawn_reference(dataset: xr.Dataset) -> Reference | None:
-    """The reference of what figures draw of a comparison."""
+    """Return the reference of a comparison's figures."""
     return reference_of(own_attributes(at_last(dataset)))
 
 
 def drawn_values(dataset: xr.Dataset) -> str:
-    """``cell_size = 0.8 (last of 0.4, 0.8)`` for each varied key; empty if nothing is varied."""
+    """Return ``cell_size = 0.8 (last of 0.4, 0.8)`` for each varied key."""
     return "; ".join(
         f"{dim} = {values[-1]} (last of {', '.join(map(str, values))})"
         for dim in varied_dims(dataset)
@@ -198,7 +189,7 @@ def head(figure: Figure, dataset: xr.Dataset) -> None:
 
 
 def combinations(dataset: xr.Dataset) -> Iterator[tuple[str, str, xr.Dataset]]:
-    """Yield (contact, shape, results) of a comparison, at the last value of each varied key."""
+    """Yield (contact, shape, results) of a comparison."""
     for labels, run in points_of(at_last(dataset), ("contact", "shape")):
         yield str(labels["contact"]), str(labels["shape"]), run
 
@@ -206,22 +197,20 @@ def combinations(dataset: xr.Dataset) -> Iterator[tuple[str, str, xr.Dataset]]:
 def legend_below(
     figure: Figure, rows: Sequence[Sequence[Artist]], most: int | None = None, **look: float
 ) -> None:
-    """Put the legend below the panels; each row of entries begins a new line of it. In a figure of one column
-    a method's options have lines of their own.
+    """Put the legend below the panels; each row of entries begins a new line.
 
-    The figure grows by what a legend of many lines takes, so that the panels keep their size. It has at most
-    ``most`` columns, by default four a panel; fewer where they do not fit the figure's width.
+    The figure grows by the lines. The legend has at most ``most`` columns, by default four a panel.
     """
     if figure.get_figwidth() <= PANEL:
-        for entry in itertools.chain(*rows):
-            entry.set_label(on_lines(str(entry.get_label())))
+        for one in itertools.chain(*rows):
+            one.set_label(on_lines(str(one.get_label())))
     longest = max(map(len, rows))
     columns = min(longest, most or 4 * round(figure.get_figwidth() / PANEL))
     for count in range(columns, 0, -1):
         lines = [row[k : k + count] for row in rows for k in range(0, len(row), count)]
-        blank = Line2D([], [], linestyle="", label="")
+        blank = entry("", linestyle="")
         filled = [[*line, *[blank] * (count - len(line))] for line in lines]
-        labels = [_equally_high([str(entry.get_label()) for entry in line]) for line in filled]
+        labels = [_equally_high([str(one.get_label()) for one in line]) for line in filled]
         legend = figure.legend(
             list(itertools.chain(*zip(*filled, strict=True))),  # matplotlib fills columns
             list(itertools.chain(*zip(*labels, strict=True))),
@@ -237,7 +226,7 @@ def legend_below(
 
 
 def _equally_high(labels: list[str]) -> list[str]:
-    """Labels of one line of a legend with as many lines of text each, so that its columns stay level."""
+    """Return labels with as many lines of text each."""
     most = max(label.count("\n") for label in labels)
     lacking = [most - label.count("\n") for label in labels]
     return ["\n" * (k // 2) + label + "\n" * (k - k // 2) for label, k in zip(labels, lacking, strict=True)]

@@ -13,7 +13,7 @@ _WITH_LARGE, _WITH_SMALL = ("Pa", "N", "J", "W"), ("N", "J", "W", "m")
 
 
 def readable(unit: str) -> str:
-    """A CF unit with a fraction: ``kg m s-1 m-1`` becomes ``kg m/(s m)``; empty for ``1``."""
+    """Return a CF unit as a fraction: ``kg m s-1 m-1`` as ``kg m/(s m)``."""
     over: list[str] = []
     under: list[str] = []
     for part in unit.split():
@@ -27,9 +27,7 @@ def readable(unit: str) -> str:
 
 
 def with_prefix(unit: str, largest: float) -> tuple[float, str]:
-    """The size of one shown unit, and its name: pascals as kPa, MPa or GPa where they are that many,
-    metres as mm.
-    """
+    """Return the size of a shown unit, and its name, such as kPa or mm."""
     first = unit.partition(" ")[0]
     prefixes: tuple[tuple[float, str], ...] = _LARGE if first in _WITH_LARGE and largest >= 1.0 else ()
     if first in _WITH_SMALL and (first != "m" or unit == "m") and 0.0 < largest < 0.1:
@@ -41,9 +39,7 @@ def with_prefix(unit: str, largest: float) -> tuple[float, str]:
 
 
 def scaled_label(axis: Any, words: str, unit: str) -> str:
-    """``words [unit]`` for ``axes.yaxis`` of a panel with curves, whose ticks are then counted in an
-    engineer's unit; drawn data stay as they are.
-    """
+    """Return ``words [unit]`` of an axis whose ticks it counts in that unit."""
     curves = [np.abs(np.asarray(line.get_ydata(), float)) for line in axis.axes.get_lines()]
     largest = max((np.nanmax(curve) for curve in curves if np.isfinite(curve).any()), default=0.0)
     size, shown = with_prefix(unit, float(largest))
@@ -63,10 +59,10 @@ def in_brackets(label: str, unit: str) -> str:
 
 
 def time_scale(last: float) -> tuple[float, str]:
-    """Factor and unit in which times up to ``last`` [s] are shown: s, or ms below a tenth of a second."""
+    """Return the factor and the unit of times up to ``last`` [s]."""
     return (1.0, "s") if last >= 0.1 else (1e3, "ms")
 
 
 def length_scale(extent: float) -> tuple[float, str]:
-    """Factor and unit in which a drawing of this extent [m] is measured: m, or mm below half a metre."""
+    """Return the factor and the unit of a drawing of this extent [m]."""
     return (1.0, "m") if extent >= 0.5 else (1e3, "mm")

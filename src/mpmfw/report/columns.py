@@ -108,7 +108,7 @@ COSTS = ("cpu_time", "cpu_time_spread", "settle_time", "cost", "steps", "materia
 
 
 def column_of(name: str, long_name: str = "") -> Column:
-    """The column of a measure; one that a campaign read off the runs has its error in per cent."""
+    """Return the column of a measure."""
     if name in COLUMNS:
         return COLUMNS[name]
     words = name.replace("_", " ")

@@ -29,25 +29,19 @@ class Difference:
 
     @property
     def spread(self) -> float:
-        """Largest less least value, over the scale; 0 where fewer than two are known."""
+        """Largest less least value, over the scale."""
         known = self.values[np.isfinite(self.values)]
         return float(np.ptp(known) / self.scale) if len(known) > 1 and self.scale > 0.0 else 0.0
 
 
 def differences(dataset: xr.Dataset) -> list[Difference]:
-    """Quantities of a comparison by how far its methods differ in them, the largest difference first; of
-    varied keys the last value counts.
-    """
+    """Return quantities by how far methods differ in them, at last values."""
     last = at_last(without_round_off(dataset))
     return sorted(_quantities(last), key=lambda one: -one.spread)
 
 
 def refinement(dataset: xr.Dataset) -> dict[tuple[str, str], tuple[str, float]]:
-    """By how much the finest cells changed each method: the quantity that changed most, and its change over
-    its scale.
-
-    Empty where cells of one size alone were run.
-    """
+    """Return the quantity that changed most at the finest cells, and its change over its scale, by method."""
     if dataset.sizes.get("cell_size", 0) < 2:
         return {}
     by_size = dataset.sortby("cell_size", ascending=False)
@@ -108,7 +102,7 @@ def _each(
 
 
 def _energies(runs: xr.Dataset, unit: str) -> Iterator[Difference]:
-    """Yield energy of each kind at the end, of the largest mechanical energy at any time."""
+    """Yield energy of each kind at the end, over the largest at any time."""
     sums = energy_sums(runs)
     scale = _largest(sums["kinetic_energy"] + sums["strain_energy"])
     for name, energy in sums.items():

@@ -26,9 +26,7 @@ _MOST_DIFFERENCES, _LEAST_SPREAD = 15, 1e-3
 
 
 def write_report(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
-    """Write a comparison of ``compare`` as one HTML page that needs no network; every text in it is escaped.
-    An MpmfwError says that the file cannot be written.
-    """
+    """Write a comparison as one HTML page that needs no network."""
     attributes, rows = dataset.attrs, table(dataset)
     names = list(dict.fromkeys(name for row in rows for name in row))
     columns = [name for name in names if name.endswith("_error") and name not in COLUMNS]
@@ -66,7 +64,7 @@ def write_report(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
 
 
 def _svg(figure: Figure) -> Markup:
-    """Draw a figure as inline SVG; text stays text, ids do not depend on the time."""
+    """Draw a figure as inline SVG, the same at any time."""
     buffer = io.StringIO()
     with journal_style():
         figure.savefig(buffer, format="svg", metadata={"Date": None})

@@ -18,7 +18,7 @@ from mpmfw.state.fields import FloatArray
 
 
 def method_dims(dataset: xr.Dataset) -> list[Hashable]:
-    """Return the dimensions of the methods: contact, shape and what was varied."""
+    """Return the dimensions of the methods."""
     return list(dataset["status"].dims)
 
 
@@ -54,14 +54,14 @@ def table(dataset: xr.Dataset) -> list[dict[str, Any]]:
 
 
 def measured(dataset: xr.Dataset) -> list[str]:
-    """Relative errors that the campaign itself found, by name."""
+    """Return the names of relative errors that the campaign found."""
     dims = set(method_dims(dataset))
     names = (str(name) for name in dataset.data_vars if str(name).endswith("_error"))
     return [name for name in names if set(dataset[name].dims) == dims]
 
 
 def rolling_measures(run: xr.Dataset, reference: RollingReference) -> dict[str, float]:
-    """Errors [%] of one run's series against the rigid rolling cylinder."""
+    """Return errors [%] against the rigid rolling cylinder."""
     if "centre_of_mass" not in run:
         return dict.fromkeys(("displacement_error", "acceleration_error", "spin_error"), float("nan"))
     solution = reference.solution
@@ -83,7 +83,7 @@ def rolling_measures(run: xr.Dataset, reference: RollingReference) -> dict[str, 
 
 
 def gap_measures(gap: FloatArray) -> dict[str, float]:
-    """Gap at the end, mean and largest penetration of a series of gaps; NaN where none is known."""
+    """Return the gap at the end, mean and largest penetration."""
     known = gap[np.isfinite(gap)]
     if len(known) == 0:
         return dict.fromkeys(("gap", "penetration", "largest_penetration"), float("nan"))
@@ -96,7 +96,7 @@ def gap_measures(gap: FloatArray) -> dict[str, float]:
 
 
 def rings_measures(run: xr.Dataset, reference: RingsReference) -> dict[str, float]:
-    """Errors of one run's series against the finite-element rings; NaN for what it did not reach."""
+    """Return errors against the finite-element rings."""
     kept = analysis.energy_kept(run)
     known = kept[np.isfinite(kept)]
     least, most = (known.min(), known.max()) if len(known) else (np.nan, np.nan)
@@ -113,7 +113,7 @@ def rings_measures(run: xr.Dataset, reference: RingsReference) -> dict[str, floa
 
 
 def _reached(run: xr.Dataset) -> float:
-    """Time [s] of the last output that a run has."""
+    """Return the time [s] of the last output with values."""
     known = [
         run["time"].values[
             np.isfinite(run[name].transpose("time", ...).values.reshape(run.sizes["time"], -1)).all(axis=1)
@@ -147,7 +147,7 @@ def _force_measures(run: xr.Dataset) -> dict[str, float]:
 
 
 def moved(run: xr.Dataset, body: str) -> FloatArray:
-    """Displacement of a body's centre of mass along x since the first output [m]; shape (time,)."""
+    """Return the displacement of a body along x [m], (time,)."""
     position = run["centre_of_mass"].sel(body=body, axis="x").values
     return np.asarray(position - position[0])
 

@@ -75,19 +75,17 @@ def stability_map(
     steps
         Steps of every run.
     **request
-        ``output``: NetCDF file to write; it replaces nothing but another map. Points are kept in the folder
-        ``<output>.runs``, from which another start goes on. ``set``: values by dotted key, but for those that
-        the map sets itself. Others are those of :class:`mpmfw.campaigns.execution.Execution`.
+        ``output``: NetCDF file to write, beside the folder ``<output>.runs``. ``set``: values by dotted key.
+        Others are those of :class:`mpmfw.campaigns.execution.Execution`.
 
     Returns
     -------
     Dataset
         By (kappa or ratio, cfl): ``class`` (index into the attribute ``classes``), ``energy`` (largest energy
-        plus dissipation over that of the start, positions and velocities taken at the same time),
-        ``steps_per_contact``, ``steps``. By kappa or ratio: ``limit`` (Courant number of the least limit that
-        the run at the smallest step met, from its nodal masses) and ``closed_form`` (of two bodies in line, 2
-        / √(ω_bulk² + ω²)). Attribute ``courant``: past this Courant number, the shape function's, a run is
-        refused whatever its springs.
+        plus dissipation over that of the start), ``steps_per_contact``, ``steps``. By kappa or ratio:
+        ``limit`` (Courant number of the least limit met at the smallest step) and ``closed_form`` (of two
+        bodies in line, 2 / √(ω_bulk² + ω²)). Attribute ``courant``: of the shape function, past which a run
+        is refused.
 
     Raises
     ------
@@ -127,7 +125,7 @@ def stability_map(
 def _points(
     scene: Scene, objects: Mapping[str, Any], axis: Axis, values: Sequence[float]
 ) -> list[Combination]:
-    """Return the scene and the objects at each stiffness, allowed to go past the limit."""
+    """Return the scene and the objects at each stiffness."""
     time = {"end": scene.time.end, "output_interval": scene.time.output_interval}
     base = scene.with_overrides({"allow_unstable": True, "time": time})
     vary: dict[str, list[Any]] = {kind: [one] for kind, one in objects.items()}
@@ -151,28 +149,21 @@ def _grid(
     cfl: Sequence[float],
     steps: int,
 ) -> RunGrid:
-    """Return all points at all Courant numbers; the key counts the code that judges a run."""
+    """Return all points at all Courant numbers."""
     what = f"{steps} steps judged by {package('mpmfw.stability')}"
     combinations: dict[Index, Combination] = {}
     for (i, value), (j, courant) in itertools.product(enumerate(values), enumerate(cfl)):
         scene = points[i].scene
         assert scene is not None
         fixed = scene.with_overrides({"time.step": courant * float(ticks[i])})
-        combinations[i, j] = replace(
-            points[i], labels={axis: f"{value:g}", "cfl": f"{courant:g}"}, scene=fixed, what=what
-        )
-    return RunGrid(
-        {"": points[0].scene},
-        {axis: [*values], "cfl": [*cfl]},
-        {axis: axis, "cfl": "time.step"},
-        combinations,
-    )
+        labels = {axis: f"{value:g}", "cfl": f"{courant:g}"}
+        combinations[i, j] = replace(points[i], labels=labels, scene=fixed, what=what)
+    coords, keys = {axis: [*values], "cfl": [*cfl]}, {axis: axis, "cfl": "time.step"}
+    return RunGrid({"": points[0].scene}, coords, keys, combinations)
 
 
 def _invariants(runs: GridRuns, index: Index) -> Invariants:
-    """Return what came of a run; of one that died, or whose method raised an error, nothing but that.
-
-    A suspect run has a warning where its energy would have made it stable; a refused one is a SceneError."""
+    """Return the invariants of a run, with a warning if it is suspect or broken."""
     outcome = runs.outcome(index)
     values = outcome.values if outcome is not None else {}
     found = Invariants(**values) if values else Invariants("broken", runs.statuses()[index])
@@ -184,18 +175,16 @@ def _invariants(runs: GridRuns, index: Index) -> Invariants:
 
 
 def _theory(point: Combination) -> tuple[float, float]:
-    """h / c of the fastest body [s], and the Courant number of the closed form."""
+    """Return h / c of the fastest body [s], and the closed form."""
     assert point.scene is not None
     try:
-        simulation = Simulation(
-            point.scene, contact=copy.deepcopy(point.contact), shape=copy.deepcopy(point.shape)
-        )
+        contact, shape = copy.deepcopy(point.contact), copy.deepcopy(point.shape)
+        simulation = Simulation(point.scene, contact=contact, shape=shape)
     except SceneError as error:
         raise located(error, point.scene) from error
     bulk, bodies = simulation.limits()[0][0], simulation.state.bodies
-    contact = simulation.contact
-    named = getattr(getattr(contact, "options", None), "kappa", 0.0)
-    kappa = getattr(getattr(contact, "law", None), "kappa", named)
+    named = getattr(getattr(simulation.contact, "options", None), "kappa", 0.0)
+    kappa = getattr(getattr(simulation.contact, "law", None), "kappa", named)
     # ω² = 2 κ M (1/ρ_1 + 1/ρ_2) / h², ω_bulk = 2 c / h
     first, second = bodies[0], bodies[min(1, len(bodies) - 1)]
     modulus = min(first.p_wave_modulus, second.p_wave_modulus)
@@ -213,14 +202,13 @@ _MEANINGS = {
     "energy": "largest energy plus dissipation over the energy at the start",
     "steps_per_contact": "fewest steps that a contact lasted",
     "steps": "steps that were run",
-    "limit": "Courant number of the least limit met at the smallest step (Gershgorin's bound of springs and "
-    "bulk)",
+    "limit": "Courant number of the least limit met at the smallest step (Gershgorin's bound)",
     "closed_form": "Courant number of the closed form of two bodies in line",
 }
 
 
 def classed(found: Invariants) -> int:
-    """Return the index into :data:`CLASSES` of a run, −1 of a broken one; a suspect run is not stable."""
+    """Return the index into :data:`CLASSES` of a run, −1 of a broken one."""
     if found.status == "broken":
         return -1
     if found.status == "failed" or not found.energy <= BOUNDED:
@@ -268,14 +256,14 @@ def _attributes(scene: Scene, objects: Mapping[str, Any], steps: int, axis: str)
 
 
 def _named(name: str, holder: Any, axis: str) -> str:
-    """A method with the options that are set, but for what the map varies."""
+    """Return a method with options that are not varied."""
     options = holder.options
     given = set() if options is None else options.model_fields_set - {axis}
     return specification_of(name, {key: getattr(options, key) for key in given})
 
 
 def largest_stable(dataset: xr.Dataset) -> FloatArray:
-    """Per stiffness the largest Courant number up to which every point is stable; NaN if the first is not."""
+    """Return per stiffness the Courant number up to which all is stable."""
     order = np.argsort(dataset["cfl"].values)
     cfl, stable = dataset["cfl"].values[order], dataset["class"].values[:, order] == 1
     held = np.cumprod(stable, axis=1).sum(axis=1)

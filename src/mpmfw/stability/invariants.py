@@ -22,14 +22,8 @@ from mpmfw.state.fields import FloatArray
 from mpmfw.state.structs import State
 
 #: What a run must record to be judged, and need not.
-OUTPUT = {
-    "output.ledger": True,
-    "output.stability": True,
-    "output.gap": True,
-    "output.energy": True,
-    "output.particles": False,
-    "output.surface": False,
-}
+OUTPUT = {f"output.{name}": True for name in ("ledger", "stability", "gap", "energy")}
+OUTPUT |= {"output.particles": False, "output.surface": False}
 
 
 #: What numbers that run away end in; another error of a method is its mistake.
@@ -69,9 +63,7 @@ def probe(
     *,
     steps: int,
 ) -> Invariants:
-    """Run a scene for ``steps`` steps after settling, or until it fails, and judge every step.
-
-    Other parameters are those of ``mpmfw.run``; outputs and their times have no effect."""
+    """Run a scene for ``steps`` steps after settling, or until it fails, and judge every step."""
     with _quiet():
         try:
             loaded = load_scene(scene, set={**(set or {}), **OUTPUT})
@@ -100,7 +92,7 @@ def probe(
 
 
 def probe_once(task: Task, steps: int) -> Finished:
-    """Probe the scene of a task and return its invariants; without any of a method that raises an error."""
+    """Probe the scene of a task."""
     try:
         found = asdict(probe(task.scene, copy.deepcopy(task.contact), copy.deepcopy(task.shape), steps=steps))
     except Exception as error:
@@ -112,7 +104,7 @@ def probe_once(task: Task, steps: int) -> Finished:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Without warnings of numbers that run away, and of what a reader of results must know."""
+    """Context without warnings."""
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore", ResultsWarning)
         warnings.simplefilter("ignore", RuntimeWarning)
@@ -154,7 +146,7 @@ def _centres(state: State) -> FloatArray:
 
 
 def _distances(state: State) -> FloatArray:
-    """(surface_node,) distance to the nearest material point of the own body [m]."""
+    """Return distances (surface_node,) to the nearest point of the body [m]."""
     if state.surface is None:
         return np.zeros(0)
     nearest = np.empty(state.surface.count)
@@ -177,18 +169,11 @@ class Hopeless(Exception):
 
 
 class Record:
-    """Sums over the bodies at every step, with positions and velocities at the same time.
+    """Sums over the bodies at every step of a ``simulation`` with ledger and energy.
 
-    A step leaves velocities half a step behind positions. Their energies added as they stand swing by a
-    part ω Δt to either side, in every mode, which neither gains nor loses energy. At the time of the
-    positions the kinetic energy is Σ m v·v' / 2, v and v' of the steps before and after: with it a linear
-    system keeps its energy exactly at any stable step. Where these steps have different lengths the
-    positions' time lies nearer to the velocities of the shorter one.
-
-    Parameters
-    ----------
-    simulation
-        What runs, with ``output.ledger`` and ``output.energy``.
+    A step leaves velocities half a step behind positions. At the time of the positions the kinetic energy is
+    Σ m v·v' / 2, v and v' of the steps before and after: with it a linear system keeps its energy exactly at
+    any stable step. The positions' time lies nearer to the velocities of the shorter step.
     """
 
     def __init__(self, simulation: Simulation) -> None:
@@ -209,7 +194,7 @@ class Record:
         self.velocity = np.zeros_like(self.state.particles.velocity)
 
     def __call__(self, frame: Frame) -> None:
-        """Take note of a step; Hopeless if the energy is beyond all bounds."""
+        """Judge a step; raise Hopeless at an energy beyond all bounds."""
         series, particles = frame.series, self.state.particles
         at_positions = _total(series, ("strain_energy",))
         halves = _total(series, ("affine_energy",)), _total(series, ("gravity_work", "external_work"))
@@ -217,11 +202,8 @@ class Record:
             kinetic = self._kinetic()
             affine, given = (0.5 * (a + b) for a, b in zip(self.halves, halves, strict=True))
             stored = kinetic + self.at_positions + affine + _total(series, ("contact_energy",))
-            self._weigh(
-                stored,
-                _total(series, ("frictional_work", "damping_work", "spring_work", "material_dissipation")),
-                given,
-            )
+            works = ("frictional_work", "damping_work", "spring_work", "material_dissipation")
+            self._weigh(stored, _total(series, works), given)
         self.length = self.state.dt
         self.velocity, self.at_positions, self.halves = particles.velocity.copy(), at_positions, halves
         self.momentum.append(np.array(series["linear_momentum"]))
@@ -232,7 +214,7 @@ class Record:
         self.touched |= bool(np.any(np.asarray(series.get("contact_count", 0.0)) > 0.0))
 
     def _kinetic(self) -> float:
-        """Kinetic energy at the time of the last positions, between the last two steps' velocities [J/m]."""
+        """Return kinetic energy at the time of the last positions [J/m]."""
         mass, before, after = self.state.particles.mass, self.velocity, self.state.particles.velocity
         uneven = (self.length - self.state.dt) / (self.length + self.state.dt) if self.energy else 0.0
         both = float(mass @ (before * after).sum(axis=1))

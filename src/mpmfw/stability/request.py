@@ -25,22 +25,20 @@ _OWN: dict[Path, str] = {
 
 
 def axis_of(scene: Scene, contact: Any, kappa: Sequence[float] | None, ratio: Sequence[float] | None) -> Axis:
-    """Return what is varied beside the Courant number; ``contact`` is an object instead of the scene's."""
+    """Return what is varied beside the Courant number."""
     if kappa is not None and ratio is not None:
         raise SceneError("kappa and ratio: a map has one of them; leave the other out")
     if ratio is not None:
         return "ratio"
     method = scene.contact.method if scene.contact is not None else "none"
     if not has_option("contact", method if contact is None else contact, "kappa"):
-        raise SceneError(
-            f"contact '{method if contact is None else contact.name}' has no kappa; give stiffness ratios "
-            "instead"
-        )
+        name = method if contact is None else contact.name
+        raise SceneError(f"contact '{name}' has no kappa; give stiffness ratios instead")
     return "kappa"
 
 
 def check_values(values: Sequence[float], cfl: Sequence[float], steps: int) -> None:
-    """Refuse anything but positive numbers, each once, and steps enough to judge by."""
+    """Refuse values that are not positive or repeat, and too few steps."""
     for name, given in (("kappa or ratio", values), ("cfl", cfl)):
         if not given or not all(math.isfinite(value) and value > 0.0 for value in given):
             raise SceneError(f"{name}: expected numbers greater than 0")

@@ -55,10 +55,10 @@ def choose(
 ) -> xr.Dataset:
     """Say which method and cell size bring a scene's error below a target at little cost.
 
-    Methods run at one cell size after the other, from coarse to fine, at each the cheapest first. The first
-    that meets the target ends the ladder. Without a closed form two different laws at two sizes say what the
-    motion tends to, and how uncertain that is; a run meets the target where its distance from there and the
-    uncertainty are below it. Where no run does, the choice is undecided.
+    Methods run at one cell size after the other, from coarse to fine, at each the cheapest first, until one
+    meets the target. Without a closed form the limit of two different laws at two sizes is the reference; a
+    run meets the target where its distance and the limit's uncertainty are below it. Where no run does, the
+    choice is undecided.
 
     Parameters
     ----------
@@ -67,19 +67,17 @@ def choose(
     error
         Relative error that is asked for: 0.01 or ``"1 %"``.
     measure
-        Name of the quantity whose error it is; by default the first that the scene's closed form or reference
-        knows.
+        Name of the quantity; by default the first whose value the scene knows.
     contact, shape
-        Methods to choose among, as :func:`mpmfw.compare` takes them, the cheap ones first; every combination
-        may run. By default ``CONTACTS`` and ``SHAPES``.
+        Methods to choose among, as :func:`mpmfw.compare` takes them, the cheap ones first. By default
+        ``CONTACTS`` and ``SHAPES``.
     coarsest, finest
-        Largest and smallest cell size [m]; twice and a quarter of the scene's own by default. Each is half of
-        the one before.
+        Largest and smallest cell size [m], by default twice and a quarter of the scene's; each is half of the
+        one before.
     **request
-        ``body``, ``pair``, ``axis``: what the quantity is of; if left out, the motion decides,
-        see :func:`mpmfw.campaigns.measures.inferred`. ``set``: values by key that all runs share.
-        ``output``: NetCDF file to write; finished runs are kept in the folder ``<output>.runs``. Others are
-        those of :class:`mpmfw.campaigns.execution.Execution`; ``repeats`` has no effect.
+        ``body``, ``pair``, ``axis``: subject of the quantity, by default from the motion. ``set``: values by
+        key that all runs share. ``output``: NetCDF file to write, beside the folder ``<output>.runs``. Others
+        are those of :class:`mpmfw.campaigns.execution.Execution`; ``repeats`` has no effect.
 
     Returns
     -------
@@ -164,14 +162,13 @@ def _dataset(ladder: Ladder) -> xr.Dataset:
 
 
 def _known(scene: Scene, name: str | None, about: About) -> tuple[Measure, str]:
-    """Return the measure, and the kind of what its errors are against; a SceneError if nothing is known."""
+    """Return the measure, and the kind of its reference."""
     if name is not None:
         measure = measure_of(name)
         exact = exact_of(measure, scene, about)
         if exact is None and measure.kind == "field":
             raise SceneError(
-                f"measure {name}: the scene '{scene.name}' has no closed form of it, and runs at other cell "
-                "sizes have a field at other points; expected a number or a curve"
+                f"measure {name}: is a field; expected a number or a curve, without a closed form"
             )
         return measure, "finest" if exact is None else exact.kind
     names = [*MEASURES, *(name for name in names_of_measures() if name not in MEASURES)]
@@ -186,7 +183,7 @@ def _known(scene: Scene, name: str | None, about: About) -> tuple[Measure, str]:
 
 
 def _sizes(own: float, coarsest: Any, finest: Any) -> list[float]:
-    """Return the cell sizes of the ladder, each half of the one before, so that grid lines stay."""
+    """Return cell sizes, each half of the one before."""
     example = "a cell size such as 0.4 or '4 mm'"
     first = 2.0 * own if coarsest is None else positive("coarsest", coarsest, "m", example)
     last = 0.25 * own if finest is None else positive("finest", finest, "m", example)
@@ -197,7 +194,7 @@ def _sizes(own: float, coarsest: Any, finest: Any) -> list[float]:
 
 
 def _check_lengths(scene: Scene) -> None:
-    """Refuse particles and segments whose size does not follow the cells."""
+    """Refuse points and segments whose size does not follow the cells."""
     own = float(scene.grid.cell_size)
     other = scene.with_overrides({"grid.cell_size": 2.0 * own})
     for name, body in scene.bodies.items():

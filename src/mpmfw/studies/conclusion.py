@@ -15,7 +15,7 @@ from mpmfw.results.selection import points_of
 
 
 def rows(dataset: xr.Dataset) -> Iterator[dict[str, Any]]:
-    """One mapping for each combination: its labels, and every variable over the dimensions of the grid."""
+    """Yield labels and variables of each combination."""
     names = [name for name in dataset.data_vars if dataset[name].dims == dataset["status"].dims]
     for labels, run in points_of(dataset, dataset["status"].dims):
         yield labels | {str(name): run[name].values.item() for name in names}
@@ -73,10 +73,9 @@ def _of(row: dict[str, Any], dims: list[str]) -> str:
 def method_rows(dataset: xr.Dataset) -> list[dict[str, Any]]:
     """Return a mapping for each method: the answer, those that meet the target by cost, the others.
 
-    Keys: ``contact``, ``shape``, ``answer``, ``verdict`` (``meets``, ``misses``, ``failed``, ``not run``),
-    ``pilots`` (the errors of its runs in per cent, at falling cell sizes), ``cell_size_needed`` [m],
-    ``error`` and ``cost`` [s] of the cheapest run that meets the target, else of the most accurate one, and
-    its ``status``."""
+    ``pilots`` are the errors of its runs [%] at falling cell sizes; ``error``, ``cost`` [s] and ``status``
+    are of the cheapest run that meets the target, else of the most accurate one.
+    """
     found = [_row(method) for _, method in points_of(dataset, ("contact", "shape"))]
 
     def place(row: Mapping[str, Any]) -> tuple[bool, bool, float]:
@@ -106,7 +105,7 @@ def _row(method: xr.Dataset) -> dict[str, Any]:
 
 
 def advice(dataset: xr.Dataset) -> list[str]:
-    """Return the answer, what errors are against, and what the runs took, a sentence each."""
+    """Return the answer, the reference and the cost, a sentence each."""
     target, slack = f"{percent(dataset.attrs['target'])} %", float(dataset.attrs["uncertainty"])
     rows, took = method_rows(dataset), float(dataset["cpu_time"].sum())
     against = f"Error of {dataset.attrs['quantity']} against {dataset.attrs['error_against']}"

@@ -33,7 +33,7 @@ BESIDE = {
 
 
 def assemble(study: Study, judge: Judge, runs: GridRuns) -> xr.Dataset:
-    """Join what is known of every combination, as :func:`mpmfw.study` returns it."""
+    """Join all combinations, as :func:`mpmfw.study` returns them."""
     grid, costs = judge.grid, runs.costs()
     dataset = xr.Dataset(coords={dim: list(labels) for dim, labels in grid.coords.items()})
     dataset = dataset.assign_coords(_methods(grid))
@@ -52,20 +52,17 @@ def assemble(study: Study, judge: Judge, runs: GridRuns) -> xr.Dataset:
 
 
 def _methods(grid: RunGrid) -> dict[str, Any]:
-    """Contact and shape where they are not varied, if all scenes have the same."""
+    """Return contact and shape where they are not varied."""
     methods = {
         "contact": {s.contact.method if s.contact else "none" for s in grid.scenes.values()},
         "shape": {scene.shape.method for scene in grid.scenes.values()},
     }
-    return {
-        name: next(iter(chosen))
-        for name, chosen in methods.items()
-        if name not in grid.coords and len(chosen) == 1
-    }
+    single = {name: chosen.pop() for name, chosen in methods.items() if len(chosen) == 1}
+    return {name: label for name, label in single.items() if name not in grid.coords}
 
 
 def _stepping(grid: RunGrid) -> dict[str, xr.DataArray]:
-    """Scheme and transfer of every combination that can run; where one is varied its dimension says it."""
+    """Return scheme and transfer where they are not varied."""
     chosen = {
         index: one.scene.stepping.chosen(load("shape", one.scene.shape.method))
         for index, one in grid.combinations.items()
@@ -93,7 +90,7 @@ def _errors(judge: Judge, runs: GridRuns) -> dict[str, xr.DataArray]:
 
 
 def _costs(grid: RunGrid, costs: Mapping[Index, list[Cost]], settling: bool) -> dict[str, xr.DataArray]:
-    """Costs of the cheapest repeat; with ``settling`` it counts: in CPU time, stages and steps."""
+    """Return costs of the cheapest repeat, with or without settling."""
     each = costs_of(grid.coords, costs)
     what = "CPU time of the steps" + (" and of settling" if settling else "")
     if settling:
@@ -118,7 +115,7 @@ def _costs(grid: RunGrid, costs: Mapping[Index, list[Cost]], settling: bool) -> 
 
 
 def _front(grid: RunGrid, dataset: xr.Dataset) -> xr.DataArray:
-    """Return the front of each problem; runs that failed or are suspect are on none."""
+    """Return the front of each problem."""
     inner = [dim for dim in grid.coords if dim not in grid.problem_dims]
     marked: xr.DataArray = xr.apply_ufunc(
         front,
@@ -156,11 +153,7 @@ def _attributes(study: Study, judge: Judge, runs: GridRuns) -> dict[str, Any]:
 
 
 def front(error: FloatArray, cost: FloatArray) -> NDArray[np.bool_]:
-    """Mark what is not dominated; smaller values are better, NaN is never on the front.
-
-    One is dominated where another has no larger error and no larger cost, and one of them smaller; of two
-    that are the same both are on the front or none.
-    """
+    """Mark runs that no other one dominates, with smaller error or cost and neither larger; NaN never is."""
     pairs = np.stack([np.ravel(cost), np.ravel(error)], axis=1)
     known = np.isfinite(pairs).all(axis=1)
     different, place = np.unique(pairs[known], axis=0, return_inverse=True)  # by rising cost, then error

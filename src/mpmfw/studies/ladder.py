@@ -26,7 +26,7 @@ BEST_ORDER = 3.0
 
 @dataclass(frozen=True)
 class Limit:
-    """A motion at cells of size zero, extrapolated from two different laws at two cell sizes."""
+    """A motion at cells of size zero, extrapolated from two laws."""
 
     motion: Measured  #: mean of the two laws' extrapolations
     uncertainty: float  #: relative: half their distance, and what the order of convergence leaves open
@@ -34,10 +34,10 @@ class Limit:
 
 
 class Ladder:
-    """Runs methods at falling cell sizes until one is known to meet a relative error, the ``target``.
+    """Runs methods at falling cell sizes until one meets a relative error, the ``target``.
 
-    ``runs`` are those of the grid (contact, shape, cell_size). A ``judge`` of kind ``finest`` has neither a
-    closed form nor a reference: errors are then against :class:`Limit`. ``at_once`` methods run at a time.
+    A ``judge`` of kind ``finest`` has no reference: errors are then against :class:`Limit`. ``at_once``
+    methods run at a time.
     """
 
     def __init__(self, runs: GridRuns, judge: Judge, target: float, at_once: int = 1) -> None:
@@ -56,16 +56,13 @@ class Ladder:
 
     @property
     def slack(self) -> float:
-        """Relative uncertainty of what errors are against; infinite where nothing is known."""
+        """Relative uncertainty of the reference."""
         if self.judge.is_exact:
             return 0.0
         return np.inf if self.limit is None else self.limit.uncertainty
 
     def run(self) -> None:
-        """Run the methods at one cell size after another until one meets the target.
-
-        Without a closed form the first two sizes belong together, since one alone says nothing of the limit.
-        """
+        """Run the methods at one cell size after another until one meets the target."""
         sizes = list(range(len(self.sizes)))
         rungs = [[k] for k in sizes] if self.judge.is_exact else [sizes[:2], *([k] for k in sizes[2:])]
         for rung in rungs:
@@ -77,7 +74,7 @@ class Ladder:
                     return
 
     def _waiting(self, k: int) -> list[Method]:
-        """Return the methods that are worth a run at a cell size, the cheapest of the size before first."""
+        """Return methods worth a run at a cell size, the cheapest first."""
         if k == 0:
             return self.methods
         status, costs = self.runs.statuses(), self.costs()
@@ -93,7 +90,7 @@ class Ladder:
         return [index[:2] for index in sorted(worth, key=lambda index: float(costs[index]))]
 
     def _ask(self, points: Collection[Index]) -> None:
-        """Make runs and judge all that were asked for; others in the store are not read."""
+        """Make runs, and judge all so far."""
         self.runs.complete(points)
         self.asked |= {*points}
         status = self.runs.statuses()
@@ -111,7 +108,7 @@ class Ladder:
         self.errors = {i: error for i, error in self.errors.items() if np.isfinite(error)}
 
     def _limits(self, found: dict[Index, Measured]) -> Iterator[Limit]:
-        """Yield the limit of every two laws that ran at the two finest sizes that any two have."""
+        """Yield the limit of every two laws at their finest sizes."""
         for k in range(len(self.sizes) - 1, 0, -1):
             ran = [m for m in self.methods if (*m, k) in found and (*m, k - 1) in found]
             ratio = self.sizes[k - 1] / self.sizes[k]
@@ -124,11 +121,11 @@ class Ladder:
                 return
 
     def meets(self, index: Index) -> bool:
-        """Return whether a run is below the target, the uncertainty of what it is compared with included."""
+        """Return True if a run is below the target with its uncertainty."""
         return self.errors.get(index, np.inf) + self.slack <= self.target
 
     def answer(self) -> Index | None:
-        """Return the cheapest run that meets the target; None if none does."""
+        """Return the cheapest run that meets the target, or None."""
         costs = self.costs()
         able = [index for index in self.errors if self.meets(index)]
         return min(able, key=lambda index: float(costs[index]), default=None)
@@ -165,7 +162,7 @@ def joined(
     second: tuple[FloatArray, FloatArray],
     laws: tuple[str, str],
 ) -> Limit:
-    """Return the limit of two laws from each one's extrapolation and its half width."""
+    """Return the limit of two laws."""
     middle = 0.5 * (first[0] + second[0])
     width = 0.5 * np.abs(first[0] - second[0]) + np.maximum(first[1], second[1])
     uncertainty = float(np.max(width) / np.max(np.abs(middle)))

@@ -68,12 +68,12 @@ class Study:
 
     @property
     def scenes(self) -> dict[str, Any]:
-        """The scenes by label, files as paths from here; the label of a single one is empty."""
+        """Scenes by label, files as paths from here."""
         chosen: dict[str, Any] = {**self.tables.scenes} or {"": self.tables.scene}
         return {label: self.beside(scene) for label, scene in chosen.items()}
 
     def beside(self, name: Any) -> Any:
-        """A file's path from the study's folder, if there is such a file; anything else as it is."""
+        """Return a file's path from the study's folder."""
         folder = self.source.directory
         if isinstance(name, str) and folder is not None and (folder / name).is_file():
             return os.fspath(folder / name)
@@ -90,11 +90,9 @@ def shipped_studies() -> dict[str, str]:
 
 
 def load_study(study: str | os.PathLike[str] | Mapping[str, Any] | Study, trust: bool = False) -> Study:
-    """Read and validate a study: a TOML file, the name of a shipped study such as ``rolling-cylinder``, or
-    nested mappings; a study passes through.
+    """Read and validate a study: a TOML file, the name of a shipped one, or nested mappings.
 
-    With ``trust`` its file and its scenes' files may name ``module:Class``, whose code is imported. A
-    SceneError has one line for each thing that is wrong.
+    With ``trust`` its files may name ``module:Class``. A SceneError has one line for each problem.
     """
     if isinstance(study, Study):
         return study
@@ -138,7 +136,7 @@ def _checks(tables: StudyTables) -> Iterator[Problem]:
 
 
 def _key(path: tuple[str, str]) -> Iterator[Problem]:
-    """Problems of a key of ``vary`` or ``set`` that the scene need not be known for."""
+    """Return problems of a key of ``vary`` or ``set``."""
     key = path[1]
     try:
         first = parse_path(key)[0]
@@ -152,19 +150,15 @@ def _key(path: tuple[str, str]) -> Iterator[Problem]:
 
 
 def _error(tables: StudyTables) -> Iterator[Problem]:
-    """Problems of the table ``error``: names, and keys that would have no effect."""
+    """Return problems of the table ``error``."""
     error = tables.error
     try:
         measure = measure_of(error.quantity)
     except SceneError as problem:
         yield Problem(("error", "quantity"), str(problem))
         return
-    for key, kind in (
-        ("file", "reference"),
-        ("column", "reference"),
-        ("value", "reference"),
-        ("finest", "finest"),
-    ):
+    kinds = {"file": "reference", "column": "reference", "value": "reference", "finest": "finest"}
+    for key, kind in kinds.items():
         if getattr(error, key) not in (None, {}) and error.kind != kind:
             yield Problem(("error", key), f"has no effect; expected only with kind = '{kind}'")
     if error.value is not None and measure.kind != "number":

@@ -56,16 +56,14 @@ def rank(
 ) -> xr.Dataset:
     """Rank the methods of studies: what each costs, at its best settings, to bring a quantity below a level.
 
-    A problem is a scene of a study. A method is what stands before the options of a label, ``bardenhagen`` of
-    ``bardenhagen(normal=master)``: options, shape function and cell size are settings, of which the cheapest
-    that reaches a level counts. For a quantity beside the error only runs count whose error is below the
-    first level: silence alone is no virtue.
+    A problem is a scene of a study. A method is a label without its options; these, shape function and cell
+    size are settings, of which the cheapest that reaches a level counts. For a quantity beside the error only
+    runs count whose error is below the first level.
 
     Parameters
     ----------
     results
-        Files or datasets of ``mpmfw.study``. Several of one study are joined, so that a law of one's own may
-        be run alone, on the machine that ran the others.
+        Files or datasets of ``mpmfw.study``; several of one study are joined.
     by
         Dimension of the methods.
     levels
@@ -78,14 +76,13 @@ def rank(
     xarray.Dataset
         ``cost`` [s], CPU time of the cheapest run, and ``over_best`` [1], the same over the cheapest
         method's, by (quantity, problem, level, ``by``), NaN where the level is not reached; ``best`` (…) the
-        settings of that run; ``ran`` (problem, ``by``) whether the method ran the problem. Attributes:
-        ``failures``, runs that do not count, without a result or suspect; ``errors``, what errors are of.
+        settings of that run; ``ran`` (problem, ``by``). Attributes: ``failures``, runs that do not count;
+        ``errors``, the quantity of the errors.
 
     Raises
     ------
     SceneError
-        A file is no study's, has no dimension ``by``, is of something else than ``about``, or no run has an
-        error and a cost.
+        A file is no study's, has no dimension ``by``, or no run has an error and a cost.
     """
     check_levels(levels)
     studies = [_study(one, by, about or {}) for one in results]
@@ -133,7 +130,7 @@ def rank(
 def _cheapest(
     judged: list[dict[str, Any]], problems: list[Any], methods: list[Any], levels: Sequence[float]
 ) -> tuple[FloatArray, AnyArray]:
-    """Return CPU time [s] and settings of the cheapest runs, (quantity, problem, level, method)."""
+    """Return CPU time [s] and settings of the cheapest runs."""
     shape = (len(QUANTITIES), len(problems), len(levels), len(methods))
     cost, best = np.full(shape, np.nan), np.full(shape, "", dtype=object)
     for (q, quantity), (p, problem), (m, method) in itertools.product(
@@ -151,19 +148,13 @@ def _cheapest(
 
 def check_levels(levels: Sequence[float]) -> None:
     """Refuse levels that do not fall or are no relative errors."""
-    if (
-        not levels
-        or any(not level > 0.0 for level in levels)
-        or list(levels) != sorted(set(levels), reverse=True)
-    ):
-        raise SceneError(
-            f"levels {', '.join(map(str, levels)) or 'none'}: expected relative errors that fall, as 0.1, "
-            "0.01"
-        )
+    if not levels or min(levels) <= 0.0 or list(levels) != sorted(set(levels), reverse=True):
+        text = ", ".join(map(str, levels)) or "none"
+        raise SceneError(f"levels {text}: expected relative errors that fall, as 0.1, 0.01")
 
 
 def _study(given: str | os.PathLike[str] | xr.Dataset, by: str, about: Mapping[str, str]) -> xr.Dataset:
-    """Return a study's results; refuse others, and those without the dimension or of something else."""
+    """Return a study's results, if they can be ranked."""
     if isinstance(given, xr.Dataset):
         dataset, file = given, "dataset"
     else:
@@ -172,25 +163,22 @@ def _study(given: str | os.PathLike[str] | xr.Dataset, by: str, about: Mapping[s
     if dataset.attrs.get("kind") != "study" or "status" not in dataset:
         raise SceneError(f"{file}: expected the results of a study, mpmfw study STUDY -o FILE.nc")
     if by not in dataset["status"].dims:
-        raise SceneError(
-            f"{file}: the study does not vary '{by}'; it varies {', '.join(map(str, dataset['status'].dims))}"
-        )
+        varied = ", ".join(map(str, dataset["status"].dims))
+        raise SceneError(f"{file}: the study does not vary '{by}'; it varies {varied}")
     known = _about(dataset)
     for key, name in about.items():
         if getattr(known, key) != name:
-            raise SceneError(
-                f"{key} {name}: {file} has the error of {_error_of(dataset)}; expected a study run with it"
-            )
+            raise SceneError(f"{key} {name}: {file} has the error of {_error_of(dataset)}")
     return dataset
 
 
 def _error_of(dataset: xr.Dataset) -> str:
-    """Return what a study's error is of, in words; empty if the file does not say it."""
+    """Return the quantity of a study's error in words."""
     return said(dataset.attrs.get("quantity", ""), _about(dataset))
 
 
 def _about(dataset: xr.Dataset) -> About:
-    """Return the axis, body and pair of a study's error; none where the file does not name them."""
+    """Return the axis, body and pair of a study's error."""
     try:
         return About(**json.loads(dataset.attrs.get("about", "{}")))
     except (TypeError, ValueError):
@@ -198,7 +186,7 @@ def _about(dataset: xr.Dataset) -> About:
 
 
 def _runs(dataset: xr.Dataset, by: str) -> Iterator[dict[str, Any]]:
-    """Yield the runs of a study, each with its problem, method and settings."""
+    """Yield the runs of a study with problem, method and settings."""
     problem_dims = json.loads(dataset.attrs["problem_dims"])
     settings = [str(dim) for dim in dataset["status"].dims if dim not in (*problem_dims, by)]
     for row in rows(dataset):
@@ -217,32 +205,25 @@ def _runs(dataset: xr.Dataset, by: str) -> Iterator[dict[str, Any]]:
 
 
 def summary(ranking: xr.Dataset, quantity: str) -> list[dict[str, Any]]:
-    """One row a method, the one that reaches the largest share first, and of equal ones the cheaper.
+    """Return one row a method, the one that reaches the largest share first.
 
-    Keys: ``method``; ``problems`` that it ran; for each level the number of them that reach it; ``over
-    best``, the median of the cost over the cheapest method's where it is reached; ``cheapest``, at how many
-    problems and levels it is that."""
+    ``over best`` is the median of the cost over the cheapest method's, ``cheapest`` at how many problems and
+    levels it is that.
+    """
     by, one = ranking.attrs["by"], ranking.sel(quantity=quantity)
+    labels = {level: level_label(quantity, level) for level in one["level"].values.tolist()}
     table = []
     for name in one[by].values.tolist():
         ratio = one["over_best"].sel({by: name})
         known = ratio.values[np.isfinite(ratio.values)]
-        table.append(
-            {
-                "method": name,
-                "problems": int(ranking["ran"].sel({by: name}).sum()),
-                **{
-                    level_label(quantity, level): int(ratio.sel(level=level).notnull().sum())
-                    for level in one["level"].values.tolist()
-                },
-                "over best": float(np.median(known)) if len(known) else np.nan,
-                "cheapest": int((known <= 1.0).sum()),
-            }
-        )
-    levels = [level_label(quantity, level) for level in one["level"].values.tolist()]
+        row = {"method": name, "problems": int(ranking["ran"].sel({by: name}).sum())}
+        for level, label in labels.items():
+            row[label] = int(ratio.sel(level=level).notnull().sum())
+        row["over best"] = float(np.median(known)) if len(known) else np.nan
+        table.append(row | {"cheapest": int((known <= 1.0).sum())})
 
     def place(row: dict[str, Any]) -> tuple[float, float]:
-        share = sum(row[level] for level in levels) / max(row["problems"], 1)
+        share = sum(row[label] for label in labels.values()) / max(row["problems"], 1)
         return -share, float(np.nan_to_num(row["over best"], nan=np.inf))
 
     return sorted(table, key=place)

@@ -45,28 +45,24 @@ def study(
     study
         A TOML file, the name of a shipped study such as ``rolling-cylinder``, or nested mappings.
     output
-        NetCDF file to write; it replaces nothing but another study's. Finished runs are kept in the folder
-        ``<output>.runs``, from which another start takes what applies. Without it nothing is kept.
+        NetCDF file to write. Finished runs are kept in the folder ``<output>.runs``, from which another start
+        goes on.
     timing
-        ``exclusive`` measures costs one run at a time in this process; ``shared`` takes the cost of every run
-        as it comes.
-    about
-        Stands in for ``error.body``, ``pair`` and ``axis`` of the study.
+        ``exclusive`` measures costs one run at a time in this process, ``shared`` as runs come.
+    under, about
+        Replace the study's ``under``, such as 0.01 or ``"1 %"``, and its ``error.body``, ``pair`` and
+        ``axis``.
     **running
-        As :class:`mpmfw.campaigns.execution.Execution` takes them, but that the store is ``<output>.runs``
-        and jobs are by default one for each core, for exclusive costs a single one. ``repeats`` stands in
-        for the study's ``cost.repeats``.
-    under
-        Stands in for the study's ``under``, the relative error: 0.01 or ``"1 %"``.
+        As :class:`mpmfw.campaigns.execution.Execution` takes them. Jobs are by default one for each core, for
+        exclusive costs a single one.
     trust
-        Whether the files of the study and its scenes may name ``module:Class``, whose code is imported.
+        Import code that the files name as ``module:Class``.
 
     Returns
     -------
     xarray.Dataset
-        Dims named by what varies. ``error`` (relative; NaN where unknown), ``cpu_time`` and
-        ``cpu_time_spread`` [s], ``stage_time`` and ``settle_stage_time`` [s] (…, stage), ``pareto`` (true on
-        the front), ``status``, ``timing``, ``repeats``, steps, material_points, peak_memory [B] …
+        Dims named by what varies. ``error`` (relative), ``cpu_time`` and ``cpu_time_spread`` [s],
+        ``stage_time`` and ``settle_stage_time`` [s] (…, stage), ``pareto``, ``status``, ``timing`` …
 
     Raises
     ------
@@ -127,7 +123,7 @@ def relative_error(given: float | str, name: str = "under") -> float:
 
 
 def positive(name: str, given: float | str, unit: str, expected: str) -> float:
-    """Return a number above 0 as a request writes it; else a SceneError says what is ``expected``."""
+    """Return a number above 0; a SceneError says what is ``expected``."""
     try:
         number = float(to_si(parse_value(given) if isinstance(given, str) else given, unit))  # type: ignore[arg-type]
     except (ValueError, TypeError) as error:
@@ -138,7 +134,7 @@ def positive(name: str, given: float | str, unit: str, expected: str) -> float:
 
 
 def make_grid(study: Study) -> RunGrid:
-    """Expand a study; a SceneError names a wrong scene, key or value that no combination can run."""
+    """Expand a study; refuse what no combination can run."""
     scenes = {label: _base(study, label, scene) for label, scene in study.scenes.items()}
     grid = make_points(scenes, study.tables.vary, {})
     _check(study, grid)
@@ -146,7 +142,7 @@ def make_grid(study: Study) -> RunGrid:
 
 
 def _base(study: Study, label: str, chosen: Any) -> Scene:
-    """Return a scene with what all runs share; it records what the error or the study needs."""
+    """Return a scene with shared keys and the outputs that are needed."""
     tables = study.tables
     shared: dict[str, Any] = dict(outputs_for(measure_of(tables.error.quantity)))
     try:
@@ -179,7 +175,7 @@ def _check(study: Study, grid: RunGrid) -> None:
 
 
 def _blamed(problem: SceneProblem, scene: Scene, values: Mapping[str, Any]) -> str | None:
-    """Return which of the study's keys set what a scene complains of; None where none did."""
+    """Return the study's key that a problem is about, or None."""
     for key, value in values.items():
         if problem.override in overrides_of(scene.bodies, scene.dim, key, value):
             return key
