@@ -133,7 +133,7 @@ def no_contact() -> dict[str, Any]:
     ("given", "options", "message"),
     [
         (scene(), {"measure": "accelerations"}, "'accelerations' is unknown; did you mean 'acceleration'"),
-        (no_reference(), {}, "has no closed form or reference, so that it does not say what an error is of; .* or a measure"),  # noqa: E501
+        (no_reference(), {}, "has no closed form or reference; .* or a measure"),
         (no_reference(), {"measure": "interface-stress"}, "is a field; expected a number or a curve"),
         (scene(), {"measure": "spin", "axis": "x"}, "^axis: has no effect: spin looks at body"),
         (scene(), {"body": "blok"}, "'blok' is no body of the scene; expected one of block, plane"),

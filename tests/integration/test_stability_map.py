@@ -175,6 +175,6 @@ def test_an_object_and_a_subclass_have_their_kappa(chart):
 def test_a_file_that_is_no_map_is_not_replaced(tmp_path):
     notes = tmp_path / "notes.toml"
     notes.write_text("important = true\n", encoding="utf-8")
-    with pytest.raises(SceneError, match="without results of kind 'stability', so it is not replaced"):
+    with pytest.raises(SceneError, match="has no results of kind 'stability', so it is not replaced"):
         stability_map(blocks(), kappa=[1.0], cfl=[0.3], steps=5, output=notes)
     assert notes.read_text(encoding="utf-8") == "important = true\n"

@@ -214,13 +214,13 @@ def test_exit_statuses_of_the_command(tmp_path):
     ):
         named = [str(tmp_path / one) if "." in one else one for one in arguments]
         assert runner.invoke(app, ["study", *named]).exit_code == 2, arguments
-    with pytest.raises(SceneError, match="without results of kind 'study', so it is not replaced"):
+    with pytest.raises(SceneError, match="has no results of kind 'study', so it is not replaced"):
         mpmfw.study(tiny_study(), output=tmp_path / "run.nc", jobs=1)
     (tmp_path / "x.nc.runs").write_text("no folder", encoding="utf-8")
     arguments = ["study", str(tmp_path / "good.toml"), "-o", str(tmp_path / "x.nc"), "--jobs", "1"]
     refused = runner.invoke(app, arguments)
     assert refused.exit_code == 2
-    assert "x.nc.runs, which is a file" in refused.output
+    assert "x.nc.runs: is a file, and no folder" in refused.output
     assert (tmp_path / "x.nc.runs").read_text(encoding="utf-8") == "no folder"
     assert (tmp_path / "good.toml").read_text(encoding="utf-8") == good
 

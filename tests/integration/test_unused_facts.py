@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 import mpmfw
 from mpmfw.cli.app import app
-from mpmfw.cli.unused import unused_facts
+from mpmfw.cli.explain import unused_facts
 from mpmfw.errors import ResultsWarning
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import block, two_blocks

@@ -56,7 +56,7 @@ def test_a_run_that_ended_early_has_no_figures():
     time = np.linspace(0.0, 2.0, 101)
     series = np.where(time < 1.0, 3.5 * time**2, np.nan)
     assert np.isnan(analysis.fitted_acceleration(time, series, 0.3, 1.7))
-    assert np.isnan(analysis.end_displacement_error(time, series, 7.0))
+    assert np.isnan(analysis.value_at(time, series, 1.7))
 
 
 def test_impulse_is_exact_for_means_over_intervals():

@@ -68,7 +68,7 @@ def test_figures_pages_and_exports_are_replaced_by_force_alone(folder, command, 
 
 def test_a_run_in_python_replaces_no_other_file(folder):
     (folder / "thesis.txt").write_text(MINE)
-    with pytest.raises(SceneError, match="without results of kind 'run', so it is not replaced"):
+    with pytest.raises(SceneError, match="has no results of kind 'run', so it is not replaced"):
         mpmfw.run(SCENE, output="thesis.txt")
     assert (folder / "thesis.txt").read_text() == MINE
 

@@ -196,10 +196,8 @@ def dask_cluster(place: Any) -> Futures:
             dask: Any = distributed
             made = dask.Client(place, timeout=PATIENCE, set_as_default=False)
         except (ValueError, OSError, TypeError) as error:  # TypeError: tls:// without certificates
-            raise SceneError(
-                f"{said}: no scheduler answers there ({error}); expected an address such as "
-                "tcp://127.0.0.1:8786, or a Client or cluster"
-            ) from error
+            text = f"{said}: no scheduler answers there ({error})"
+            raise SceneError(f"{text}; expected an address such as tcp://127.0.0.1:8786") from error
         with made:
             yield made
 
@@ -264,7 +262,4 @@ def executor_of(executor: Any = None, jobs: int | None = None) -> Executor:
         return dask_cluster(executor)
     if hasattr(executor, "outcomes"):
         return executor  # type: ignore[no-any-return]
-    raise SceneError(
-        f"executor: {executor!r} is none; expected a concurrent.futures.Executor, a Client or cluster of "
-        "dask.distributed, or the address of its scheduler"
-    )
+    raise SceneError(f"executor: {executor!r} is none; expected one of concurrent.futures, or of Dask")

@@ -123,20 +123,15 @@ class Judge:
             alone = {key: replace(About(), **{key: getattr(error, key)}) for key in given}
             guilty = [key for key in given if exact_of(self.measure, scene, alone[key]) is None] or given
             text = " and ".join(f"{key} = '{getattr(error, key)}'" for key in guilty)
-            raise self.at(
-                ("error", guilty[0]),
-                f"the scene '{scene.name}' has a {what} of {error.quantity}, but none for {text}; leave "
-                f"{' and '.join(guilty)} out, or take kind = 'finest'",
-            )
+            text = f"the scene '{scene.name}' has a {what} of {error.quantity}, but none for {text}"
+            advice = f"leave {' and '.join(guilty)} out, or take kind = 'finest'"
+            raise self.at(("error", guilty[0]), f"{text}; {advice}")
         others = [f"kind = '{known.kind}'"] if known is not None else []
         others += ["kind = 'finest'"] if self.measure.kind != "field" else []
         own = {"curve": ["a file with kind = 'reference'"], "number": ["a value with kind = 'reference'"]}
         others += own.get(self.measure.kind, [])
-        raise self.at(
-            ("error", "kind"),
-            f"the scene '{scene.name}' has no {what} for {error.quantity}; expected "
-            f"{' or '.join(others) or 'another quantity'}",
-        )
+        text = f"the scene '{scene.name}' has no {what} for {error.quantity}"
+        raise self.at(("error", "kind"), f"{text}; expected {' or '.join(others) or 'another quantity'}")
 
     def describe(self) -> str:
         """Return in words what errors are against."""
@@ -169,11 +164,8 @@ class Judge:
         }
         largest = max(sizes, key=sizes.__getitem__)
         if sizes[self.about.axis or "x"] < NEAR_ZERO * sizes[largest]:
-            raise self.at(
-                ("error", "axis"),
-                f"{self.says()} is nothing beside that along {largest}, and a relative error of it says "
-                f"nothing; expected '{largest}'",
-            )
+            text = f"{self.says()} is nothing beside that along {largest}; expected '{largest}'"
+            raise self.at(("error", "axis"), text)
 
     def judge(self, results: Results, succeeded: Mapping[Index, bool]) -> dict[Index, Judgement]:
         """Return the errors of all runs that succeeded."""
@@ -300,10 +292,8 @@ def _read_reference(error: ErrorTable, at: At, beside: Callable[[Any], Any]) -> 
     column = error.column or (others[0] if len(others) == 1 else None)
     if "time" not in columns or column not in others:
         target = f"'{error.column}'" if error.column else "one other (or error.column, which says which)"
-        raise at(
-            ("error", "column" if error.column else "file"),
-            f"{error.file} has the columns {', '.join(columns) or 'none'}; expected 'time' and {target}",
-        )
+        known = f"{error.file} has the columns {', '.join(columns) or 'none'}"
+        raise at(("error", "column" if error.column else "file"), f"{known}; expected 'time' and {target}")
     time, values = np.atleast_1d(table["time"]), np.atleast_1d(table[column])
     if len(time) < 2 or not np.all(np.diff(time) > 0.0) or not np.isfinite(values).all():
         raise at(("error", "file"), f"{error.file}: expected rising times, and a number in every row")

@@ -73,9 +73,7 @@ def _made(kind: Literal["measure", "reference"], name: str, base: type[Any]) -> 
     """Return an object of an announced class."""
     plugin = load(kind, name)
     if not issubclass(plugin, base):
-        raise SceneError(
-            f"{full_name(plugin)} is no {kind}; expected a class derived from mpmfw.api.{base.__name__}"
-        )
+        raise SceneError(f"{full_name(plugin)} is no {kind}; expected a subclass of {base.__name__}")
     return plugin()
 
 

@@ -135,9 +135,8 @@ class Store:
             for path in past:
                 path.unlink(missing_ok=True)
         except OSError as error:
-            raise MpmfwError(
-                f"cannot prune '{error.filename or self.folder}': {error.strerror or error}"
-            ) from error
+            name = error.filename or self.folder
+            raise MpmfwError(f"cannot prune '{name}': {error.strerror or error}") from error
         self._known.clear()
         return len(known - keep), len(keep), sum(past.values())
 

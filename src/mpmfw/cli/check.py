@@ -90,7 +90,7 @@ def check(
     expected = {check.name: table[check.name] for check in checks if check.name in table}
     with outputs_progress("checks") as tell:
         begun = itertools.count()
-        progress = tell and (lambda _: tell(next(begun), len(checks)))
+        progress: Any = tell and (lambda _: tell(next(begun), len(checks)))
         outcomes = examine(subject, checks, expected, pictures, progress, save)
     _print(f"{asked} {subject.label}", outcomes)
     if wrong := [outcome for outcome in outcomes if outcome.wrong]:

@@ -46,10 +46,8 @@ def _check_checkpoint(checkpoint: Path, path: Path, may_replace: bool) -> None:
     if is_foreign(str(checkpoint)):
         raise SceneError(f"{checkpoint}: is not a checkpoint of a run, for {path}; give another name")
     if not may_replace:
-        raise SceneError(
-            f"{checkpoint}: is the checkpoint of a run whose results are not there; give another name, or "
-            "--force to replace it"
-        )
+        text = f"{checkpoint}: is the checkpoint of a run whose results are not there"
+        raise SceneError(f"{text}; give another name, or --force to replace it")
 
 
 def result_path(output: Path | None, scene: Scene, kind: str, force: bool, **others: Path | None) -> Path:

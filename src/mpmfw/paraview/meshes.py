@@ -188,10 +188,7 @@ def facets_of(tree: xr.DataTree, body: str) -> IntArray:
         return np.stack([np.arange(len(following)), following], axis=1)
     made = triangles_of(tree, body)
     if made is None or made.max(initial=-1) + 1 != surface.sizes["surface_node"]:
-        raise MpmfwError(
-            f"surface of '{body}': the triangles of the file's scene do not fit the stored nodes; is a mesh "
-            "file that it names another one?"
-        )
+        raise MpmfwError(f"surface of '{body}': the scene's triangles do not fit; has a mesh file changed?")
     return made
 
 

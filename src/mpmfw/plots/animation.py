@@ -125,8 +125,5 @@ def check_movie(path: Path) -> str | None:
         with contextlib.suppress(ImportError, RuntimeError):  # absent, or without a binary for this system
             ffmpeg = str(importlib.import_module("imageio_ffmpeg").get_ffmpeg_exe())
     if ffmpeg is None:
-        raise SceneError(
-            f"{path}: ffmpeg, which writes .mp4, is not installed; pip install 'mpmfw[animate]' brings it, "
-            "and a .gif needs none"
-        )
+        raise SceneError(f"{path}: needs ffmpeg (pip install 'mpmfw[animate]'), which a .gif does not")
     return ffmpeg

@@ -54,9 +54,7 @@ class FieldPanel:
 
     def __init__(self, tree: xr.DataTree, name: str, bodies: Sequence[str] | None = None) -> None:
         if tree.sizes.get("axis") != 2:
-            raise SceneError(
-                "runs in 3D are drawn one at a time, on a plane; mpmfw export shows them in ParaView"
-            )
+            raise SceneError("runs in 3D are drawn one at a time, on a plane; or see mpmfw export")
         self.tree = tree
         self.bodies = bodies_of(tree, bodies)
         self.name = name

@@ -49,20 +49,17 @@ def figures_of(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
     if isinstance(reference, RollingReference):
         figures["motion"] = (
             motion([dataset]),
-            "Displacement, velocity and spin of the cylinder against the closed form, and displacement less "
-            "the closed form, without the runs whose cylinder sticks.",
+            "Displacement, velocity and spin of the cylinder, and displacement less the closed form.",
         )
     if isinstance(reference, RingsReference) and "contact_force" in dataset:
         figures["force"] = (
             contact_force(dataset),
-            "Contact force on the right ring: as stored, averaged over 100 µs, and its impulse, beside the "
-            "finite-element reference. The stored force is noisy in every method and not to be compared.",
+            "Contact force on the right ring: as stored (noisy), averaged over 100 µs, and its impulse.",
         )
     elif "outline" in dataset and np.isfinite(at_last(dataset)["outline"].values).any():
         figures["positions"] = (
             positions(dataset),
-            "Outlines at the first output (dashed) and at the last, at one scale; bodies that stand still "
-            "are grey. Of a cylinder the contact at the end is enlarged, over the cells.",
+            "Outlines at the first output (dashed) and at the last; bodies that stand still are grey.",
         )
     if not isinstance(reference, RollingReference) and "force" not in figures:
         figures |= _any_scene(dataset)
@@ -90,15 +87,10 @@ def _any_scene(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
         text = "Motion of the bodies that do not stand still, the furthest first."
         figures["motion"] = (scene.body_motion(dataset), text)
     if "contact_force" in dataset and scene.touching_pairs(dataset):
-        text = (
-            "Contact force of every pair that touches, mean over the output interval: across the surface and "
-            "along it."
-        )
+        text = "Contact force of every pair that touches, across the surface and along it."
         figures["forces"] = (scene.pair_forces(dataset), text)
     if "min_gap" in dataset and scene.near_pairs(dataset):
-        text = (
-            "Least distance between the outlines of every pair that comes near; negative where they overlap."
-        )
+        text = "Gap of every pair that comes near; negative where they overlap."
         figures["gaps"] = (scene.gap_history(dataset), text)
     if {"kinetic_energy", "strain_energy"} <= set(dataset.data_vars):
         text = "Energies of all bodies, and what contact has dissipated."
@@ -148,10 +140,8 @@ def plot_files(paths: Sequence[str | os.PathLike[str]], output: str | os.PathLik
     datasets = [series_of(open_results(path)) for path in paths]
     for path, dataset in zip(paths, datasets, strict=True):
         if "status" not in dataset or not isinstance(drawn_reference(dataset), RollingReference):
-            raise SceneError(
-                f"'{os.fspath(path)}' is no comparison of a rolling cylinder; plot other files one by one, "
-                "or side by side with --field or --series"
-            )
+            text = f"'{os.fspath(path)}' is no comparison of a rolling cylinder"
+            raise SceneError(f"{text}; plot other files one by one, or with --field or --series")
     return write_figure(motion(datasets), Path(output))
 
 

@@ -217,9 +217,7 @@ def _drawn(panels: Sequence[Panel], compared: xr.Dataset | None = None) -> Figur
 
 def _figure(panels: int) -> tuple[Figure, list[Any]]:
     if panels > _MOST:
-        raise SceneError(
-            f"{panels} panels would be needed, at most {_MOST} fit; choose a body, a pair or an axis"
-        )
+        raise SceneError(f"{panels} panels, of {_MOST} at most; choose a body, a pair or an axis")
     return new_panels(panels, 58.0 if panels <= 2 else 48.0)
 
 

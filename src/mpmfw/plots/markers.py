@@ -10,8 +10,7 @@ from matplotlib.transforms import offset_copy
 
 from mpmfw.state.fields import FloatArray
 
-#: Distance of two markers, as a share of the sum of their half sizes: at 1 circles touch, at 0.6 each can be
-#: told.
+#: Distance of two markers, as a share of the sum of their half sizes: at 1 circles touch.
 _SHARE = 0.6
 #: Shifts are multiples of this [pt].
 _STEP = 0.5

@@ -7,18 +7,10 @@ import math
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from mpmfw.plots.style import Look, dress, entry, journal_style, legend_below, new_panels
 from mpmfw.state.fields import FloatArray
-
-
-def _ticks(end: float) -> list[float]:
-    """Return three costs or more to label, from 1 to ``end``."""
-    steps = (1.0, 2.0, 5.0) if end > 4.0 else (1.0, 1.2, 1.5, 2.0, 2.5, 3.0)
-    decades = range(math.ceil(math.log10(end)) + 1) if end <= 200.0 else range(0)
-    ticks = [step * 10.0**power for power in decades for step in steps]
-    return [tick for tick in ticks if tick <= end] or [10.0**k for k in range(math.ceil(math.log10(end)) + 1)]
 
 
 @journal_style()
@@ -44,7 +36,7 @@ def profiles(ranking: xr.Dataset) -> Figure:
         axes.set_xscale("log")
         axes.set_xlim(0.95, end)
         axes.set_ylim(0.0, 102.0)
-        axes.xaxis.set_major_locator(FixedLocator(_ticks(end)))
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 1.5, 2.0, 3.0, 5.0)))
         axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axes.xaxis.set_minor_formatter(NullFormatter())
         ylabel = "problems and levels solved [%]" if axes in panels[::columns] else ""

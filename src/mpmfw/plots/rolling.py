@@ -19,10 +19,9 @@ WINDOW = 100e-6
 
 
 def motion(datasets: Sequence[xr.Dataset]) -> Figure:
-    """Displacement, velocity and spin of the cylinder, and its displacement less that of the closed form.
+    """Draw displacement, velocity and spin of the cylinder, and its displacement less the closed form.
 
-    The closed form (eq. 13 of [H17]) is black. Runs whose cylinder hardly moves are left out of the last
-    panel, where they would hide the others. A ValueError refuses comparisons of other scenes.
+    Runs whose cylinder hardly moves are left out of the last panel. A ValueError refuses other scenes.
     """
     comparisons = []
     for dataset in datasets:
@@ -52,11 +51,7 @@ def motion(datasets: Sequence[xr.Dataset]) -> Figure:
 
 
 def contact_force(dataset: xr.Dataset) -> Figure:
-    """Contact force of the rings as stored and averaged over 100 µs, and its impulse ([H17] figure 4).
-
-    The finite-element reference is drawn if the scene is the one it was computed for. Methods that report no
-    contact force, such as ``none``, are left out.
-    """
+    """Draw contact force of the rings as stored and averaged over 100 µs, and impulse ([H17] figure 4)."""
     time, table = dataset["time"].values, rings_table("force")
     force = -dataset["contact_force"].isel(pair=0).sel(axis="x")  # on the pair's second body
 

@@ -1,6 +1,4 @@
-"""Figures of a comparison on any scene: where its bodies went, what acted between them, and where its
-energy is.
-"""
+"""Figures of a comparison on any scene: motion, forces, gaps and energies."""
 
 from __future__ import annotations
 
@@ -15,8 +13,7 @@ from mpmfw.results.references import cell_size
 
 #: Bodies that move no further than this part of the largest motion stand still.
 _STILL = 1e-2
-#: Pairs and bodies of which a figure has a row; of more those with the largest forces, and that move
-#: furthest.
+#: Rows of a figure: the bodies that move farthest, the pairs with the largest forces.
 MOST = 6
 #: Top of the gap's history, in cells.
 LARGEST_GAP = 3.0

@@ -22,9 +22,8 @@ _LABELS = {"kappa": "stiffness factor κ [–]", "ratio": "stiffness of the seco
 def stability_figures(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
     """The one figure of a map: ``{name: (figure, caption)}``."""
     caption = (
-        f"Runs of {dataset.attrs['steps_asked']} steps: {dataset.attrs['bounds']}. Line: closed form of two "
-        "bodies in line. Circles: Gershgorin's bound, the least limit that the run at the smallest step met. "
-        "Dashes: the shape function's own Courant number, past which a step is refused whatever the springs."
+        f"Runs of {dataset.attrs['steps_asked']} steps: {dataset.attrs['bounds']}. Line: closed form. "
+        "Circles: Gershgorin's bound. Dashes: Courant number past which a step is refused."
     )
     return {"stability": (stability_chart(dataset), caption)}
 

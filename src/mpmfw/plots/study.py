@@ -28,9 +28,8 @@ def study_figures(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
     if (np.isfinite(dataset["error"]) & (dataset["error"] > 0) & np.isfinite(dataset["cpu_time"])).any():
         figures["front"] = (
             front(dataset),
-            "Error over CPU time; bars are the range of the repeats. The line joins the runs that no other "
-            "one beats in both, which are filled. Markers that would cover each other are moved up or down; "
-            f"a dot is their place. Timing: {timing}.{_failed(dataset)}",
+            "Error over CPU time with the range of the repeats. The line joins filled runs, which no other "
+            f"one beats in both. Moved markers have a dot. Timing: {timing}.{_failed(dataset)}",
         )
     if np.isfinite(dataset["stage_time"]).any():
         figures["stages"] = (stages(dataset), f"CPU time by stage of the step. Timing: {timing}.")

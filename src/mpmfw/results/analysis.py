@@ -84,13 +84,6 @@ def fitted_acceleration(time: FloatArray, displacement: FloatArray, start: float
     return float(2.0 * np.polyfit(scaled, displacement[inside], 2)[0] / (end - start) ** 2)
 
 
-def end_displacement_error(
-    time: FloatArray, displacement: FloatArray, acceleration: float, distance: float = 10.0
-) -> float:
-    """Return the relative error when the exact a t²/2 is ``distance`` [m]."""
-    return value_at(time, displacement, float(np.sqrt(2.0 * distance / acceleration))) / distance - 1.0
-
-
 def impulse(time: FloatArray, force: FloatArray) -> FloatArray:
     """Return the impulse (time, …) [N s/m] since the first output of a force (time, …) [N/m].
 

@@ -147,9 +147,8 @@ def check_results(path: str | os.PathLike[str]) -> None:
     try:
         netCDF4.Dataset(os.fspath(path)).close()
     except OSError as error:
-        raise SceneError(
-            f"{os.fspath(path)}: is no results' file ({_reason(os.fspath(path), error)})"
-        ) from error
+        name = os.fspath(path)
+        raise SceneError(f"{name}: is no results' file ({_reason(name, error)})") from error
 
 
 def tree_of(dataset: netCDF4.Dataset, *, load: bool = True) -> xr.DataTree:

@@ -53,15 +53,10 @@ def check_replaceable(path: str | os.PathLike[str], kind: str) -> None:
     try:
         os.fspath(path).encode()
     except UnicodeEncodeError as error:
-        raise SceneError(
-            f"{os.fspath(path)!r}: is not UTF-8, as the name of a NetCDF file must be; give another name"
-        ) from error
+        raise SceneError(f"{os.fspath(path)!r}: is not UTF-8, as a file's name must be") from error
     path = check_writable(Path(path))
     if path.is_file() and path.stat().st_size and kind_of_file(path) != kind:
-        raise SceneError(
-            f"{path}: is there already without results of kind '{kind}', so it is not replaced; give another "
-            "name"
-        )
+        raise SceneError(f"{path}: has no results of kind '{kind}', so it is not replaced")
 
 
 def check_new(path: Path, force: bool = False) -> Path:
@@ -80,12 +75,6 @@ def kind_of_file(path: Path) -> str | None:
         return None
 
 
-def unfinished(path: str | os.PathLike[str]) -> Path:
-    """Return a new name beside a file, for its successor."""
-    target = Path(os.path.realpath(path))
-    return target.with_name(f".{target.stem[:_REPEATED]}.{uuid.uuid4().hex}.part{target.suffix[:_REPEATED]}")
-
-
 def abandoned(path: str | os.PathLike[str]) -> list[Path]:
     """Return the unfinished files of killed processes."""
     target = Path(os.path.realpath(path))
@@ -100,12 +89,14 @@ def abandoned(path: str | os.PathLike[str]) -> list[Path]:
 @contextlib.contextmanager
 def replacement(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Context with the name of a file, which replaces ``path`` if all goes well."""
-    growing = unfinished(path)
+    target = Path(os.path.realpath(path))
+    name = f".{target.stem[:_REPEATED]}.{uuid.uuid4().hex}.part{target.suffix[:_REPEATED]}"
+    growing = target.with_name(name)
     try:
         yield growing
         with open(growing, "rb+") as file:
             os.fsync(file.fileno())
-        os.replace(growing, os.path.realpath(path))
+        os.replace(growing, target)
     except OSError as error:
         raise MpmfwError(f"cannot write '{os.fspath(path)}': {error.strerror or error}") from error
     finally:

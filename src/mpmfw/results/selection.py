@@ -44,9 +44,7 @@ def opened_run(results: Results) -> Iterator[xr.DataTree]:
         if not isinstance(found, xr.DataTree):
             where = f"{os.fspath(results)}: " if isinstance(results, str | os.PathLike) else ""
             kind = str(found.attrs.get("kind", "")) or "unknown"
-            raise SceneError(
-                f"{where}results of kind '{kind}' keep no frames; expected those of a run (mpmfw run)"
-            )
+            raise SceneError(f"{where}results of kind '{kind}' keep no frames; expected those of a run")
         yield found
 
 
@@ -108,10 +106,7 @@ def frame_at(tree: xr.DataTree, time: float | None = None) -> int:
         return len(times) - 1
     slack = 0.5 * float(np.median(np.diff(times))) if len(times) > 1 else 0.0
     if not times[0] - slack <= time <= times[-1] + slack:
-        raise SceneError(
-            f"no output at {time:g} s; expected a time from {times[0]:g} to {times[-1]:g} s "
-            f"({len(times)} outputs)"
-        )
+        raise SceneError(f"no output at {time:g} s; expected a time from {times[0]:g} to {times[-1]:g} s")
     return int(np.argmin(np.abs(times - time)))
 
 

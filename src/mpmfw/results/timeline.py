@@ -132,9 +132,7 @@ class Timeline:
             known.set_auto_maskandscale(False)
             return known
         if values.ndim != len(field.dims):
-            raise MpmfwError(
-                f"field '{self._path(field)}' has shape {values.shape}, declared dims {field.dims}"
-            )
+            raise MpmfwError(f"field '{self._path(field)}' has shape {values.shape}, dims {field.dims}")
         for dim, size in zip(field.dims, values.shape, strict=True):
             if _size(self.group, dim) is None:
                 self.group.createDimension(dim, size)

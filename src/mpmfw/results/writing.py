@@ -8,7 +8,6 @@ import math
 import os
 import time
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
@@ -18,7 +17,7 @@ import numpy as np
 from mpmfw.errors import MpmfwError
 from mpmfw.results.frame import Frame, RunHeader
 from mpmfw.results.reading import groups_of, read_run, tree_of
-from mpmfw.results.replacing import check_room
+from mpmfw.results.replacing import check_room, replace_bytes
 from mpmfw.results.timeline import Timeline
 from mpmfw.results.writers import claim, release
 from mpmfw.state.fields import AnyArray, Field
@@ -135,14 +134,6 @@ class RunWriter:
             reason = getattr(error, "strerror", None) or error
             raise MpmfwError(f"cannot write frame {frame} to '{self.path}': {reason}") from error
 
-    def take_place_of(self, path: str, descriptor: int | None) -> None:
-        """Take the name of a file that ``descriptor`` claimed."""
-        assert self.path is not None
-        self.flush()
-        os.replace(self.path, path)
-        release(descriptor)
-        self.path = path
-
     def finish(self, attributes: Mapping[str, Any]) -> None:
         """Add root attributes; ``status`` is ``ok`` by default."""
         self.flush()
@@ -185,10 +176,12 @@ class RunWriter:
             return netCDF4.Dataset("results.nc", "w", diskless=True, persist=False)
         try:
             self._lock = claim(self.path)
-            check_room(self.path, 0 if content is None else content.nbytes)
+            check_room(self.path, 0)
             if content is None:
                 return netCDF4.Dataset(self.path, "w")
-            Path(self.path).write_bytes(content.data)
+            replace_bytes(content.data, self.path)
+            release(self._lock)
+            self._lock = claim(self.path)
         except OSError as error:
             raise MpmfwError(f"cannot create '{self.path}': {error.strerror or error}") from error
         try:

@@ -14,7 +14,7 @@ import os
 import platform
 import time
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -26,8 +26,7 @@ from pydantic import BaseModel, Field
 from mpmfw.errors import MpmfwError, ResultsWarning, SceneError, is_complete
 from mpmfw.results import RunHeader, RunWriter, check_results
 from mpmfw.results.reading import is_hdf5
-from mpmfw.results.replacing import abandoned, replacement, unfinished
-from mpmfw.results.writers import claim, release
+from mpmfw.results.replacing import abandoned, replacement
 from mpmfw.runs.identity import code_of
 from mpmfw.scene.scene import Scene
 from mpmfw.scene.sources import Source
@@ -254,22 +253,11 @@ def _dependencies(scene: Scene, objects: Mapping[str, Any]) -> dict[str, str]:
     return {**code, "python": platform.python_version(), "processor": str(get_host_cpu_name())}
 
 
-@contextlib.contextmanager
-def rewritten(path: str, checkpoint: Checkpoint, header: RunHeader) -> Iterator[RunWriter]:
-    """Yield the writer of a new file of results, which holds the outputs up to the checkpoint.
+def rewritten(path: str, checkpoint: Checkpoint, header: RunHeader) -> RunWriter:
+    """Return the writer of a file of results, which begins as it was at the checkpoint.
 
-    The file then replaces the old one. Raise SceneError if the outputs are damaged or another run writes the
-    file."""
-    part = str(unfinished(path))
-    with contextlib.ExitStack() as undo:
-        try:
-            descriptor = claim(path)
-            undo.callback(release, descriptor)
-            undo.callback(Path(part).unlink, missing_ok=True)
-            writer = RunWriter(part, header, checkpoint.results)
-        except (MpmfwError, OSError) as error:
-            raise SceneError(f"{path}: cannot go on from the checkpoint beside it: {error}") from error
-        writer.take_place_of(path, descriptor)
-        undo.pop_all()
-    with writer:
-        yield writer
+    Raise SceneError if the outputs are damaged or another run writes the file."""
+    try:
+        return RunWriter(path, header, checkpoint.results)
+    except (MpmfwError, OSError) as error:
+        raise SceneError(f"{path}: cannot go on from the checkpoint beside it: {error}") from error

@@ -167,19 +167,15 @@ def _known(scene: Scene, name: str | None, about: About) -> tuple[Measure, str]:
         measure = measure_of(name)
         exact = exact_of(measure, scene, about)
         if exact is None and measure.kind == "field":
-            raise SceneError(
-                f"measure {name}: is a field; expected a number or a curve, without a closed form"
-            )
+            raise SceneError(f"measure {name}: is a field; expected a number or a curve")
         return measure, "finest" if exact is None else exact.kind
     names = [*MEASURES, *(name for name in names_of_measures() if name not in MEASURES)]
     for one in map(measure_of, names):
         if (exact := exact_of(one, scene, about)) is not None:
             return one, exact.kind
     others = ", ".join(one for one in sorted(names) if measure_of(one).kind != "field")
-    raise SceneError(
-        f"the scene '{scene.name}' has no closed form or reference, so that it does not say what an error is "
-        f"of; expected [reference] kind = …, or a measure: one of {others}"
-    )
+    text = f"the scene '{scene.name}' has no closed form or reference"
+    raise SceneError(f"{text}; expected [reference] kind = …, or a measure: one of {others}")
 
 
 def _sizes(own: float, coarsest: Any, finest: Any) -> list[float]:
@@ -205,7 +201,5 @@ def _check_lengths(scene: Scene) -> None:
         }
         for key, (size, of_twin) in sizes.items():
             if size is not None and size == of_twin:
-                raise SceneError(
-                    f"bodies.{name}.{key}: is {size:g} m at every cell size, so that finer cells would be "
-                    f'another discretisation; expected cells, such as "{size / own:g} cells"'
-                )
+                text = f"bodies.{name}.{key}: is {size:g} m at every cell size"
+                raise SceneError(f'{text}; expected cells, such as "{size / own:g} cells"')

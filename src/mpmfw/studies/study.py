@@ -116,9 +116,8 @@ def relative_error(given: float | str, name: str = "under") -> float:
     A SceneError refuses others; a bare number of 1 or more was meant in per cent."""
     limit = positive(name, given, "1", "a relative error such as 0.01 or '1 %'")
     if limit >= 1.0 and "%" not in str(given):
-        raise SceneError(
-            f"{name} {given}: is an error of {100.0 * limit:g} %; expected '{given} %' or {limit / 100.0:g}"
-        )
+        text = f"{name} {given}: is an error of {100.0 * limit:g} %"
+        raise SceneError(f"{text}; expected '{given} %' or {limit / 100.0:g}")
     return limit
 
 
