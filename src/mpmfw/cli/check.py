@@ -24,7 +24,7 @@ from mpmfw.errors import MpmfwError, SceneError
 
 if TYPE_CHECKING:
     from mpmfw.plugin.discovery import Kind
-    from mpmfw_testing import Outcome
+    from mpmfw_testing import Check, Outcome
 
 
 def check(
@@ -90,7 +90,11 @@ def check(
     expected = {check.name: table[check.name] for check in checks if check.name in table}
     with outputs_progress("checks") as tell:
         begun = itertools.count()
-        progress: Any = tell and (lambda _: tell(next(begun), len(checks)))
+
+        def progress(_: Check) -> None:
+            if tell is not None:
+                tell(next(begun), len(checks))
+
         outcomes = examine(subject, checks, expected, pictures, progress, save)
     _print(f"{asked} {subject.label}", outcomes)
     if wrong := [outcome for outcome in outcomes if outcome.wrong]:
