@@ -10,10 +10,7 @@ settings.load_profile("tests")
 
 
 def pytest_collection_finish():
-    """Let the collector of garbage leave alone what stays to the end, and come less often.
-
-    Compilation makes a great many small objects, for each few hundred of which it would go through modules
-    and tests as well: seven percent of all time."""
+    """Let the collector of garbage leave alone what stays to the end: it took seven percent of all time."""
     gc.collect()
     gc.freeze()
     gc.set_threshold(100_000, 20, 20)

@@ -177,9 +177,7 @@ def rows_of(loops, found, *, across=False, ties=True, friction=True, tilts=False
 
 
 def history_of(loops, found, old_master=None, old_tangential=None):
-    """Rows of a last step with the same normals: bodies touched and tangential forces along e_t, (n, slots)
-    each.
-    """
+    """Rows of a last step with the same normals: bodies touched and forces along e_t, (n, slots) each."""
     old = rows_of(loops, empty_candidates(len(loops.body), 1))
     kept = []
     for s, j in zip(*np.nonzero([] if old_master is None else old_master >= 0), strict=True):
@@ -234,8 +232,7 @@ def whole_of(rows):
 
 
 class OneNode:
-    """The tip of a triangle (node 0) on the top of a flat body at y = 0, moved by hand, with its friction
-    history."""
+    """The tip of a triangle (node 0) on the top of a flat body at y = 0, moved by hand."""
 
     def __init__(self, law, x=0.05, y=0.01):
         tip = np.array([[x, y], [x + 0.2, y + 1.0], [x - 0.2, y + 1.0]])

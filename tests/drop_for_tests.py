@@ -1,6 +1,4 @@
-"""A disc dropped on a floor, a scene of a second that goes through contact: for tests of what reads
-results.
-"""
+"""A disc dropped on a floor, which goes through contact: for tests of what reads results."""
 
 from __future__ import annotations
 

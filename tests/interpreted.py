@@ -1,6 +1,4 @@
-"""Kernels as Python runs them, with other constants: what numba has compiled keeps those that it was compiled
-with.
-"""
+"""Kernels as Python runs them, with constants other than those that numba has compiled."""
 
 from __future__ import annotations
 

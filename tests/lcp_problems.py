@@ -11,9 +11,7 @@ DT = 0.1
 
 
 def problem(seed, dim, count=30, *, couples=False, tilts=False, friction=0.0, nodes=40):
-    """Rows between two bodies of ``nodes`` grid nodes each, that share them, with random normals about one
-    axis.
-    """
+    """Rows between two bodies of ``nodes`` grid nodes each, with random normals about one axis."""
     rng = np.random.default_rng(seed)
     own = Lcp().row_arrays(friction=True)
     rows = ContactRows(dim, couples=couples, tilts=tilts, own=own)

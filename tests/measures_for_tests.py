@@ -1,5 +1,4 @@
-"""What tests measure on a simulation, written independently of the series that runs record; and a known
-torque."""
+"""Measures on a simulation, written independently of the series that runs record; and a known torque."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""The options that a scene and the bundled plug-ins have, and the digest of a run by which two values are
-told apart.
-"""
+"""The options that a scene and the bundled plug-ins have, and the digest of a run."""
 
 from __future__ import annotations
 

@@ -24,8 +24,7 @@ def with_changes(scene: dict[str, Any], **changes: Any) -> dict[str, Any]:
 def one_body(
     geometry: dict[str, Any], *, size: float, layout: str = "lattice", **changes: Any
 ) -> dict[str, Any]:
-    """A free body called ``solid`` of a soft Neo-Hookean material, in a grid of cells of 0.25 m round the
-    origin."""
+    """A free Neo-Hookean body called ``solid``, in cells of 0.25 m round the origin."""
     dim = 2 if geometry["type"] in ("disc", "ring", "rectangle", "polygon", "mesh") else 3
     scene = {
         "grid": {"cell_size": 0.25, "lower": [-2.0] * dim, "upper": [2.0] * dim},

@@ -53,9 +53,7 @@ COMMANDS = {"run": ("plot", "animate", "export"), "compare": ("plot",)}
 
 
 def make(folder: Path) -> None:
-    """Write sound files: a run that was interrupted with its checkpoint, a run that ended, a comparison and
-    its store.
-    """
+    """Write sound files: a stopped run with its checkpoint, one that ended, a comparison with its store."""
 
     def stop(time: float, steps: int) -> None:  # noqa: ARG001
         os.kill(os.getpid(), signal.SIGINT)

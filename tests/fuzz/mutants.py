@@ -1,7 +1,4 @@
-"""Mutants of scenes: what a slip of the pen, another program or ill will makes of a valid one.
-
-Each comes from a seed and a number alone, so that one that fails can be made again.
-"""
+"""Mutants of scenes: what slips and ill will make of a valid one, each from a number alone."""
 
 from __future__ import annotations
 

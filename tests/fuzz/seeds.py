@@ -2,155 +2,86 @@
 
 from __future__ import annotations
 
+import functools
 from typing import Any
 
-_HEAD = """
-[grid]
-cell_size = 0.5
-lower = [-2.0, -1.5]
-upper = [3.0, "2500 mm"]
+from mpmfw.scene.toml_text import toml_text
+from scenes_for_tests import one_body, with_changes
 
-[time]
-end = "1 ms"
-output_interval = 5e-4
-safety = 0.4
-
-[shape]
-method = "{shape}"
-
-[materials.soft]
-model = "neo_hookean"
-density = "1 g/cm^3"
-bulk_modulus = "1 MPa"
-shear_modulus = 5e5
-"""
-
-_TWO = """
-[stepping]
-scheme = "auto"
-transfer = "auto"
-
-[contact]
-method = "{contact}"
-friction = 0.1
-
-[[contact.pairs]]
-bodies = ["upper", "floor"]
-friction = 0.3
-
-[materials.hard]
-model = "linear_elastic"
-density = 2000.0
-bulk_modulus = 2e6
-shear_modulus = 1e6
-
-[bodies.upper]
-material = "soft"
-geometry = {{ type = "disc", centre = [0.2, 0.61], radius = 0.5 }}
-particles = {{ layout = "lattice", size = "0.5 cells", offset = [0.1, 0.2] }}
-velocity = [1.0, -2.0]
-angular_velocity = 3.0
-
-[bodies.floor]
-material = "hard"
-geometry = {{ type = "rectangle", lower = [-1.0, -0.5], upper = [1.5, 0.1] }}
-particles = {{ layout = "fitted", size = "0.5 cells" }}
-segment = "0.25 cells"
-rotation = "lumped"
-sides = [{{ side = "bottom", fixed = true }}, {{ side = "right", velocity = [0.0, "free"] }}]
-
-[gravity]
-magnitude = 9.81
-tilt = "30 deg"
-
-[output]
-gap = true
-particles = true
-surface = true
-energy = true
-ledger = true
-stability = true
-"""
-
-_ONE = """
-title = "A ring that settles"
-allow_unstable = true
-allow_overlap = true
-
-[stepping]
-transfer = "flip"
-pic_fraction = 0.01
-
-[bodies.ring]
-material = "soft"
-geometry = { type = "ring", centre = [0.5, 0.5], inner_radius = 0.4, outer_radius = 0.8 }
-particles = { size = 0.25 }
-
-[gravity]
-table = [[0.0, 0.0, -9.81], [1.0, 1.0, 0.0]]
-
-[settle]
-tolerance = 0.5
-max_time = "1 ms"
-gravity = { vector = [0.0, -5.0] }
-"""
-
-_SPACE = """
-[grid]
-cell_size = 0.5
-lower = [-1.5, -1.5, -1.5]
-upper = [1.5, 1.5, 1.5]
-
-[time]
-end = 1e-3
-output_interval = 1e-3
-step = 1e-4
-
-[shape]
-method = "linear"
-
-[stepping]
-transfer = "tpic"
-
-[materials.soft]
-model = "neo_hookean"
-density = 1000
-bulk_modulus = "1 MPa"
-shear_modulus = "0.5 MPa"
-
-[bodies.ball]
-material = "soft"
-geometry = { type = "ball", centre = [0.03, 0.04, 0.05], radius = 0.6 }
-particles = { size = 0.4 }
-velocity = [0, 0, 1]
-angular_velocity = [0, 1, 0]
-"""
-
-_PLATE = """
-[bodies.plate]
-material = "soft"
-geometry = { type = "polygon", points = [[0, 0], [1, 0], [1, 1], [0, 1]], holes = [[[0.4, 0.4], [0.6, 0.4], [0.5, 0.6]]] }
-particles = { size = 0.3 }
-sides = [{ side = "left", fixed = ["x"] }]
-
-[gravity]
-vector = [1.0, "-9.81 m/s^2"]
-"""  # noqa: E501
+SOFT = {"model": "neo_hookean", "density": "1 g/cm^3", "bulk_modulus": "1 MPa", "shear_modulus": 5e5}
+HARD = {"model": "linear_elastic", "density": 2000.0, "bulk_modulus": 2e6, "shear_modulus": 1e6}
 
 
+def scene(geometry: dict[str, Any], shape: str, **changes: Any) -> dict[str, Any]:
+    """A body of a few points in cells of half a metre, for two outputs."""
+    time = {"end": "1 ms", "output_interval": 5e-4, "safety": 0.4}
+    made = one_body(geometry, size=0.25, shape__method=shape, materials__soft=SOFT, time=time)
+    return with_changes(made, grid__cell_size=0.5, **changes)
+
+
+def two(contact: str, shape: str) -> dict[str, Any]:
+    """A disc on a floor, with most of what two bodies may have."""
+    disc = {"type": "disc", "centre": [0.2, 0.61], "radius": 0.5}
+    floor = {"type": "rectangle", "lower": [-1.0, -0.5], "upper": [1.5, 0.1]}
+    made = scene(
+        disc,
+        shape,
+        grid={"cell_size": 0.5, "lower": [-2.0, -1.5], "upper": [3.0, "2500 mm"]},
+        stepping={"scheme": "auto", "transfer": "auto"},
+        contact={"method": contact, "friction": 0.1},
+        contact__pairs=[{"bodies": ["solid", "floor"], "friction": 0.3}],
+        materials__hard=HARD,
+        bodies__solid__particles={"layout": "lattice", "size": "0.5 cells", "offset": [0.1, 0.2]},
+        bodies__solid__velocity=[1.0, -2.0],
+        bodies__solid__angular_velocity=3.0,
+        gravity={"magnitude": 9.81, "tilt": "30 deg"},
+        output=dict.fromkeys(("gap", "particles", "surface", "energy", "ledger", "stability"), True),
+    )
+    sides = [{"side": "bottom", "fixed": True}, {"side": "right", "velocity": [0.0, "free"]}]
+    made["bodies"]["floor"] = {
+        "material": "hard",
+        "geometry": floor,
+        "particles": {"layout": "fitted", "size": "0.5 cells"},
+        "segment": "0.25 cells",
+        "rotation": "lumped",
+        "sides": sides,
+    }
+    return made
+
+
+HOLE = [[0.4, 0.4], [0.6, 0.4], [0.5, 0.6]]
+SEEDS = {
+    "penalty": two("penalty", "cpdi"),
+    "bardenhagen": two("bardenhagen", "bspline"),
+    "one": scene(
+        {"type": "ring", "centre": [0.5, 0.5], "inner_radius": 0.4, "outer_radius": 0.8},
+        "linear",
+        title="A ring that settles",
+        allow_unstable=True,
+        allow_overlap=True,
+        stepping={"transfer": "flip", "pic_fraction": 0.01},
+        gravity={"table": [[0.0, 0.0, -9.81], [1.0, 1.0, 0.0]]},
+        settle={"tolerance": 0.5, "max_time": "1 ms", "gravity": {"vector": [0.0, -5.0]}},
+    ),
+    "plate": scene(
+        {"type": "polygon", "points": [[0, 0], [1, 0], [1, 1], [0, 1]], "holes": [HOLE]},
+        "gimp",
+        bodies__solid__sides=[{"side": "left", "fixed": ["x"]}],
+        gravity={"vector": [1.0, "-9.81 m/s^2"]},
+    ),
+    "space": scene(
+        {"type": "ball", "centre": [0.03, 0.04, 0.05], "radius": 0.6},
+        "linear",
+        time={"end": 1e-3, "output_interval": 1e-3, "step": 1e-4},
+        stepping={"transfer": "tpic"},
+        bodies__solid__particles={"size": 0.4},
+        bodies__solid__velocity=[0, 0, 1],
+        bodies__solid__angular_velocity=[0, 1, 0],
+    ),
+}
+
+
+@functools.cache
 def seeds() -> list[tuple[str, str]]:
     """Name and TOML text of every seed."""
-
-    def head(shape: str) -> str:
-        return _HEAD.format(shape=shape)
-
-    found: dict[str, Any] = {
-        "penalty": head("cpdi") + _TWO.format(contact="penalty"),
-        "bardenhagen": head("bspline") + _TWO.format(contact="bardenhagen"),
-        "one": "\n".join(
-            [_ONE[: _ONE.index("[stepping]")], head("linear"), _ONE[_ONE.index("[stepping]") :]]
-        ),
-        "plate": head("gimp") + _PLATE,
-        "space": _SPACE,
-    }
-    return list(found.items())
+    return [(name, toml_text(mapping)) for name, mapping in SEEDS.items()]

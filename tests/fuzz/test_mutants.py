@@ -14,7 +14,7 @@ from unittest import mock
 import numpy as np
 import pytest
 from mutants import mutant
-from seeds import seeds
+from seeds import SEEDS, seeds
 
 import mpmfw
 from mpmfw.errors import MpmfwError, ResultsWarning, SceneError
@@ -23,6 +23,8 @@ from mpmfw.runs import sizing
 from mpmfw.runs.limits import check_length
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
+from mpmfw.scene.toml_text import toml_text
+from scenes_for_tests import with_changes
 
 #: How many, and the first: ``MPMFW_MUTANTS=100000`` is the long form.
 MUTANTS, FIRST = int(os.environ.get("MPMFW_MUTANTS", "1000")), int(os.environ.get("MPMFW_FIRST", "0"))
@@ -153,11 +155,10 @@ def test_a_scene_s_file_names_no_file_outside_its_folder(path, tmp_path, monkeyp
     (tmp_path / "secret.msh").write_text("a secret")
     (folder / "link.msh").symlink_to(tmp_path / "secret.msh")
     monkeypatch.chdir(folder)
-    text = dict(seeds())["plate"]
-    geometry = next(line for line in text.splitlines() if line.startswith("geometry"))
     scene = folder / "s.toml"
-    scene.write_text(text.replace(geometry, f'geometry = {{ type = "mesh", path = "{path}" }}'))
+    mesh = {"type": "mesh", "path": path}
+    scene.write_text(toml_text(with_changes(SEEDS["plate"], bodies__solid__geometry=mesh)))
     with pytest.raises(SceneError, match=r"neither in the scene's folder, .*, nor in the working folder"):
         load_scene(scene)
     with pytest.raises(SceneError, match=r"not found|is not a gmsh mesh"):
-        load_scene(scene, set={"bodies.plate.geometry.path": str(Path(path).absolute())})
+        load_scene(scene, set={"bodies.solid.geometry.path": str(Path(path).absolute())})

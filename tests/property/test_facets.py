@@ -24,9 +24,7 @@ def closest(x, corners, share, spacing):
 
 
 def facet(dim, rng):
-    """Corners of a facet that is not too thin, and a point: anywhere, or across a side, a corner or the face
-    of it.
-    """
+    """Corners of a facet that is not too thin, and a point anywhere, or across a part of it."""
     while True:
         corners = rng.normal(size=(dim, dim))
         edges = corners - np.roll(corners, 1, axis=0)
@@ -49,9 +47,7 @@ def found(x, corners):
 @settled
 @given(seed=seeds)
 def test_no_point_of_the_facet_is_closer(dim, seed):
-    """Of a convex set c is the closest point to x if and only if (x − c)·(y − c) ≤ 0 for every y of it, so
-    every corner.
-    """
+    """c is the closest point of a convex set if and only if (x − c)·(y − c) ≤ 0 for every corner y."""
     rng = np.random.default_rng(seed)
     corners, x = facet(dim, rng)
     share, square = found(x, corners)
@@ -77,24 +73,6 @@ def test_a_rigid_motion_moves_the_closest_point_along(dim, seed):
     moved, moved_square = found(x @ turn + shift, corners @ turn + shift)
     np.testing.assert_allclose(moved @ corners, share @ corners, atol=1e-10 * (1.0 + np.abs(corners).max()))
     assert moved_square == pytest.approx(square, rel=1e-9, abs=1e-13)
-
-
-def test_the_regions_of_a_triangle_have_exact_coordinates():
-    corners = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
-    cases = {
-        (-1.0, -1.0): (1, 0, 0),
-        (2.0, -0.5): (0, 1, 0),
-        (-0.5, 2.0): (0, 0, 1),
-        (0.25, -1.0): (0.75, 0.25, 0),
-        (-1.0, 0.25): (0.75, 0, 0.25),
-        (1.0, 1.0): (0, 0.5, 0.5),
-        (0.25, 0.25): (0.5, 0.25, 0.25),
-        (0.0, 0.0): (1, 0, 0),
-        (0.5, 0.0): (0.5, 0.5, 0),
-    }
-    for (x, y), expected in cases.items():
-        share, _ = found(np.array([x, y, 0.7]), corners)
-        assert tuple(share) == expected, (x, y)
 
 
 @both
@@ -131,9 +109,7 @@ def crumpled(rng):
 
 
 def winding(x, nodes, facets):
-    """Solid angle of a closed surface as seen from x, over 4 π: 1 inside, 0 outside (Van Oosterom & Strackee,
-    1983).
-    """
+    """Solid angle of a closed surface as seen from x, over 4 π (Van Oosterom & Strackee, 1983)."""
     a, b, c = (nodes[facets[:, k]] - x for k in range(3))
     la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
     top = np.einsum("nd,nd->n", a, np.cross(b, c))
@@ -144,9 +120,7 @@ def winding(x, nodes, facets):
 @settings(max_examples=20)
 @given(seed=seeds)
 def test_the_pseudo_normal_tells_inside_from_outside(seed):
-    """Of the closest facet of a crumpled surface, against the solid angle; many of the closest points are
-    edges and corners.
-    """
+    """Against the solid angle of a crumpled surface; many of the closest points are edges and corners."""
     rng = np.random.default_rng(seed)
     nodes, facets = crumpled(rng)
     surface, spacing = surface_of(nodes, facets), (1.0, 1.0, 1.0)
@@ -158,17 +132,6 @@ def test_the_pseudo_normal_tells_inside_from_outside(seed):
         assert abs(gap) == pytest.approx(np.sqrt(squares[m]), rel=1e-7)
         assert (gap < 0.0) == (winding(x, nodes, facets) > 0.5)
         np.testing.assert_allclose(share @ nodes[facets[m]] + gap * normal, x, atol=1e-12)
-
-
-def test_some_of_those_closest_points_are_edges_and_corners():
-    rng = np.random.default_rng(1)
-    nodes, facets = crumpled(rng)
-    zeros = {0: 0, 1: 0, 2: 0}
-    for x in rng.uniform(-1.4, 1.4, (100, 3)):
-        m = int(np.argmin([squared_distance(x, nodes[corners], (1.0,) * 3) for corners in facets]))
-        share, _ = found(x, nodes[facets[m]])
-        zeros[int((share == 0.0).sum())] += 1
-    assert min(zeros.values()) > 0
 
 
 @settings(max_examples=10)

@@ -1,6 +1,4 @@
-"""The contact search sleeps while bodies are apart and misses nothing when they come near: against brute
-force.
-"""
+"""The contact search sleeps while bodies are apart, and misses nothing: against brute force."""
 
 from __future__ import annotations
 
@@ -29,9 +27,7 @@ def discs() -> Simulation:
 
 
 def signed_gaps(points: np.ndarray, outline: np.ndarray) -> np.ndarray:
-    """Distance of every point to the nearest of all segments, negative inside: no boxes, no cells, no
-    lists.
-    """
+    """Distance of every point to the nearest of all segments, negative inside."""
     start, end = outline, np.roll(outline, -1, axis=0)
     along = end - start
     offset = points[:, None] - start
@@ -53,9 +49,7 @@ def faces(sim: Simulation, node: int, other: np.ndarray) -> bool:
 
 
 def check_step(sim: Simulation) -> tuple[float, bool]:
-    """Search, and compare with brute force; return the deepest node's gap [m] and whether the search was
-    awake.
-    """
+    """Search, and compare with brute force; return the deepest gap [m] and True if the search was awake."""
     surface, contact = sim.state.surface, sim.contact.detection
     awake = contact.near.update()
     contact.count = contact._search()

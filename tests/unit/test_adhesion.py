@@ -40,9 +40,7 @@ OFF = {"surfaces": 0.04, "midplane": 0.01}
 
 @pytest.mark.parametrize("contact", OFF)
 def test_a_flat_punch_is_pulled_off_by_traction_times_area(contact):
-    """The upper block is drawn up by its top; the force between the blocks comes to σ_0 A, and then there is
-    none.
-    """
+    """The upper block is drawn up by its top; the force comes to σ_0 A, and then there is none."""
     blocks = {
         "punch": rectangle(
             [-0.5 * WIDTH, 0.0],

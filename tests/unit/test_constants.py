@@ -1,6 +1,4 @@
-"""Every constant that contact and effects have is tested by its name: nobody need ask what it is for, or what
-breaks.
-"""
+"""Every constant that contact and effects have is tested by its name."""
 
 from __future__ import annotations
 

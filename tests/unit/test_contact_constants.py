@@ -1,4 +1,4 @@
-"""What each constant of the search on surfaces is for: which way it fails where it is smaller or larger."""
+"""Constants of the search on surfaces: each with another value, and a measure that fails with it."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from numba import njit
 
 import contact_kernels
 from contact_kernels import PLANE, empty_candidates, flat, join, star
@@ -14,13 +15,12 @@ from interpreted import interpreted
 from mpmfw.api import SimulationError
 from mpmfw.contact import nodes, parts
 from mpmfw.contact.events import FEWEST_STEPS
-from mpmfw.contact.nodes import LEAST_MASS
-from mpmfw.contact.surfaces import search
+from mpmfw.contact.surfaces import covering, search
 from mpmfw.contact.surfaces.assembly import equally_close
 from mpmfw.contact.surfaces.detection import THIN
 from mpmfw.contact.surfaces.outline import distance_to
-from mpmfw.contact.surfaces.search import FLUSH, LEAST_COSINE, ROUNDING, opposes
-from mpmfw.contact.surfaces.tracking import THROUGH, find_crossings, keep_inside
+from mpmfw.contact.surfaces.search import opposes
+from mpmfw.contact.surfaces.tracking import find_crossings, keep_inside
 from mpmfw.kernels.boxes import BLOCK
 from mpmfw.kernels.surfaces import minimum_gap, node_normal
 from mpmfw.runs.simulation import Simulation
@@ -45,96 +45,213 @@ def turned(points, angle):
     return np.asarray(points, dtype=float) @ np.array([[c, s], [-s, c]])
 
 
-def found_with(monkeypatch, loops, **constants):
-    """Candidates of the search with other constants."""
-    compiled = search.find_candidates
-    monkeypatch.setattr(search, "find_candidates", interpreted(compiled, **constants))
-    found = contact_kernels.find(loops, h=H)
-    monkeypatch.setattr(search, "find_candidates", compiled)
-    return found
-
-
-def outline_normal(loops, s):
-    """Sum of the unit normals of node s' segments."""
-    normal = np.zeros(2)
-    interpreted(node_normal)(s, loops.outline, normal, PLANE)
-    return normal
+def found_with(loops, **constants):
+    """Candidates of the search."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(search, "find_candidates", interpreted(search.find_candidates, **constants))
+        return contact_kernels.find(loops, h=H)
 
 
 def count_that_face(loops, s, facets, **constants):
-    """How many of the facets face node s."""
-    facing = interpreted(opposes, **constants)
-    looks, outline = outline_normal(loops, s), loops.outline
-    return sum(bool(facing(looks, m, outline, PLANE)) for m in facets)
+    """How many of the facets face node s, by the sum of the unit normals of its own."""
+    facing, looks = interpreted(opposes, **constants), np.zeros(2)
+    interpreted(node_normal)(s, loops.outline, looks, PLANE)
+    return sum(bool(facing(looks, m, loops.outline, PLANE)) for m in facets)
 
 
-def test_without_a_least_cosine_rounding_decides_whether_sides_at_right_angles_face_each_other():
-    decided = {LEAST_COSINE: set(), 0.0: set()}
-    for angle in np.linspace(0.01, 1.5, 40):
-        loops = join([turned(block(0.0, 0.0, 1.0, 1.0, 0.25), angle)])
-        for cosine, seen in decided.items():  # node 2 is on the bottom, facets 4 to 7 are the right side
-            seen.add(count_that_face(loops, 2, range(4, 8), LEAST_COSINE=cosine))
-    assert decided[LEAST_COSINE] == {0}
-    assert len(decided[0.0]) > 1
+def right_angles(**constants):
+    """How many facets of a block's side its bottom faces, at many angles: rounding must not decide."""
+    angles, square = np.linspace(0.01, 1.5, 40), block(0.0, 0.0, 1.0, 1.0, 0.25)
+    return {count_that_face(join([turned(square, a)]), 2, range(4, 8), **constants) for a in angles}
 
 
-def test_with_a_large_least_cosine_the_sides_of_a_thin_wedge_face_nothing():
-    """Of one of 10°, whose sides are at 85° to what it is pressed into."""
+def wedge(**constants):
+    """How many sides of a wedge of 10° face what it is pressed into."""
     half = math.tan(math.radians(5.0))
     loops = join([flat(-1.0, 1.0, -1.0, 0.0, 4), [[0.0, 0.0], [half, 1.0], [-half, 1.0]]])
-    top, sides = 6, (10, 12)  # a node of the flat body's top
-    assert outline_normal(loops, top) == pytest.approx([0.0, 2.0])
-    assert count_that_face(loops, top, sides, LEAST_COSINE=LEAST_COSINE) == 2
-    assert count_that_face(loops, top, sides, LEAST_COSINE=0.1) == 0
+    return count_that_face(loops, 6, (10, 12), **constants)
 
 
-def pressed(depth=0.02 * H, shift=0.02 * SEGMENT):
-    """Two blocks of equal width, the upper one in the lower by a depth, and beside it by next to nothing."""
-    return join([block(-0.5, -0.5, 0.5, 0.0), block(shift - 0.5, -depth, shift + 0.5, 0.5)])
+def flush(**constants):
+    """Part of the nodes of two flush faces, corners included, that lie in the other face."""
+    depth, shift = 0.02 * H, 0.02 * SEGMENT
+    loops = join([block(-0.5, -0.5, 0.5, 0.0), block(shift - 0.5, -depth, shift + 0.5, 0.5)])
+    found = found_with(loops, **constants)
+    on_face = loops.position[:, 1] == np.where(loops.body == 1, -depth, 0.0)
+    carried = (found.facet[:, 0] >= 0) & (np.abs(found.normal[:, 0, 1]) > 0.1) & (found.gap[:, 0] < 0.0)
+    return (on_face & carried).sum() / (2 * (round(1.0 / SEGMENT) + 1))
 
 
-def carrying(loops, found):
-    """How many nodes of the two faces, corners included, have a candidate that lies in the other face."""
-    number = 0
-    for s in range(len(loops.body)):
-        level = -0.02 * H if loops.body[s] == 1 else 0.0
-        m = found.facet[s, 0]
-        if loops.position[s, 1] == level and m >= 0:
-            number += abs(found.normal[s, 0, 1]) > 0.1 and found.gap[s, 0] < 0.0
-    return number
+def beside(**constants):
+    """How many nodes of a wide face beside a narrow block that is deep in it are held as if within."""
+    loops = join([block(-0.5, -0.5, 0.5, 0.0), block(-1.01, -0.2 * H, 0.99, 0.5)])
+    found = found_with(loops, **constants)
+    outside = (loops.body == 1) & (np.abs(loops.position[:, 0]) > 0.5 + search.FLUSH * SEGMENT)
+    return int(((found.facet[:, 0] >= 0) & (found.gap[:, 0] < 0.0) & outside).sum())
 
 
-def test_all_of_two_flush_faces_carries_their_corners_included(monkeypatch):
-    """Without turning far enough, or where next to nothing beside is no longer flush, corners carry
-    nothing.
-    """
-    loops, whole = pressed(), 2 * (round(1.0 / SEGMENT) + 1)
-    assert carrying(loops, contact_kernels.find(loops, h=H)) == whole
-    assert carrying(loops, found_with(monkeypatch, loops)) == whole
-    assert carrying(loops, found_with(monkeypatch, loops, ROUND_THE_CORNER=0.01)) < whole
-    assert carrying(loops, found_with(monkeypatch, loops, FLUSH=0.0)) < whole
+def end_to_end(**constants):
+    """Depth of two thin sheets that overlap by 1.5 segments, over that overlap."""
+    overlap, thickness = 1.5 * SEGMENT, 0.5 * H
+    loops = join([block(-1.0, 0.0, 0.0, thickness), block(-overlap, 0.0, 1.0 - overlap, thickness)])
+    found = found_with(loops, **constants)
+    return -found.gap[found.facet >= 0].min() / overlap
 
 
-def test_with_more_that_counts_as_flush_nodes_beside_a_body_are_held_as_if_within(monkeypatch):
-    """A narrow block is a fifth of a cell deep in a wide face: the face's nodes beside it are in front of
-    nothing.
-    """
-    depth = 0.2 * H
-    loops = join([block(-0.5, -0.5, 0.5, 0.0), block(-1.01, -depth, 0.99, 0.5)])
+def part_of_the_neighbour(loops, m, **constants):
+    """What a facet's neighbours take of its contact with node 0."""
+    share, normal, other_share, other_normal = np.zeros((4, 2))
+    gap = interpreted(distance_to)(0, m, loops.outline, share, normal, PLANE)
+    close = interpreted(equally_close, **constants)
+    return close(0, m, share, gap, normal, other_share, other_normal, loops.outline, PLANE)[1]
 
-    def beside(found):
-        outside = (loops.body == 1) & (np.abs(loops.position[:, 0]) > 0.5 + FLUSH * SEGMENT)
-        return int(((found.facet[:, 0] >= 0) & (found.gap[:, 0] < 0.0) & outside).sum())
 
-    assert beside(found_with(monkeypatch, loops, FLUSH=FLUSH)) == 0
-    assert beside(found_with(monkeypatch, loops, FLUSH=1.0)) > 0
+def tips(**constants):
+    """Parts of a tip as deep under both sides of another, turned: no index must decide."""
+    one = [[0.0, -0.01], [0.5, 1.0], [-0.5, 1.0]]
+    other = [[-1.0, -1.0], [1.0, -1.0], [0.0, 0.0]]
+    loops = [join([turned(one, a), turned(other, a)]) for a in np.linspace(0.0, 6.0, 40)]
+    return {round(part_of_the_neighbour(each, 4, **constants), 6) for each in loops}
+
+
+def over_a_segment(**constants):
+    """Part of the neighbour that begins a tenth of a node's depth away from it."""
+    loops = join([[[0.05, -0.2], [0.55, 1.0], [-0.45, 1.0]], flat(-1.0, 1.0, -1.0, 0.0, 4)])
+    ends = loops.position[np.stack([np.arange(len(loops.body)), loops.following], axis=1)]
+    over = int(np.flatnonzero((ends[:, :, 1] == 0.0).all(axis=1) & (ends[:, 0, 0] == 0.5))[0])
+    return part_of_the_neighbour(loops, over, **constants)
+
+
+def kept(**constants):
+    """Of two facets that meet at the closest vertex, the one kept where rounding lengthens distances."""
+    face = [[0.0, 0.0], [-1.0, 0.0], [-1.0, -1.0], [1.0, -1.0], [1.0, 0.0]]
+    loops = join([[[0.0, 0.07], [0.3, 1.0], [-0.3, 1.0]], face])
+    lists, found = contact_kernels.lists_of(loops, H), empty_candidates(len(loops.body), 1)
+    assert lists.update()
+    lists.near.away[:] = np.nextafter(lists.near.away, np.inf)
+    found.facet[0, 0] = 7
+    interpreted(search.find_candidates, **constants)(H, lists.outline, lists.near, found, PLANE)
+    return int(found.facet[0, 0])
+
+
+def lost(place, **constants):
+    """How far through a sheet, whose right side leans out by 11°, a node is that was inside by its top."""
+    sheet = np.array([[-0.5, 0.0], [0.4, 0.0], [0.5, 0.5], [-0.5, 0.5]])
+    loops = join([sheet, np.add(place, [[0.0, 0.0], [0.5, 1.0], [-0.5, 1.0]])])
+    found, count = empty_candidates(len(loops.body), 1), len(loops.body)
+    found.set(inside=np.full((count, 1), -1), inside_facet=np.full((count, 1), -1))
+    found.inside[4, 0], found.inside_facet[4, 0] = 0, 2
+    through = np.zeros(3)
+    interpreted(keep_inside, **constants)(loops.outline, found, through, PLANE)
+    return through[0]
+
+
+def on_shared_nodes(**constants):
+    """Least stable step over that of the bulk, and deepest gap [cells], with springs at shared nodes."""
+    mapping = impact(gap=0.0481, speed=0.1 * wave_speed("soft"), slide=0.0, friction=0.0)
+    for each in mapping["bodies"].values():  # to where splines reach some nodes by next to nothing
+        each["geometry"] |= {end: [x + 0.2 * CELL, y] for end, (x, y) in list(each["geometry"].items())[1:]}
+    with pytest.MonkeyPatch.context() as patch:
+        for name, value in constants.items():
+            patch.setattr(nodes, name, value)
+        simulation = Simulation(mapping, contact="nodes+penalty(kappa=1)", shape="bspline")
+        bulk, steps, gaps = simulation.limits()[0][0], [], []
+        gap = simulation.manager.get_plugin("gap")
+        for _ in range(60):
+            simulation.advance(1)
+            steps.append(simulation.state.dt)
+            gaps.append(float(gap.diagnostics(simulation.state)["min_gap"][0]))
+    return min(steps) / bulk, -min(gaps) / CELL
+
+
+def ranks(**constants):
+    """Ranks of moduli of which two are equal but for rounding, and a third differs by 1e-5."""
+    with pytest.MonkeyPatch.context() as patch:
+        for name, value in constants.items():
+            patch.setattr(parts, name, value)
+        return parts.ranks_of(np.array([1.0, 2.0, 2.0 * (1.0 + 1e-9), 2.0 * (1.0 + 1e-5)])).tolist()
+
+
+def is_flush(body, cover, first, second, **constants):
+    """True if the facet of a cover between two places is flush with the body's node at the origin."""
+    loops = join([np.array(body), np.array(cover)])
+    node = int(np.flatnonzero(np.isclose(loops.position, 0.0).all(axis=1))[0])
+    with pytest.MonkeyPatch.context() as patch:
+        for name, value in constants.items():
+            patch.setattr(covering, name, value)
+        flush_with = njit(covering.is_flush.py_func)
+        return bool(
+            flush_with(node, facet_of(loops, first, second), np.array([1.0, 0.0]), loops.outline, PLANE)
+        )
+
+
+def facet_of(loops, first, second):
+    """The facet from one place to another."""
+    corners = loops.position[loops.outline.facets]
+    return int(np.flatnonzero(np.isclose(corners, [first, second]).all(axis=(1, 2)))[0])
+
+
+def leaning(**constants):
+    """A facet that leans by 20°, more than elastic faces do, near a node in the middle of a face."""
+    lean = 0.4 * np.array([np.sin(np.radians(20.0)), np.cos(np.radians(20.0))])
+    low, high = np.array([0.02, 0.0]) - lean, np.array([0.02, 0.0]) + lean
+    face = [[0.0, -1.0], [0.0, 0.0], [0.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]]
+    return is_flush(face, [high, low, [2.0, -1.0], [2.0, 1.0]], high, low, **constants)
+
+
+def beyond_the_rim(**constants):
+    """A facet's rim beyond a node where facets meet at 45°, which is a curved face and no edge."""
+    body = [[-0.7071, -0.7071], [0.0, 0.0], [0.0, 1.0], [-2.0, 1.0], [-2.0, -0.7071]]
+    cover = [[0.01, 1.03], [0.01, 0.03], [1.0, 0.03], [1.0, 1.03]]
+    return is_flush(body, cover, cover[0], cover[1], **constants)
+
+
+def notched(**constants):
+    """A face between two facets of 30° that touch its corners, and leave its middle free."""
+    body = [[0.0, 0.0], [0.0, 1.0], [-1.0, 1.0], [-1.0, 0.0]]
+    notch = [[0.0, 1.0], [0.2887, 0.5], [0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]
+    loops = join([np.array(body), np.array(notch)])
+    listed = np.array([facet_of(loops, *notch[k : k + 2]) for k in (0, 1)], dtype=np.int32)
+    with pytest.MonkeyPatch.context() as patch:
+        for name, value in constants.items():
+            patch.setattr(covering, name, value)
+        covered = njit(covering.is_covered.py_func)
+        return bool(covered(facet_of(loops, body[0], body[1]), listed, 0, 2, loops.outline, PLANE))
+
+
+#: Constant, another value, a measure, and the condition that it meets with the constant's own value alone.
+CASES = [
+    ("LEAST_COSINE", 0.0, right_angles, lambda seen: seen == {0}),
+    ("LEAST_COSINE", 0.1, wedge, lambda count: count == 2),
+    ("ROUND_THE_CORNER", 0.01, flush, lambda part: part == 1.0),
+    ("ROUND_THE_CORNER", 1.0, end_to_end, lambda depth: depth < 1.0 + 1e-9),
+    ("FLUSH", 0.0, flush, lambda part: part == 1.0),
+    ("FLUSH", 1.0, beside, lambda count: count == 0),
+    ("TIE", 0.0, tips, lambda seen: seen == {0.5}),
+    ("TIE", 0.1, over_a_segment, lambda part: part == 0.0),
+    ("ROUNDING", 1.0, kept, lambda facet: facet == 3),
+    ("THROUGH", 1.01, lambda **c: lost((0.0, -0.1), **c), lambda way: way == pytest.approx(0.1)),
+    ("THROUGH", 0.1, lambda **c: lost((0.6, 0.2), **c), lambda way: way == 0.0),
+    ("LEAST_MASS", 0.0, on_shared_nodes, lambda found: found[0] > 0.3),
+    ("LEAST_MASS", 0.8, on_shared_nodes, lambda found: found[1] < 0.6),
+    ("EQUAL", 0.0, ranks, lambda found: found == [0, 1, 1, 2]),
+    ("EQUAL", 1e-4, ranks, lambda found: found == [0, 1, 1, 2]),
+    ("ASIDE", 0.4, leaning, lambda is_flush: not is_flush),
+    ("EDGE", 0.8, beyond_the_rim, lambda is_flush: not is_flush),
+    ("OPPOSITE", 0.8, notched, lambda is_covered: not is_covered),
+]
+
+
+@pytest.mark.parametrize(("name", "other", "measure", "holds"), CASES)
+def test_with_another_value_it_fails(name, other, measure, holds):
+    own, changed = measure(), measure(**{name: other})
+    assert holds(own), own
+    assert not holds(changed), changed
 
 
 @pytest.mark.parametrize("segment", [0.01 * CELL, 0.004 * CELL])
 def test_a_corner_with_more_facets_than_can_be_looked_at_ends_the_run(segment):
-    """A block is a fifth of a cell deep in the face of one as wide: its corner is on the other's side, that
-    far from the face.
-    """
+    """A block is a fifth of a cell deep in the face of one as wide: its corner is on the other's side."""
     overlapping = scene(
         {
             "lower": rectangle([-0.3, -0.5], [0.3, 0.0], segment=segment),
@@ -153,127 +270,26 @@ def test_a_corner_with_more_facets_than_can_be_looked_at_ends_the_run(segment):
         simulation.advance(1)
 
 
-def two_tips(angle, depth):
-    """A tip that is as deep under both sides of another (facets 4 and 5), turned by an angle."""
-    one = [[0.0, -depth], [0.5, 1.0], [-0.5, 1.0]]
-    other = [[-1.0, -1.0], [1.0, -1.0], [0.0, 0.0]]
-    return join([turned(one, angle), turned(other, angle)])
-
-
-def part_of_the_neighbour(loops, s, m, **constants):
-    """What a facet's neighbours take of its contact with node s."""
-    outline = loops.outline
-    share, normal, other_share, other_normal = np.zeros((4, 2))
-    gap = interpreted(distance_to)(s, m, outline, share, normal, PLANE)
-    close = interpreted(equally_close, **constants)
-    return close(s, m, share, gap, normal, other_share, other_normal, outline, PLANE)[1]
-
-
-def test_without_an_allowance_for_ties_an_index_decides_which_side_of_a_corner_holds_a_tip():
-    parts = {"as it is": set(), "none": set()}
-    for angle in np.linspace(0.0, 6.0, 40):
-        loops = two_tips(angle, 0.01)
-        parts["as it is"].add(round(part_of_the_neighbour(loops, 0, 4), 6))
-        parts["none"].add(round(part_of_the_neighbour(loops, 0, 4, TIE=0.0), 6))
-    assert parts == {"as it is": {0.5}, "none": {0.0, 0.5}}
-
-
-def test_without_an_allowance_for_rounding_the_search_loses_one_of_two_equally_close_facets():
-    """Of those that meet at the closest vertex the first is kept, although the other was found in the last
-    step and rounding made listed distances larger.
-    """
-
-    def kept(rounding):
-        face = [[0.0, 0.0], [-1.0, 0.0], [-1.0, -1.0], [1.0, -1.0], [1.0, 0.0]]
-        loops = join([[[0.0, 0.07], [0.3, 1.0], [-0.3, 1.0]], face])
-        lists, found = contact_kernels.lists_of(loops, H), empty_candidates(len(loops.body), 1)
-        assert lists.update()
-        lists.near.away[:] = np.nextafter(lists.near.away, np.inf)
-        found.facet[0, 0] = 7
-        search_for = interpreted(search.find_candidates, ROUNDING=rounding)
-        search_for(H, lists.outline, lists.near, found, PLANE)
-        return int(found.facet[0, 0])
-
-    assert kept(ROUNDING) == 3
-    assert kept(1.0) == 7
-
-
-def lost_node(loops, s, facet, **constants):
-    """What is added for node s, which was inside body 0 by a facet and is not found again, and how far
-    through it is.
-    """
-    found = empty_candidates(len(loops.body), 1)
-    found.set(inside=np.full((len(loops.body), 1), -1), inside_facet=np.full((len(loops.body), 1), -1))
-    found.inside[s, 0], found.inside_facet[s, 0] = 0, facet
-    through = np.zeros(3)
-    added = interpreted(keep_inside, **constants)(loops.outline, found, through, PLANE)
-    return added, through[0]
-
-
-def test_a_node_that_comes_out_by_the_far_side_has_gone_through_and_one_by_a_side_has_not():
-    """With a larger least cosine bodies cross without a word; with a smaller one a node that slips off a side
-    ends the run.
-    """
-    sheet = np.array([[-0.5, 0.0], [0.4, 0.0], [0.5, 0.5], [-0.5, 0.5]])  # its right side leans out by 11°
-    below = join([sheet, np.array([[0.0, -0.1], [0.5, 0.9], [-0.5, 0.9]])])
-    top = 2
-    assert lost_node(below, 4, top, THROUGH=THROUGH) == (1, pytest.approx(0.1))
-    assert lost_node(below, 4, top, THROUGH=1.01) == (0, 0.0)
-    beside = join([sheet, np.array([[0.6, 0.2], [1.1, 1.2], [0.1, 1.2]])])
-    assert lost_node(beside, 4, top, THROUGH=THROUGH) == (0, 0.0)
-    assert lost_node(beside, 4, top, THROUGH=0.1)[1] > 0.1
-
-
-def on_shared_nodes(monkeypatch, least_mass):
-    """Least stable step over that of the bulk, and the deepest gap [cells], of an impact with springs at
-    shared nodes.
-    """
-    monkeypatch.setattr(nodes, "LEAST_MASS", least_mass)
-    mapping = impact(gap=0.0481, speed=0.1 * wave_speed("soft"), slide=0.0, friction=0.0)
-    for each in mapping["bodies"].values():  # to where splines reach some nodes by next to nothing
-        each["geometry"] |= {end: [x + 0.2 * CELL, y] for end, (x, y) in list(each["geometry"].items())[1:]}
-    simulation, steps, gaps = Simulation(mapping, contact="nodes+penalty(kappa=1)", shape="bspline"), [], []
-    bulk = simulation.limits()[0][0]
-    for _ in range(60):
-        simulation.advance(1)
-        steps.append(simulation.state.dt)
-        gaps.append(float(simulation.manager.get_plugin("gap").diagnostics(simulation.state)["min_gap"][0]))
-    return min(steps) / bulk, -min(gaps) / CELL
-
-
-def test_forces_on_nodes_of_next_to_no_mass_cost_steps_and_none_on_ordinary_ones_let_bodies_sink(monkeypatch):
-    step, depth = on_shared_nodes(monkeypatch, LEAST_MASS)
-    assert step > 0.3
-    assert on_shared_nodes(monkeypatch, 0.0)[0] < 0.1 * step
-    assert on_shared_nodes(monkeypatch, 0.8)[1] > 2.0 * depth
-
-
 def test_blocks_of_facets_spare_comparisons_and_change_no_gap():
     loops = join([star(np.random.default_rng(2), (-0.93, 0.1), 1.0), block(-0.1, -0.5, 0.9, 0.5)])
     first = loops.body_first
     ends = (first[0], first[1], first[1], first[2], loops.outline, PLANE)
-    assert {interpreted(minimum_gap, BLOCK=size)(*ends) for size in (1, 3, BLOCK, 100)} == {
-        minimum_gap(*ends)
-    }
+    gaps = {interpreted(minimum_gap, BLOCK=size)(*ends) for size in (1, 3, BLOCK, 100)}
+    assert gaps == {minimum_gap(*ends)}
 
 
 def test_a_node_that_passes_the_middle_of_a_thin_body_in_a_step_is_seen():
-    """Of a sheet of a tenth of a cell; with a larger least travel it is not looked for, a smaller one only
-    costs time.
-    """
+    """Of a sheet of a tenth of a cell; with a larger least travel it is not looked for."""
     loops = join([block(-0.5, -0.05 * H, 0.5, 0.05 * H), block(-0.3, -0.02 * H, 0.3, 0.4)])
     loops.displacement[loops.body == 1] = (0.0, -0.1 * H)
 
     def seen(share):
-        found = empty_candidates(len(loops.body), 1)
-        lists = contact_kernels.lists_of(loops, H)
+        found, lists = empty_candidates(len(loops.body), 1), contact_kernels.lists_of(loops, H)
         assert lists.update()
-        return interpreted(find_crossings)(
-            share * H, loops.outline, lists.partners, lists.boxes, found, PLANE
-        )
+        cross = interpreted(find_crossings)
+        return cross(share * H, loops.outline, lists.partners, lists.boxes, found, PLANE)
 
-    face = int((loops.position[loops.body == 1, 1] == -0.02 * H).sum())
-    assert seen(THIN) >= face
+    assert seen(THIN) >= int((loops.position[loops.body == 1, 1] == -0.02 * H).sum())
     assert seen(0.2) == 0
 
 
@@ -297,13 +313,3 @@ def test_contacts_of_fewer_steps_gain_more_than_those_that_are_let_be():
     assert gains[FEWEST_STEPS - 1] > 0.5
     assert gains[FEWEST_STEPS] < 0.25
     assert gains[FEWEST_STEPS + 1] > 0.1  # a larger limit would warn of a third of that
-
-
-def test_bodies_are_equal_up_to_a_millionth(monkeypatch):
-    """Of equals each is slave once; rounding of a modulus, or of a sum of areas, must not choose a master."""
-    values = np.array([1.0, 2.0, 2.0 * (1.0 + 1e-9), 2.0 * (1.0 + 1e-5)])
-    assert parts.ranks_of(values).tolist() == [0, 1, 1, 2]
-    monkeypatch.setattr(parts, "EQUAL", 0.0)
-    assert parts.ranks_of(values).tolist() == [0, 1, 2, 3]
-    monkeypatch.setattr(parts, "EQUAL", 1e-4)
-    assert parts.ranks_of(values).tolist() == [0, 1, 1, 1]

@@ -1,13 +1,25 @@
-"""Plug-ins are found by entry points, imported one at a time, and misspelt names get the nearest one."""
+"""Plug-ins by entry points and by module:Class: found, imported one at a time, named when they are wrong."""
+
+from __future__ import annotations
 
 import sys
+from typing import Any
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from faulty_plugins.contact.plain import PlainContact
+from faulty_plugins.small.geometry import Sound
 from mpmfw.cli import app
 from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import available, load
+from mpmfw.runs.simulation import Simulation
+from mpmfw.scene import load_scene
+from mpmfw_contact.penalty import Penalty
+from mpmfw_shape.linear import Linear
+from mpmfw_testing.contact.impact import Impact
+from scenes_for_tests import block
 
 
 @pytest.fixture
@@ -95,3 +107,52 @@ def test_two_distributions_with_one_name_are_both_named(install):
     listed = CliRunner().invoke(app, ["plugins"]).output
     assert "penalty" in listed
     assert "BROKEN: two distributions" in " ".join(listed.split())
+
+
+PLACE = "faulty_plugins.contact.plain:PlainContact"
+
+
+def end(contact: Any = None, **table: Any) -> np.ndarray:
+    """Positions after twenty steps of two blocks that meet, of a contact or a scene's table of one."""
+    mapping = Impact().mapping()
+    simulation = Simulation({**mapping, "contact": table} if table else mapping, contact=contact)
+    simulation.advance(20)
+    return simulation.state.particles.position
+
+
+def test_a_scene_names_a_class_of_a_module_and_options_in_a_table_of_that_name_or_beside_it() -> None:
+    assert np.array_equal(end(method=PLACE, friction=0.0), end(PlainContact()))
+    place = "mpmfw_contact.penalty:Penalty"
+    expected = end(Penalty(kappa=2.0))
+    assert np.array_equal(end(method=place, friction=0.0, **{place: {"kappa": 2.0}}), expected)
+    assert np.array_equal(end(f"{place}(kappa=2)"), expected)
+    with pytest.raises(SceneError, match="kapa"):
+        load_scene({**Impact().mapping(), "contact": {"method": place, place: {"kapa": 2.0}}})
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ("no_such_module:Law", "cannot be imported from no_such_module:Law: ModuleNotFoundError"),
+        ("mpmfw_contact.penalty:Penalti", "cannot be imported from .*: AttributeError"),
+        (Linear, r"contact plug-in mpmfw_shape.linear.Linear .*derived from mpmfw.api.ContactStrategy"),
+        (3, "contact: found 3; expected a name, module:Class, or a class derived from mpmfw.api"),
+    ],
+)
+def test_what_is_no_contact_is_refused(given: Any, said: str) -> None:
+    with pytest.raises(SceneError, match=said):
+        Simulation(Impact().mapping(), contact=given)
+
+
+def test_keys_of_a_stranger_s_geometry_have_units_and_are_told_by_name() -> None:
+    def scene(**keys: Any) -> dict[str, Any]:
+        return block(bodies__solid__geometry={"type": "faulty_plugins.small.geometry:Sound", **keys})
+
+    made = load_scene(scene(hole="20 cm")).bodies["solid"].geometry
+    assert isinstance(made, Sound)
+    assert made.hole == 0.2
+    with pytest.raises(SceneError) as found:
+        load_scene(scene(hole="2 kg", centra=[0.0, 0.0]))
+    said = str(found.value)
+    assert "bodies.solid.geometry.hole: '2 kg' is not convertible to m; expected a length in m" in said
+    assert "bodies.solid.geometry.centra: unknown key; did you mean 'centre'?" in said

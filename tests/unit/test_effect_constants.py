@@ -23,9 +23,7 @@ from sides_for_tests import upper_side
 
 # -- the map of the surface
 def weighed(kernel: Any, share: float, masses: list[float], **constants: float) -> np.ndarray:
-    """Weights of a surface node between two grid nodes of these masses, in cells full of 1 kg/m, ``share``
-    from the first.
-    """
+    """Weights of a surface node between two nodes of these masses, ``share`` from the first."""
     weight = np.array([1.0 - share, share])
     interpreted(kernel, **constants)(np.array([0, 2]), np.array([0, 1]), weight, np.ones(1), np.array(masses))
     return weight
@@ -39,9 +37,7 @@ def test_a_node_that_points_have_barely_reached_gets_no_force() -> None:
 
 
 def test_a_larger_critical_mass_ties_the_surface_to_the_inner_node() -> None:
-    """Half a cell out, where the outer node has an eighth of a cell's mass, it is read from this much farther
-    inside [cells].
-    """
+    """Half a cell out it is read from this much farther inside [cells]."""
     boundary = [1.0, 0.125]
     near, far = (weighed(weigh_by_mass, 0.5, boundary, CRITICAL_MASS=m)[1] for m in (CRITICAL_MASS, 10.0))
     assert 0.5 - near < 0.13
@@ -50,9 +46,7 @@ def test_a_larger_critical_mass_ties_the_surface_to_the_inner_node() -> None:
 
 # -- prescribed sides
 def rows_at(place: float, mass: list[float], **constants: float) -> list[tuple[float, dict[int, float]]]:
-    """Target and weights of every row of the side y = ``place`` of a body below it, in one column of 8
-    nodes.
-    """
+    """Target and weights of every row of the side y = ``place``, in one column of 8 nodes."""
     position = np.column_stack([np.zeros(8), np.arange(8.0)])
     whole = {name: np.zeros(20, dtype=np.int64) for name in ("row", "side")}
     real = {name: np.zeros(20) for name in ("target", "compliance", "c", "distance")}
@@ -79,9 +73,7 @@ def impulse_on(node: int, weights: dict[int, float], mass: list[float]) -> float
 
 
 def test_an_empty_node_does_not_take_the_side_s_impulse() -> None:
-    """Without a share that counts as empty it takes all of it, and runs away at five times what is
-    missing.
-    """
+    """Without a share that counts as empty it runs away at five times the missing velocity."""
     barely = [0.5, 1, 1, 1, 0.68, 1e-4, 0, 0]
     (_, weights) = rows_at(4.2, barely, LIGHT=side_rows.LIGHT)[-1]
     assert 5 not in weights
@@ -90,9 +82,7 @@ def test_an_empty_node_does_not_take_the_side_s_impulse() -> None:
 
 
 def test_of_a_body_that_reaches_a_cell_by_next_to_nothing_that_node_is_held_in_line() -> None:
-    """Without the least weight nothing holds it; with a larger one that of an ordinary side is read from
-    inside as well.
-    """
+    """With a larger least weight an ordinary side is read from inside as well."""
     thin, straight = [0.5, 1, 1, 1, 0.5, 1e-3, 0, 0], [0.5, 1, 1, 1, 0.82, 0.08, 0, 0]
     in_line = (0.0, {5: 1.0, 4: -2.0, 3: 1.0})
     assert in_line in rows_at(4.01, thin, THIN=side_rows.THIN)
@@ -123,9 +113,7 @@ def test_an_oblique_side_has_points_enough_for_its_weights(monkeypatch: pytest.M
 
 
 def test_facets_of_a_turned_side_lie_on_it_but_for_rounding(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Without an allowance some are lost; with a large one those round the corner are taken for it as
-    well.
-    """
+    """Without an allowance some are lost; with a large one some round the corner are taken too."""
 
     def loaded(flat: float) -> int:
         monkeypatch.setattr(side_loads, "FLAT", flat)
@@ -156,9 +144,7 @@ def missed(simulation: Simulation) -> float:
 
 
 def with_sides() -> Simulation:
-    """A block of B-splines that moves, whose left side and top, off the grid lines, share nodes and are
-    fixed.
-    """
+    """A block of B-splines that moves, whose left side and top share nodes and are fixed."""
     return Simulation(
         block(
             shape__method="bspline",

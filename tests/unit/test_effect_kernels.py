@@ -36,9 +36,7 @@ def dense(row, index, weight, nodes=NODES):
 
 @pytest.mark.parametrize("degree", [1, 2, 3])
 def test_weights_at_a_side_read_a_linear_velocity(degree):
-    """Σ share = 1 and Σ share · distance = 0, and β sums to 1 and to x over its nodes, so Σ c = 1 and Σ c d =
-    0.
-    """
+    """Σ share = 1, Σ share · distance = 0; β sums to 1 and to x, so Σ c = 1 and Σ c d = 0."""
     normal = np.array([0.5, math.sqrt(0.75)])
     shift, share = quadrature(normal, 1, degree)
     assert len(shift) > 1
@@ -51,16 +49,6 @@ def test_weights_at_a_side_read_a_linear_velocity(degree):
     assert value @ x == pytest.approx(0.0, abs=1e-14)
     single = quadrature(np.array([0.0, 1.0]), 1, degree)
     assert [part.tolist() for part in single] == [[0.0], [1.0]]
-
-
-def test_splines_are_those_of_the_formula():
-    x = np.array([0.0, 0.25, 0.5, 1.0, 1.5, -0.25])
-    value = np.empty_like(x)
-    splines(x, 1, value)
-    np.testing.assert_allclose(value, np.maximum(0.0, 1.0 - np.abs(x)), atol=1e-15)
-    splines(x, 2, value)
-    near, far = 0.75 - x**2, 0.5 * (1.5 - np.abs(x)) ** 2
-    np.testing.assert_allclose(value, np.where(np.abs(x) <= 0.5, near, far), atol=1e-15)
 
 
 @pytest.mark.parametrize("dim", [2, 3])

@@ -1,6 +1,4 @@
-"""No function is longer than a page: its body, without signature and docstring, which options and parameters
-make long.
-"""
+"""No function is longer than a page: its body, without signature and docstring."""
 
 from __future__ import annotations
 

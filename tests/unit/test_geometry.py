@@ -141,17 +141,6 @@ def test_round_outlines_have_the_mirror_planes_of_axes_and_diagonals(segment):
                 assert distance.min(axis=0).max() < 1e-14
 
 
-def test_outline_nodes_lie_on_the_true_outline_and_keep_corners():
-    disc = PLANE["disc"]
-    (loop,) = disc.outlines(0.17)
-    np.testing.assert_allclose(np.linalg.norm(loop - disc.centroid, axis=1), disc.radius, rtol=1e-14)
-    assert loop[0] == pytest.approx([disc.centre[0] + disc.radius, disc.centre[1]])
-    polygon = PLANE["polygon"]
-    nodes = {tuple(np.round(x, 12)) for x in np.concatenate(polygon.outlines(0.17))}
-    assert nodes >= {*polygon.points, *polygon.holes[0]}
-    assert len(disc.outlines(1e3)[0]) == 4
-
-
 @given(size=st.floats(0.03, 3.0))
 @settings(max_examples=30)
 def test_fitted_disc_has_well_shaped_quadrilaterals(size):
@@ -176,14 +165,6 @@ def test_no_piece_falls_below_a_quarter_of_a_cell(name, offset):
     # Along the axes the cells of a rectangle are fitted to it, here to the size exactly
     assert layout.volume.min() >= (0.25 - 1e-9) * size**2
     assert layout.volume.max() < 2.3 * size**2
-
-
-def test_offset_moves_the_lattice():
-    disc = PLANE["disc"]
-    still = discretise(disc, Particles(size=0.1), None).position
-    moved = discretise(disc, Particles(size=0.1, offset=(0.25, 0.0)), None).position
-    inner = still[np.linalg.norm(still - disc.centroid, axis=1) < 1.2]
-    assert_same_points(inner + np.array([0.025, 0.0]), moved)
 
 
 def write_mesh(path, points, cells):

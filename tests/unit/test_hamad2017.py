@@ -25,9 +25,7 @@ class Surfaces:
         self.work = self.energy = 0.0
 
     def force(self):
-        """Forces on all nodes (n, 2), and the candidates; tangential forces along e_t of every node's rows
-        are kept.
-        """
+        """Forces on all nodes (n, 2), and the candidates; tangential forces of every row are kept."""
         loops = self.loops
         found = find(loops, literal=True, slots=SLOTS)
         rows = rows_of(loops, found, ties=False, tilts=True)
@@ -114,9 +112,7 @@ def test_literal_friction_leaves_the_cone_and_ignores_the_value_of_mu():
 
 
 def test_a_node_above_the_end_of_two_segments_shares_what_it_carried():
-    """0 ≤ ξ ≤ 1 holds on both: each repels it in full (eq. 10), what friction had built up is not counted
-    twice.
-    """
+    """Each segment repels it in full (eq. 10); what friction had built up is not counted twice."""
     tip = Tip(x=0.2499)
     tip.move(5e-5)
     before = tip.tangential[0].sum()

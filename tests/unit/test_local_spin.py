@@ -1,6 +1,4 @@
-"""The local spin correction against plain NumPy, and what its operator keeps whatever the nodal masses
-are.
-"""
+"""The local spin correction against plain NumPy, and what its operator keeps."""
 
 from __future__ import annotations
 
@@ -172,9 +170,7 @@ def test_the_operator_is_symmetric_and_adds_inertia_to_spin_alone(dim: int, seed
 def test_with_a_larger_least_share_a_body_keeps_the_lumped_nodes_inertia(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """A share below that of an ordinary body's cells changes nothing there (a film's:
-    test_rotation_frequency).
-    """
+    """A share below that of an ordinary body's cells changes nothing there."""
     w = window(2, 8, 0.0)
     rng = np.random.default_rng(1)
     momentum = rng.normal(size=w.node.shape)

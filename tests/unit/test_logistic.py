@@ -1,6 +1,4 @@
-"""Logistic regression at shared nodes: points of a node, the plane between half-spaces, and the distance
-across it.
-"""
+"""Logistic regression at shared nodes: the plane between half-spaces, and the distance across it."""
 
 from __future__ import annotations
 
@@ -29,9 +27,7 @@ def basis_of(normal):
 
 
 def half_spaces(normal, gap, rng):
-    """Two bodies of square points in rows along the plane with this normal out of the first, through the
-    middle of a grid.
-    """
+    """Two bodies of square points along the plane with this normal, through the middle of a grid."""
     dim = len(normal)
     turn, steps = basis_of(normal), np.arange(-10, 10) * 2 * HALF
     positions = []
@@ -48,9 +44,7 @@ def half_spaces(normal, gap, rng):
 
 
 def table_of(position, body, origin, count):
-    """Weights of GIMP's support: every node less than a cell and half a point away; flat windows of both
-    bodies, one grid.
-    """
+    """Weights of GIMP's support; flat windows of both bodies in one grid."""
     dim = position.shape[1]
     first = np.floor((position - origin - HALF) / H).astype(int)
     index = first[:, None] + np.array(list(itertools.product(range(4), repeat=dim)))
@@ -69,9 +63,7 @@ def dim(request):
 
 
 def detected(normal, gap=0.0, *, seed=0, turn=1e-5, strain=None):
-    """Rows of two half-spaces, as write_regressed_rows finds them; with F = ``strain``, by which positions
-    are not moved.
-    """
+    """Rows of two half-spaces; with F = ``strain``, by which positions are not moved."""
     rng, dim, count = np.random.default_rng(seed), len(normal), 9
     origin = -4.0 * H + rng.uniform(-0.5 * H, 0.5 * H, dim)
     position, body, edges = half_spaces(normal, gap, rng)
@@ -184,18 +176,8 @@ def test_the_slope_is_that_of_penalised_least_squares():
     np.testing.assert_allclose(normal, slope / np.linalg.norm(slope), atol=1e-5)
 
 
-def test_a_node_whose_points_are_at_one_place_has_no_row():
-    clouds = regression.Clouds(slot=np.array([0, 1]), start=np.array([0, 1, 2]), point=np.array([0, 1]))
-    position, normal = np.full((2, 2), 0.25), np.zeros(2)
-    assert not regression.fit_plane(
-        0, 1, clouds, position, np.zeros(2), 1e-7, 1e-5, normal, (1.0, 1.0), (1.0, 1.0, 1.0)
-    )
-
-
 def plane_of(position, split, **constants):
-    """Normal of the plane between the first ``split`` points and the others, or None, with other
-    constants.
-    """
+    """Normal of the plane between the first ``split`` points and the others, or None."""
     count = len(position)
     clouds = regression.Clouds(
         slot=np.array([0, 1]), start=np.array([0, split, count]), point=np.arange(count)
@@ -207,9 +189,7 @@ def plane_of(position, split, **constants):
 
 
 def test_one_iteration_is_a_linear_fit_and_leans():
-    """ITERATIONS too small: points far from the plane count as much as those beside it. More than are used
-    cost nothing.
-    """
+    """ITERATIONS too small: points far from the plane count as much as those beside it."""
     rng = np.random.default_rng(5)
     position = rng.uniform(-1.0, 1.0, (60, 2))
     side = position @ [0.8, 0.6]
@@ -222,9 +202,7 @@ def test_one_iteration_is_a_linear_fit_and_leans():
 
 
 def test_a_pivot_too_large_loses_planes():
-    """SINGULAR too large: a thin row of points on each side of a plane that lies across no axis has none any
-    more.
-    """
+    """SINGULAR too large: a thin row of points on each side of a plane has none any more."""
     along, across = np.array([0.8, 0.6]), np.array([-0.6, 0.8])
     position = np.array([x * along + y * across for y in (-0.01, 0.01) for x in np.linspace(-1.0, 1.0, 9)])
     np.testing.assert_allclose(plane_of(position, 9, SINGULAR=regression.SINGULAR), across, atol=1e-3)

@@ -1,6 +1,4 @@
-"""Segments on the line between them: areas, gaps, a pressure that passes through outlines of any nodes, and
-moments.
-"""
+"""Segments on the line between them: areas, gaps, pressure through outlines of any nodes, moments."""
 
 from __future__ import annotations
 
@@ -64,9 +62,7 @@ def overlapping(turn=0.0):
 
 @pytest.mark.parametrize("turn", [0.0, 0.4, 2.0])
 def test_a_pressure_is_passed_on_as_one(turn):
-    """Whatever the nodes of the outlines: those of the upper block have their tributary lengths' part, to
-    rounding.
-    """
+    """The upper block's nodes have their tributary lengths' part, to rounding."""
     loops = overlapping(turn)
     rows = rows_between(loops)
     n = slice(rows.count)
@@ -95,9 +91,7 @@ def test_a_row_leaves_no_moment(friction):
 
 
 def test_only_what_overlaps_bears():
-    """A wedge under a flat face: the energy ∫ g² ds / 2 of the overlap is exact, and its derivative is the
-    force.
-    """
+    """The energy ∫ g² ds / 2 of a wedge's overlap is exact, and its derivative is the force."""
 
     def energy(depth):
         loops = join(
@@ -124,9 +118,7 @@ def turned(points, turn):
 
 
 def sides(across, turn=0.0, **constants):
-    """Rows whose normal leans by more than 10° from the upright: of the sides of a block or wedge in a wide
-    face.
-    """
+    """Rows of the sides of a block or wedge in a wide face: their normals lean by more than 10°."""
     loops = join([turned(across, turn), turned(cut([-1.0, 1.0], -1.0, 0.0), turn)])
     rows = rows_between(loops, **constants)
     upright = turned([[0.0, 1.0]], turn)[0]
@@ -134,9 +126,7 @@ def sides(across, turn=0.0, **constants):
 
 
 def test_without_a_least_cosine_rounding_decides_whether_sides_at_right_angles_face_each_other():
-    """The block's sides and the face; with a large one a wedge whose sides lean by 70° from it faces
-    nothing.
-    """
+    """With a large one a wedge whose sides lean by 70° from the face faces nothing."""
     block = cut([-0.2, 0.2], -DEPTH, 0.4)
     turns = np.linspace(0.0, 3.0, 20)
     assert {sides(block, turn, LEAST_COSINE=LEAST_COSINE) for turn in turns} == {0}
@@ -148,9 +138,7 @@ def test_without_a_least_cosine_rounding_decides_whether_sides_at_right_angles_f
 
 
 def test_segments_end_to_end_share_nothing_and_the_rest_is_counted_whole():
-    """Without a least overlap what rounding leaves makes rows; with a large one short overlaps carry
-    nothing.
-    """
+    """Without a least overlap rounding makes rows; with a large one short overlaps carry nothing."""
 
     def areas(turn, **constants):
         upper, lower = (
@@ -171,8 +159,7 @@ def test_segments_end_to_end_share_nothing_and_the_rest_is_counted_whole():
 
 
 def test_the_far_side_of_a_thin_body_bears_nothing_and_what_is_deep_still_does():
-    """A face a tenth of the search radius deep in a sheet of 0.6 of it: with a smaller depth it is let go,
-    with a larger one far sides that face each other through both bodies push as well."""
+    """With a smaller depth a deep face is let go; with a larger one far sides push as well."""
     reach = 0.5
     sheet, block = cut([-1.0, 1.0], -0.6 * reach, 0.0), cut([-0.5, 0.5], -0.1 * reach, 2.0 * reach)
 

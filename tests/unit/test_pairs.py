@@ -27,9 +27,7 @@ def listed(lower, upper):
 
 
 def boxes(rng, n, dim, kind):
-    """Corners of boxes: about alike, of very different sizes, all at one place, or on whole numbers so that
-    many touch.
-    """
+    """Corners of boxes: alike, of very different sizes, at one place, or on whole numbers."""
     lower = rng.uniform(-5.0, 5.0, (n, dim))
     size = {"alike": 1.0, "whole": 1.0, "one place": 1.0, "various": 10.0 ** rng.uniform(-2.0, 1.3, (n, 1))}[
         kind
@@ -54,9 +52,7 @@ def test_boxes_that_overlap_are_those_that_brute_force_finds(seed, n, dim, kind)
 
 @pytest.mark.parametrize("large", [False, True], ids=["lattice", "lattice in a large box"])
 def test_the_comparisons_grow_with_the_number_of_boxes(large):
-    """400 and 1600 boxes on a square lattice that touch, with and without one round them all, and one far
-    away.
-    """
+    """Boxes on a square lattice that touch, with and without one round them all, and one far away."""
 
     def comparisons(side):
         corners = np.array(list(itertools.product(range(side), repeat=2)), dtype=float)
@@ -77,9 +73,7 @@ def test_the_comparisons_grow_with_the_number_of_boxes(large):
 
 
 def moving(rng, n):
-    """A state of windows alone, whose bodies move at random; the windows are laid with a margin of three
-    nodes.
-    """
+    """A state of windows alone, whose bodies move at random."""
     grid = SimpleNamespace(dim=2, n_fields=n, frame=0, window_lower=None, window_shape=None)
     return (
         SimpleNamespace(grid=grid, pairs=(), near=None),
@@ -99,9 +93,7 @@ def lay(state, centre, radius):
 @settings(max_examples=40)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_no_bodies_meet_before_their_pair_is_listed(seed):
-    """Discs wander and windows are laid anew when one leaves its own: whoever is within a cell is listed by
-    then.
-    """
+    """Discs wander, windows are laid anew: whoever is within a cell is listed by then."""
     rng = np.random.default_rng(seed)
     n = FEW + 8
     state, centre, radius = moving(rng, n)

@@ -32,14 +32,6 @@ def first_step_of(simulation):
     return lengths[0]
 
 
-def test_steps_count_with_what_contact_finds_where_bodies_touch():
-    short = {"time.end": 0.1, "time.output_interval": 0.1}
-    simulation = Simulation(load_scene("sliding-block", set=short), shape="cpdi")
-    simulation.run()
-    found = predict(Simulation(load_scene("sliding-block", set=short), shape="cpdi"), [])
-    assert found.steps == pytest.approx(simulation.state.steps, rel=0.01)
-
-
 @pytest.mark.parametrize(
     "make",
     [

@@ -1,13 +1,10 @@
-"""Functions at the centres of a box's rectangles: the mean of the corners', as CPDI's domains have it on
-their faces.
-"""
+"""Functions at the centres of a box's rectangles: the mean of the corners'."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-import mpmfw_shape._rectangles as module
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import SOFT
 
@@ -52,9 +49,3 @@ def boundary(sim):
 def test_the_surface_has_the_boundary_of_the_points(angles):
     inner, outer = boundary(block(angles=angles))
     np.testing.assert_allclose(outer, inner, atol=1e-12 * H**2)
-
-
-def test_without_the_means_it_has_not(monkeypatch):
-    monkeypatch.setattr(module, "CENTRED", -1.0)
-    inner, outer = boundary(block(angles=(0.35, 0.61, 0.87)))
-    assert abs(outer - inner).max() > 0.01 * abs(inner).max()

@@ -1,6 +1,4 @@
-"""The report of a scene without a reference: what its methods differ in, largest first, and where its bodies
-went.
-"""
+"""The report of a scene without a reference: differences of methods, and where bodies went."""
 
 from __future__ import annotations
 

@@ -104,9 +104,7 @@ def test_peak_memory_is_of_the_time_since_the_mark():
 
 @pytest.mark.parametrize("interval", [1, 3])
 def test_plain_xarray_opens_every_run(tmp_path, interval):
-    """With and without points at every output, surfaces and contact, also while it is written; the tree is
-    the same.
-    """
+    """With and without points at every output, surfaces and contact, also while it is written."""
     path = tmp_path / "run.nc"
     with RunWriter(path, header(surface_count={"ball": 3, "floor": 5})) as writer:
         for k in range(7):

@@ -1,6 +1,4 @@
-"""Of the case sphere-impacts: its elastic sphere against what is known of it, its scenes, and its
-measures.
-"""
+"""Of the case sphere-impacts: its elastic sphere against known limits, and its measures."""
 
 from __future__ import annotations
 
@@ -35,9 +33,7 @@ def test_sphere_slides_throughout_beyond_the_limit_and_not_below(case, poisson):
 
 
 def results(case, along: float, spin: float, back: float) -> xr.DataTree:
-    """A run whose sphere has v_t = v_n before and these velocities over v_n after it, on a slab that
-    stays.
-    """
+    """A run whose sphere has v_t = v_n before, and these velocities over v_n after it."""
     spheres = case["spheres"]
     velocity = np.zeros((2, 2, 3))
     velocity[0, 0] = spheres.ALONG - spheres.NORMAL

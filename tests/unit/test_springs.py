@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from contact_scenes import impact, wave_speed
 from mpmfw.runs.simulation import Simulation
+from mpmfw_contact import _springs
 from mpmfw_contact._springs import NOISE, WEAK, changed_spring, new_rest
 
 CELL = 0.1  # m
@@ -66,9 +67,7 @@ def test_a_node_that_comes_in_by_the_face_has_all_of_its_force():
 
 
 def test_the_step_of_the_first_touch_is_no_longer_than_that_of_equal_bodies_in_contact():
-    """With the depth that it leaves springs begin, and with its square grows the energy that nothing paid
-    for.
-    """
+    """With the square of the depth that it leaves grows the energy that nothing paid for."""
     simulation = Simulation(
         impact(gap=0.0481, speed=0.02 * wave_speed("soft"), slide=0.0), contact="penalty", shape="bspline"
     )
@@ -81,3 +80,108 @@ def test_the_step_of_the_first_touch_is_no_longer_than_that_of_equal_bodies_in_c
         assert rows.count
         assert contact.omega_squared >= contact.law.estimate_frequency(contact.bulk_frequency)
     assert simulation.state.steps > 10
+
+
+REST = 1e-3 * CELL  #: a depth at which bodies lie at rest [m]
+
+
+def changed(part: float, old_part: float, rest: float, gap: float) -> tuple[float, float]:
+    """Share and rest by the function as Python runs it, with the constants of this moment."""
+    return _springs.changed_spring.py_func(part, old_part, rest, 0.0, gap, CELL)
+
+
+def held_after(flickers: int) -> float:
+    """Part of its force that a spring at rest still has when its share went up and down by 1 % so often."""
+    share, rest = 0.5, 0.0
+    for number in range(flickers):
+        share, rest = changed(0.5 * (1.0 + 0.01 * (-1) ** number), share, rest, -REST)
+    return share * (rest + REST) / (0.5 * REST)
+
+
+def test_without_the_allowance_for_noise_a_spring_at_rest_lets_go(monkeypatch):
+    assert held_after(500) == pytest.approx(1.0, abs=0.02)
+    monkeypatch.setattr(_springs, "NOISE", 0.0)
+    assert held_after(500) < 0.01
+
+
+def force_of_a_node_from_the_side(depth: float) -> float:
+    """Of one with a twentieth of its share by the side, when a face takes it, over that of all."""
+    share, rest = changed(1.0, 0.05, 0.0, -depth)
+    return share * (rest + depth) / depth
+
+
+@pytest.mark.parametrize(("constant", "without"), [("WEAK", 0.0), ("SHALLOW", 0.0)])
+def test_without_the_exception_a_node_from_the_side_bears_next_to_nothing(monkeypatch, constant, without):
+    """Under the face it then has half of its length: the corner's slope was 6 % too small."""
+    assert force_of_a_node_from_the_side(REST) == pytest.approx(0.5)
+    monkeypatch.setattr(_springs, constant, without)
+    assert force_of_a_node_from_the_side(REST) == pytest.approx(0.05)
+
+
+def energy_from_nothing(old_part: float, depth: float) -> float:
+    """What a node gains whose whole share a face takes, over the energy of all of its share, if it gains."""
+    share, rest = changed(1.0, old_part, 0.0, -depth)
+    return share * ((rest + depth) / depth) ** 2 - old_part
+
+
+def test_with_a_wider_exception_nodes_gain_energy(monkeypatch):
+    """Deep ones, as in 3 of 200 random impacts at twice the depth, and those that had a share to keep."""
+    assert energy_from_nothing(0.05, 1.5 * 0.01 * CELL) < 0.0
+    assert energy_from_nothing(0.2, REST) < 0.0
+    monkeypatch.setattr(_springs, "SHALLOW", 0.02)
+    assert energy_from_nothing(0.05, 1.5 * 0.01 * CELL) > 0.1
+    monkeypatch.setattr(_springs, "WEAK", 0.3)
+    assert energy_from_nothing(0.2, REST) > 0.04
+
+
+def depth_that_stops(layers: float) -> float:
+    """Depth [cells] at which springs hold the energy of two bodies at their waves' speed."""
+    limit = _springs.LINEAR_TO  # stiffness and modulus are 1, as are density, speed and cell
+
+    def held(depth: float) -> float:
+        return _springs.spring_energy.py_func(1.0, depth, limit)
+
+    return next(depth for depth in (0.01 * n for n in range(1, 10**4)) if held(depth) >= layers)
+
+
+@pytest.mark.parametrize(("constant", "without"), [("GROWTH", 0.0), ("LINEAR_TO", 1.5)])
+def test_springs_that_do_not_grow_stiffer_let_bodies_cross_at_the_speed_of_their_waves(
+    constant, without, monkeypatch
+):
+    """A layer of a cell of each has gone past the reach of the search, a cell, before it stops."""
+    assert depth_that_stops(1.0) < 0.8
+    monkeypatch.setattr(_springs, constant, without)
+    assert depth_that_stops(1.0) > 1.3
+
+
+def share_of_the_step(depth: float) -> float:
+    """Part of the stable step that is left where springs are so deep [cells]."""
+    return _springs.tangent_stiffness.py_func(1.0, depth, _springs.LINEAR_TO) ** -0.5
+
+
+@pytest.mark.parametrize(("constant", "value"), [("GROWTH", 1600.0), ("LINEAR_TO", 0.005)])
+def test_springs_that_grow_stiffer_sooner_or_more_cost_steps(constant, value, monkeypatch):
+    """At a fifth of a cell, as in a hard impact, and at 0.3, in the hardest."""
+    assert share_of_the_step(0.2) == 1.0
+    assert share_of_the_step(0.3) > 0.6
+    monkeypatch.setattr(_springs, constant, value)
+    assert share_of_the_step(0.2 if constant == "LINEAR_TO" else 0.3) < 0.4
+
+
+@pytest.mark.parametrize("limit", [0.03, _springs.LINEAR_TO])
+@pytest.mark.parametrize("depth", [0.02, 0.04, 0.3, 1.0])
+def test_force_is_the_slope_of_energy_and_the_tangent_that_of_force(depth, limit):
+    """With any depth from which springs grow stiffer; there all three are continuous."""
+    force, energy, tangent = (
+        f.py_func for f in (_springs.normal_force, _springs.spring_energy, _springs.tangent_stiffness)
+    )
+    step = 1e-6
+    assert (energy(2.0, depth + step, limit) - energy(2.0, depth - step, limit)) / (
+        2 * step
+    ) == pytest.approx(force(2.0, depth, limit), rel=1e-8)
+    assert (force(2.0, depth + step, limit) - force(2.0, depth - step, limit)) / (2 * step) == pytest.approx(
+        tangent(2.0, depth, limit), rel=1e-8
+    )
+    assert [f(2.0, limit * (1 + 1e-12), limit) for f in (force, energy, tangent)] == pytest.approx(
+        [2.0 * limit, limit**2, 2.0], rel=1e-9
+    )

@@ -1,14 +1,18 @@
 """Finished runs in a folder: whole at every moment, and run again where they are damaged."""
 
-import json
-import multiprocessing
+from __future__ import annotations
+
+import math
 import os
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
-from mpmfw.campaigns.store import Cost, Outcome, Store
+from mpmfw.campaigns.grid_runs import costs_of, least, over_repeats
+from mpmfw.campaigns.store import COSTS, Cost, Outcome, Store
 from mpmfw.errors import SceneError
+from mpmfw.state.clock import STEP_STAGES
 
 COST = Cost("exclusive", {"cpu_time": 1.5}, {"shape": 0.5}, {"shape": 0.1})
 
@@ -76,26 +80,30 @@ def test_prune_of_another_folder_says_so_and_removes_nothing(tmp_path):
     assert (tmp_path / "notes.json").exists()
 
 
-def write_for_ever(folder, mark):
-    store = Store(folder)
-    for k in range(100_000):
-        store.put(Outcome("a", "ok", mark * 20_000, str(k)))
+def cost(cpu_time: float, stage: float, peak_memory: float = math.nan) -> Cost:
+    values = {
+        **dict.fromkeys((name for name, _, _ in COSTS), 7.0),
+        "cpu_time": cpu_time,
+        "peak_memory": peak_memory,
+    }
+    return Cost(
+        "exclusive", values, dict.fromkeys(STEP_STAGES, stage), dict.fromkeys(STEP_STAGES, 0.0), 0.0, ""
+    )
 
 
-def test_files_are_whole_at_every_moment(tmp_path):
-    context = multiprocessing.get_context("spawn")
-    writers = [context.Process(target=write_for_ever, args=(tmp_path, mark)) for mark in "xy"]
-    for writer in writers:
-        writer.start()
-    path, seen = tmp_path / "a.json", set()
-    try:
-        while len(seen) < 40:
-            if path.exists():
-                found = json.loads(path.read_text(encoding="utf-8"))
-                assert found["name"] in ("x" * 20_000, "y" * 20_000)
-                seen.add((found["name"][0], found["scene"]))
-    finally:
-        for writer in writers:
-            writer.kill()
-            writer.join()
-    assert Store(tmp_path).outcome("a") is not None
+def test_the_cost_is_that_of_the_cheapest_repeat_with_its_own_stages():
+    each = costs_of({"contact": ["a"]}, {(0,): [cost(3.0, 0.5, 9.0), cost(2.0, 0.25), cost(6.0, 0.1)]})
+    one = least(each)
+    assert one["cpu_time"].item() == 2.0
+    assert (one["stages"] == 0.25).all()
+    assert one["peak_memory"].item() == 9.0  # only a process's first run knows it
+    assert over_repeats(each)["cpu_time_spread"].item() == 2.0
+
+
+def test_runs_without_a_cost_have_none():
+    one = least(costs_of({"contact": ["a", "b"]}, {(1,): [cost(1.0, 0.1)]}))
+    assert np.isnan(one["cpu_time"].values[0])
+    assert one["cpu_time"].values[1] == 1.0
+    none = costs_of({"contact": ["a"]}, {})
+    assert np.isnan(least(none)["cpu_time"]).all()
+    assert over_repeats(none)["repeats"].item() == 0

@@ -1,6 +1,4 @@
-"""Of a run that breaks down by a value that is no number the kit says which array had it first, and in which
-hook.
-"""
+"""The kit names the array that had a value that is no number first, and the hook."""
 
 from __future__ import annotations
 
@@ -28,20 +26,6 @@ class Divides(ForceLaw):
             rows.force[0] = np.nan
 
 
-class Forces(ContactStrategy):
-    """A force that is no number at a node of the fifth step, and at nodes without mass, which nothing reads,
-    at once.
-    """
-
-    name = "forces"
-
-    @hookimpl
-    def add_nodal_force(self, state, grid):
-        grid.force[grid.mass == 0.0] = np.nan
-        if state.steps == 4:
-            grid.force[np.argmax(grid.mass), 1] = np.inf
-
-
 class Moves(ContactStrategy):
     """A momentum that is none."""
 
@@ -56,7 +40,6 @@ class Moves(ContactStrategy):
     ("plugin", "array", "made"),
     [
         (Divides, "rows.force[0]", "in add_nodal_force, step "),
-        (Forces, "grid.force[", "in add_nodal_force, step 5"),
         (Moves, "grid.momentum[", "in after_momentum_update, step 1"),
     ],
 )

@@ -8,8 +8,10 @@ import sys
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 import mpmfw
+from mpmfw.cli import app
 from mpmfw.errors import SceneError
 from mpmfw_testing import (
     Check,
@@ -137,3 +139,60 @@ def test_a_counterexample_is_saved_as_a_scene_and_a_program_that_runs_it(tmp_pat
     )
     assert done.returncode == 0, done.stderr
     assert done.stdout.count(" s [[") >= 2  # the start, and a step
+
+
+def test_importing_the_kit_needs_neither_pytest_nor_hypothesis_nor_numba():
+    code = (
+        "import sys, mpmfw_testing\n"
+        "print([m for m in ('pytest', 'hypothesis', 'numba', 'matplotlib') if m in sys.modules])\n"
+        "sys.modules['hypothesis'] = None\n"
+        "from mpmfw_testing import ladder\n"
+        "try: ladder(0.0, 1.0, 2)\n"
+        "except Exception as error: print(type(error).__name__, error)\n"
+        "sys.modules['pytest'] = None\n"
+        "from mpmfw_testing import contact_conformance\n"
+        "try: contact_conformance('penalty')\n"
+        "except Exception as error: print(type(error).__name__, error)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    lines = done.stdout.splitlines()
+    assert lines[0] == "[]"
+    assert all(line.startswith("SceneError") and "mpmfw[testing]" in line for line in lines[1:])
+    assert len(lines) == 3
+
+
+def test_the_command_finds_a_law_in_the_working_directory(tmp_path):
+    (tmp_path / "my_law.py").write_text(
+        "from mpmfw.api import ContactStrategy\n\n\nclass MyLaw(ContactStrategy):\n    name = 'mine'\n"
+    )
+    command = "import sys; from mpmfw.cli import app; sys.path.remove(''); app()"
+    asked = ["check", "my_law:MyLaw", "--only", "options"]
+    done = subprocess.run(
+        [sys.executable, "-c", command, *asked], cwd=tmp_path, capture_output=True, text=True
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "the plug-in has no options" in done.stdout
+
+
+def test_the_command_runs_checks_and_tells_of_failures(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = CliRunner().invoke(app, ["check", "separate", "--only", "pushes-apart", "--only", "options"])
+    assert done.exit_code == 1
+    for part in (
+        "pushes-apart",
+        "not applicable",
+        "smallest counterexample",
+        "mpmfw-check/separate-pushes-apart.png",
+    ):
+        assert part in done.stdout
+    assert "1 of 2 checks went wrong: pushes-apart" in done.stderr
+    assert (tmp_path / "mpmfw-check" / "separate-pushes-apart.png").is_file()
+
+    (tmp_path / "why.toml").write_text(
+        '[expected_failures]\npushes-apart = "no interaction: bodies pass through"\n'
+    )
+    chosen = ["--only", "pushes-apart", "--expected-failures", "why.toml", "--pictures", "shown"]
+    done = CliRunner().invoke(app, ["check", "separate", *chosen])
+    assert done.exit_code == 0
+    assert "expected failure" in done.stdout
+    assert "no interaction: bodies pass through" in done.stdout

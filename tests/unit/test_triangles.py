@@ -1,6 +1,4 @@
-"""Surfaces of solids: closed, oriented outwards, of the right volume, area and symmetry; and the cells that
-they cut.
-"""
+"""Surfaces of solids: closed, oriented, of the right volume and symmetry; and the cells that they cut."""
 
 from __future__ import annotations
 

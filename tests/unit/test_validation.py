@@ -1,6 +1,4 @@
-"""The validation suite on cases of a few lines: verdicts, exit status, table, page, and cases that go
-wrong.
-"""
+"""The validation suite on cases of a few lines: verdicts, status, table, page, and what goes wrong."""
 
 from __future__ import annotations
 

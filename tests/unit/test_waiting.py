@@ -17,9 +17,7 @@ def write_number(numbers: Any, t: int) -> None:
 
 
 def test_numbers_that_different_threads_write_share_no_line_of_the_cache() -> None:
-    """Nearer ones would take the line from each other at every look; farther ones only make more lines to
-    look through.
-    """
+    """Nearer ones would take the line from each other at every look."""
     numbers = np.zeros(8 * threads.APART, dtype=np.int64)
     for t in range(4):
         write_number(numbers, t)

@@ -1,17 +1,25 @@
 """Figures of fields and histories, side by side, and what a notebook asks for."""
 
+from __future__ import annotations
+
 import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.collections import EllipseCollection, PolyCollection
 from matplotlib.quiver import Quiver
+from PIL import Image, ImageSequence
 from typer.testing import CliRunner
 
 import mpmfw
 from drop_for_tests import drop, drop_scene
 from mpmfw.cli import app
-from mpmfw.errors import SceneError
+from mpmfw.errors import MpmfwError, SceneError
+from mpmfw.geometry.solids import sphere_surface
+from mpmfw.plots import plane_cut, rendered
+from mpmfw.plots.animation import Movie
+from mpmfw.plots.plane_cut import cut_lines
 from mpmfw.results.point_fields import point_field, point_fields
+from scenes_for_tests import ball_on_a_box
 
 BODIES = ("upper", "floor")
 
@@ -163,3 +171,121 @@ def test_the_front_of_a_study():
     assert front.index.tolist() == [("a", 0.2), ("b", 0.2), ("a", 0.1)]
     assert front["error"].tolist() == [0.3, 0.2, 0.1]
     assert front["cpu_time"].tolist() == [1.0, 2.0, 4.0]
+
+
+@pytest.fixture(scope="module")
+def gif(a, tmp_path_factory):
+    """Frames of a picture of the run, as pixels."""
+    path = tmp_path_factory.mktemp("gif") / "drop.gif"
+    progress = []
+    assert mpmfw.animate(a, path, fps=5, progress=lambda *done: progress.append(done)) == path
+    assert progress == [(k, 5) for k in range(1, 6)]
+    assert list(path.parent.iterdir()) == [path]
+    with Image.open(path) as image:
+        assert image.info["duration"] == 200
+        return [np.asarray(frame.convert("RGB"), dtype=float) for frame in ImageSequence.Iterator(image)]
+
+
+def pixels(movie):
+    movie.figure.set_dpi(150)
+    movie.figure.canvas.draw()
+    return np.asarray(movie.figure.canvas.buffer_rgba(), dtype=float)[..., :3]
+
+
+def test_each_frame_shows_the_data_of_its_time(a, gif):
+    movie = Movie({"": a})
+    movie.figure.set_dpi(150)
+    for k in range(len(gif)):
+        movie.show(k)
+        (axes,) = (one for one in movie.figure.axes if one.get_title(loc="left"))
+        assert axes.get_title(loc="left") == f"penalty, cpdi, t = {2 * k} ms"
+        patches = [one for one in axes.collections if isinstance(one, PolyCollection)]
+        drawn = np.concatenate([one.get_array() for one in patches])
+        stored = [a[f"particles/{body}/von_mises"].values[k] for body in ("upper", "floor")]
+        np.testing.assert_allclose(1e6 * drawn, np.concatenate(stored))
+        centre = np.mean([path.vertices[:4].mean(axis=0) for path in patches[0].get_paths()], axis=0)
+        np.testing.assert_allclose(centre, a["particles/upper/position"].values[k].mean(axis=0), rtol=1e-6)
+        # What is in the file is that drawing, up to the palette of a gif
+        apart = [np.abs(pixels(movie) - other).mean() for other in gif]
+        assert int(np.argmin(apart)) == k
+        assert apart[k] < 2.0
+    values = np.concatenate([a[f"particles/{body}/von_mises"].values.ravel() for body in ("upper", "floor")])
+    limits = patches[0].norm.vmin, patches[0].norm.vmax
+    np.testing.assert_allclose(limits, [1e-6 * values.min(), 1e-6 * values.max()])
+
+
+def test_runs_stand_side_by_side_at_the_same_times(a):
+    short = mpmfw.run({**drop_scene("gimp"), "time": {"end": 0.004, "output_interval": 0.001}})
+    movie = Movie({"long": a, "short": short}, "velocity", every=2)
+    assert movie.times == a["time"].values[::2].tolist()
+    assert movie.frames == {"long": [0, 2, 4], "short": [0, 4, 4]}
+    movie.show(1)
+    titles = [axes.get_title(loc="left") for axes in movie.figure.axes[:2]]
+    assert titles == ["long, t = 4 ms", "short, t = 4 ms"]
+
+
+def test_mp4(a, tmp_path):
+    path = mpmfw.animate(a, tmp_path / "drop.mp4", every=2)
+    assert path.read_bytes()[4:8] == b"ftyp"
+
+
+def test_an_unfinished_picture_leaves_no_file(a, tmp_path):
+    def stop(done, _):
+        if done == 2:
+            raise OSError("disk full")
+
+    with pytest.raises(MpmfwError, match="cannot write"):
+        mpmfw.animate(a, tmp_path / "drop.gif", progress=stop)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.fixture(scope="module")
+def tree():
+    return mpmfw.run(ball_on_a_box())
+
+
+def test_a_cut_of_a_sphere_is_a_closed_circle():
+    nodes, facets = sphere_surface(np.array([0.1, 0.2, 0.3]), 1.0, 0.1)
+    lines = cut_lines(nodes, facets, 2, 0.7)
+    np.testing.assert_allclose(lines[:, :, 2], 0.7, atol=1e-12)
+    radius = np.linalg.norm(lines[:, :, :2] - [0.1, 0.2], axis=2)
+    np.testing.assert_allclose(radius, np.sqrt(1.0 - 0.16), rtol=4e-3)
+    length = np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1).sum()
+    assert length == pytest.approx(2.0 * np.pi * np.sqrt(1.0 - 0.16), rel=5e-3)
+
+
+def test_points_on_the_plane_are_drawn_with_the_outlines(tree):
+    figure = plane_cut(tree, "velocity_z", normal="y", at=0.05)
+    panel, bar = figure.axes
+    discs, *lines = panel.collections
+    points = [tree[f"particles/{body}"].to_dataset().isel(time=-1) for body in ("solid", "ball")]
+    met = [
+        np.abs(one["position"].values[:, 1] - 0.05) <= 0.5 * np.cbrt(one["volume"].values) for one in points
+    ]
+    assert len(discs.get_offsets()) == sum(each.sum() for each in met)
+    drawn = np.concatenate([one["velocity"].values[each, 2] for one, each in zip(points, met, strict=True)])
+    np.testing.assert_allclose(np.sort(discs.get_array()), np.sort(drawn), rtol=1e-6)
+    assert len(lines) == 2
+    assert (panel.get_xlabel(), panel.get_ylabel()) == ("x [m]", "z [m]")
+    assert "m/s" in bar.get_ylabel()
+
+
+def bright(figure):
+    """Number of pixels of the picture that are not white."""
+    (picture,) = figure.axes[0].images
+    return int((np.asarray(picture.get_array()) < 250).any(axis=2).sum())
+
+
+def test_bodies_are_rendered_in_the_colours_of_a_field_with_its_scale(tree):
+    figure = rendered(tree, "von_mises")
+    panel, bar = figure.axes
+    points = [tree[f"particles/{body}"].to_dataset().isel(time=-1) for body in ("solid", "ball")]
+    assert panel.get_title("left").startswith("t = ")
+    assert "von Mises stress" in bar.get_ylabel()
+    assert bright(figure) > 1e5
+    assert bright(rendered(tree, "velocity_z", bodies=["ball"])) < bright(figure)
+    speed = np.concatenate([one["velocity"].values[:, 2] for one in points])
+    scale = np.array(rendered(tree, "velocity_z").axes[1].get_ylim())
+    np.testing.assert_allclose(
+        scale / scale[0], np.array([speed.min(), speed.max()]) / speed.min(), atol=1e-6
+    )
