@@ -2,6 +2,7 @@
 
 import gc
 
+import pytest
 from hypothesis import HealthCheck, settings
 
 # How long an example takes says what else the machine has to do
@@ -14,3 +15,20 @@ def pytest_collection_finish():
     gc.collect()
     gc.freeze()
     gc.set_threshold(100_000, 20, 20)
+
+
+@pytest.fixture
+def install(tmp_path, monkeypatch):
+    """Make a distribution: its entry points of one kind, and the source of its only module."""
+
+    def make(distribution, entries, source="", kind="contact"):
+        folder = tmp_path / distribution
+        info = folder / f"{distribution}-1.0.dist-info"
+        info.mkdir(parents=True)
+        (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {distribution}\nVersion: 1.0\n")
+        lines = [f"{name} = {target}" for name, target in entries.items()]
+        (info / "entry_points.txt").write_text("\n".join([f"[mpmfw.{kind}]", *lines]) + "\n")
+        (folder / f"{distribution}.py").write_text(source)
+        monkeypatch.syspath_prepend(str(folder))
+
+    return make

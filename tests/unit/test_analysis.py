@@ -119,10 +119,8 @@ def test_other_scenes_have_no_reference():
     assert reference_of({"scene": rings.replace("121.7 MPa", "100 MPa")}) is None
     for old, new in [
         ("[-30, 0]", "[30, 0]"),
-        ("[30, 0]", "[-30, 0]"),
         ("[30, 0]", "[30, 1]"),
         ("[materials.rubber]", '[materials.rubber]\nenergy = "log"'),
-        ("[bodies.right]", "[bodies.right]\nangular_velocity = 1"),
         ("[bodies.right]", '[bodies.right]\nsides = [{ side = "right", fixed = true }]'),
         ("[output]", "[gravity]\nvector = [0, -9.81]\n[output]"),
     ]:
@@ -133,7 +131,6 @@ def test_other_scenes_have_no_reference():
     )
     for old, new in [
         ("[bodies.cylinder]", "[bodies.cylinder]\nvelocity = [1, 0]"),
-        ("[bodies.cylinder]", "[bodies.cylinder]\nangular_velocity = -1"),
         ("upper = [20.0, 0.8]", 'upper = [20.0, 0.8], angle = "5 deg"'),
         ('magnitude = 10\ntilt = "60 deg"', "vector = [-8.66, -5]"),
     ]:

@@ -21,24 +21,6 @@ from mpmfw_shape.linear import Linear
 from mpmfw_testing.contact.impact import Impact
 from scenes_for_tests import block
 
-
-@pytest.fixture
-def install(tmp_path, monkeypatch):
-    """Make a distribution: its entry points of one kind, and the source of its only module."""
-
-    def make(distribution, entries, source="", kind="contact"):
-        folder = tmp_path / distribution
-        info = folder / f"{distribution}-1.0.dist-info"
-        info.mkdir(parents=True)
-        (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {distribution}\nVersion: 1.0\n")
-        lines = [f"{name} = {target}" for name, target in entries.items()]
-        (info / "entry_points.txt").write_text("\n".join([f"[mpmfw.{kind}]", *lines]) + "\n")
-        (folder / f"{distribution}.py").write_text(source)
-        monkeypatch.syspath_prepend(str(folder))
-
-    return make
-
-
 #: A model of options, for the constructor to take.
 OPTIONS = "from pydantic import BaseModel\nclass Options(BaseModel):\n    stiffness: float = 1.0\n"
 

@@ -13,12 +13,11 @@ from interpreted import interpreted
 from mpmfw.api import SceneError
 from mpmfw.effects import constraint, energy_guard, side_loads, side_rows
 from mpmfw.effects.constraint import AGREED, PASSES
-from mpmfw.effects.side_rows import QUADRATURE, list_rows, quadrature, splines
+from mpmfw.effects.side_rows import QUADRATURE, PlaneSides, list_rows, quadrature, splines
 from mpmfw.effects.surface import CRITICAL_MASS, LIGHT, weigh_by_mass, weigh_plain
 from mpmfw.kernels.stencil import LEAST_SHARE, linear_weights
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import block
-from sides_for_tests import upper_side
 
 
 # -- the map of the surface
@@ -45,6 +44,25 @@ def test_a_larger_critical_mass_ties_the_surface_to_the_inner_node() -> None:
 
 
 # -- prescribed sides
+def upper_side(place: float) -> PlaneSides:
+    """The side y = ``place`` of a body below it, in a column of 8 nodes."""
+    wide = np.full((1, 2), np.inf)
+    return PlaneSides(
+        normal=np.array([[0.0, 1.0]]),
+        place=np.array([place]),
+        box_lower=-wide,
+        box_upper=wide,
+        alone=np.array([1]),
+        cell_mass=np.ones(1),
+        point=np.array([0, 1]),
+        shift=np.zeros(1),
+        share=np.ones(1),
+        column=np.array([[0, 8, 1, 8, 1]]),
+        lower=np.zeros(2),
+        grids=np.array([1]),
+    )
+
+
 def rows_at(place: float, mass: list[float], **constants: float) -> list[tuple[float, dict[int, float]]]:
     """Target and weights of every row of the side y = ``place``, in one column of 8 nodes."""
     position = np.column_stack([np.zeros(8), np.arange(8.0)])
@@ -53,7 +71,7 @@ def rows_at(place: float, mass: list[float], **constants: float) -> list[tuple[f
     table = side_rows.SideTable(
         nodes=np.zeros(60, dtype=np.int64), weights=np.zeros(60), work=np.zeros(1), **whole, **real
     )
-    side = upper_side(place, columns=1)
+    side = upper_side(place)
     count = interpreted(list_rows, **constants)(1, side, position, np.array(mass), table, (1.0, 1.0))
     return [
         (

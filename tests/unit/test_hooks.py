@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -9,6 +10,7 @@ import pytest
 from mpmfw.api import hookimpl
 from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.plugin.hooks import BoundHooks, Observer, make_manager
+from mpmfw.state import clock as module
 from mpmfw.state.clock import Clock
 
 
@@ -156,3 +158,31 @@ def test_bound_wrappers_do_what_pluggy_does(catches: bool, fails: bool) -> None:
             return "raised", seen
 
     assert outcome(ours=True) == outcome(ours=False)
+
+
+@pytest.fixture
+def now(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
+    """Wall and CPU seconds that the test sets."""
+    now = SimpleNamespace(wall=100.0, cpu=10.0)
+    fake = SimpleNamespace(perf_counter=lambda: now.wall, process_time=lambda: now.cpu)
+    monkeypatch.setattr(module, "time", fake)
+    return now
+
+
+def test_cpu_time_is_shared_out_by_wall_time(now: SimpleNamespace) -> None:
+    clock = Clock()
+    clock("shape")
+    now.wall += 1.0
+    clock("force")
+    now.wall, now.cpu = now.wall + 3.0, now.cpu + 8.0
+    clock.flush()
+    assert (clock.cpu["shape"], clock.cpu["force"]) == (2.0, 6.0)
+
+
+def test_excluded_seconds_count_nowhere(now: SimpleNamespace) -> None:
+    clock = Clock()
+    clock("shape")
+    now.wall, now.cpu = now.wall + 10.0, now.cpu + 10.0
+    clock.exclude(9.0, 9.0)
+    clock.flush()
+    assert (sum(clock.wall.values()), sum(clock.cpu.values())) == (1.0, 1.0)

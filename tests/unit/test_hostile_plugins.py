@@ -25,19 +25,14 @@ class Law(ContactStrategy):
 
 
 @pytest.fixture
-def install(tmp_path, monkeypatch):
-    """Make the distribution ``strange`` with a contact plug-in ``oddity``; returns nothing."""
+def law(tmp_path, monkeypatch, install):
+    """Make the distribution ``strange`` with a contact plug-in ``oddity``, of the body of its class."""
 
     def make(body, head=HEAD):
-        folder = tmp_path / "site"
-        info = folder / "strange-1.0.dist-info"
-        info.mkdir(parents=True)
-        (info / "METADATA").write_text("Metadata-Version: 2.1\nName: strange\nVersion: 1.0\n")
-        (info / "entry_points.txt").write_text("[mpmfw.contact]\noddity = strange_law:Law\n")
-        (folder / "strange_law.py").write_text(head + textwrap.indent(textwrap.dedent(body), "    "))
-        monkeypatch.syspath_prepend(str(folder))
+        source = head + textwrap.indent(textwrap.dedent(body), "    ")
+        install("strange", {"oddity": "strange:Law"}, source)
         monkeypatch.setattr(sys, "dont_write_bytecode", True)
-        monkeypatch.delitem(sys.modules, "strange_law", raising=False)
+        monkeypatch.delitem(sys.modules, "strange", raising=False)
 
     monkeypatch.chdir(tmp_path)
     return make
@@ -56,7 +51,7 @@ WHO = "plug-in 'oddity' of distribution strange"
 BEFORE = {
     "exit in the constructor": (
         "def __init__(self): sys.exit(0)",
-        f"{WHO} failed in its constructor: SystemExit: 0 (strange_law.py, line 9)",
+        f"{WHO} failed in its constructor: SystemExit: 0 (strange.py, line 9)",
     ),
     "error in a validator": (
         """
@@ -86,7 +81,7 @@ BEFORE = {
 DURING = {
     "error in a hook": (
         "@hookimpl\ndef end_step(self, state): state.steps > 2 and {}['k']",
-        f"{WHO} failed in end_step: KeyError: 'k' (strange_law.py, line 10), in step 4: at time",
+        f"{WHO} failed in end_step: KeyError: 'k' (strange.py, line 10), in step 4: at time",
     ),
     "a wrapper that yields twice": (
         "@hookimpl(wrapper=True)\ndef end_step(self):\n    yield\n    yield",
@@ -109,9 +104,9 @@ DURING = {
 
 
 @pytest.mark.parametrize("case", BEFORE)
-def test_a_plugin_that_fails_before_the_run_is_named(case, install):
+def test_a_plugin_that_fails_before_the_run_is_named(case, law):
     body, message = BEFORE[case]
-    install(body)
+    law(body)
     further = {"set": {"contact.oddity.a": 2.0}} if "validator" in case else {}
     with pytest.raises(SceneError) as caught:
         run(**further)
@@ -119,9 +114,9 @@ def test_a_plugin_that_fails_before_the_run_is_named(case, install):
 
 
 @pytest.mark.parametrize("case", DURING)
-def test_a_plugin_that_fails_in_the_run_is_named_and_what_was_written_stays(case, install, tmp_path):
+def test_a_plugin_that_fails_in_the_run_is_named_and_what_was_written_stays(case, law, tmp_path):
     body, message = DURING[case]
-    install(body)
+    law(body)
     path = tmp_path / "run.nc"
     with pytest.raises(MpmfwError) as caught:
         run(output=path)
@@ -134,8 +129,8 @@ def test_a_plugin_that_fails_in_the_run_is_named_and_what_was_written_stays(case
     assert np.isfinite(tree["series/kinetic_energy"]).all() if "series/kinetic_energy" in tree else True
 
 
-def test_no_plugin_that_exits_brings_down_the_others_of_a_comparison(install):
-    install("@hookimpl\ndef end_step(self, state):\n    if state.time > 0.06: sys.exit(0)")
+def test_no_plugin_that_exits_brings_down_the_others_of_a_comparison(law):
+    law("@hookimpl\ndef end_step(self, state):\n    if state.time > 0.06: sys.exit(0)")
     scene = two_blocks("separate", time={"end": 0.1, "output_interval": 0.05}, output={"gap": False})
     dataset = mpmfw.compare(scene, ["oddity", "separate"], ["cpdi"])
     status = dataset.status.values.ravel()
@@ -160,15 +155,15 @@ def test_a_material_that_answers_wrongly_is_named():
         mpmfw.run(scene)
 
 
-def test_a_folder_that_is_changed_loses_no_file(install, tmp_path):
-    install("@hookimpl\ndef end_step(self, state): os.chdir('/')")
+def test_a_folder_that_is_changed_loses_no_file(law, tmp_path):
+    law("@hookimpl\ndef end_step(self, state): os.chdir('/')")
     with pytest.warns(ResultsWarning, match="suspect"):  # nothing keeps its bodies apart
         assert run(output="run.nc").attrs["status"].startswith("suspect: left-right: penetration")
     assert mpmfw.open(tmp_path / "run.nc")["series"].sizes["time"] == 3
 
 
-def test_a_run_that_fails_keeps_its_outputs_and_its_other_concerns(install, tmp_path):
-    install(
+def test_a_run_that_fails_keeps_its_outputs_and_its_other_concerns(law, tmp_path):
+    law(
         "@hookimpl\ndef end_step(self, state): state.time > 0.06 and {}['k']\n"
         "@hookimpl\ndef concerns(self): return ['beware']"
     )

@@ -14,8 +14,9 @@ import mpmfw
 from mpmfw.cli import app
 from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.results.replacing import replace_dataset
+from mpmfw.runs.simulation import Simulation
 from mpmfw.scene.toml_text import toml_text
-from scenes_for_tests import two_blocks
+from scenes_for_tests import one_body, two_blocks
 
 MINE = "years of work\n"
 SCENE = two_blocks("none", time__end=2e-4, time__output_interval=1e-4, shape__method="linear")
@@ -94,10 +95,7 @@ def test_a_checkpoint_without_its_results_is_not_dropped_unasked(folder):
 
 @pytest.mark.parametrize(
     ("target", "option"),
-    [
-        ("out/validation.csv", ("-o", "out")),
-        ("page.md", ("-o", "out", "--document", "page.md")),
-    ],
+    [("out/validation.csv", ("-o", "out")), ("page.md", ("-o", "out", "--document", "page.md"))],
 )
 def test_a_validation_takes_the_place_of_no_other_file(folder, target, option):
     (folder / target).parent.mkdir(exist_ok=True)
@@ -182,3 +180,34 @@ def test_links_are_followed_and_loops_are_named(folder):
         assert said(command, "s.toml", "-o", "l.nc", status=2).startswith(
             "l.nc: is a link that leads to itself"
         )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("run", "s.toml", "-o", "/dev/null"), "/dev/null: is a device or a pipe; give the name of a file\n"),
+        (("run", "s.toml", "-o", "a" * 300), f"'{'a' * 300}': File name too long\n"),
+        (("new", "load", "zz", "--into", "s.toml"), "'s.toml/mpmfw-zz': Not a directory\n"),
+        (("new", "load", "z" * 300), f"'mpmfw-{'z' * 300}': File name too long\n"),
+    ],
+)
+def test_a_file_that_cannot_be_is_named(folder, arguments, message):
+    assert (folder / "s.toml").is_file()
+    found = CliRunner().invoke(app, list(arguments))
+    assert found.exit_code in (1, 2)
+    assert found.output == message
+
+
+@pytest.mark.parametrize(
+    "geometry",
+    [
+        {"type": "disc", "centre": [0, 0], "radius": 1e-8},
+        {"type": "cylinder", "centre": [0, 0, 0], "radius": 0.5, "length": 1e-59},
+    ],
+)
+def test_a_body_far_below_a_cell_is_refused(geometry):
+    with pytest.raises(
+        SceneError,
+        match=r"bodies\.solid\.geometry: the body is .* m across at its thinnest, less than 1e-06",
+    ):
+        Simulation(one_body(geometry, size=0.125))

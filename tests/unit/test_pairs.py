@@ -6,13 +6,11 @@ import itertools
 from types import SimpleNamespace
 
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mpmfw.kernels.boxes import sweep_strips
 from mpmfw.kernels.contact import pair_index, pair_table
-from mpmfw.state.pairs import FEW, BodyPairs, _strips, overlapping
+from mpmfw.state.pairs import FEW, BodyPairs, overlapping
 
 
 def brute_force(lower, upper):
@@ -48,28 +46,6 @@ def boxes(rng, n, dim, kind):
 def test_boxes_that_overlap_are_those_that_brute_force_finds(seed, n, dim, kind):
     lower, upper = boxes(np.random.default_rng(seed), n, dim, kind)
     assert listed(lower, upper) == brute_force(lower, upper)
-
-
-@pytest.mark.parametrize("large", [False, True], ids=["lattice", "lattice in a large box"])
-def test_the_comparisons_grow_with_the_number_of_boxes(large):
-    """Boxes on a square lattice that touch, with and without one round them all, and one far away."""
-
-    def comparisons(side):
-        corners = np.array(list(itertools.product(range(side), repeat=2)), dtype=float)
-        lower, upper = corners, corners + 1.0
-        if large:
-            lower = np.concatenate([lower, [[0.0, 0.0], [50.0 * side, 3.0]]])
-            upper = np.concatenate([upper, [[side, side], [50.0 * side + 1.0, 4.0]]])
-        entries = _strips(lower, upper)
-        room = np.zeros(20 * len(lower), dtype=np.int64)
-        found, compared = sweep_strips(*entries, lower, upper, room, room.copy())
-        assert found == len(brute_force(lower, upper))
-        return compared / len(lower), len(entries[1]) / len(lower)
-
-    few, many = comparisons(20), comparisons(40)
-    assert max(few) < 30.0  # of 400 there would be 200 in a comparison of all
-    assert many[0] < 1.5 * few[0]
-    assert many[1] < 1.5 * few[1]
 
 
 def moving(rng, n):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import shapely
 
-from contact_kernels import PLANE, Law, find, flat, forces, join, rows_of, star
+from contact_kernels import PLANE, Law, OneNode, empty_candidates, find, flat, forces, join, rows_of, star
 from mpmfw.contact.surfaces.layer import gather_layer, project_layer
 from mpmfw.kernels import struct
 from mpmfw.kernels.contact import couplings
@@ -116,14 +116,6 @@ def test_literal_detection_takes_every_segment_that_eq_10_names():
         assert set(found.facet[s][found.facet[s] >= 0].tolist()) == expected
 
 
-@every_scene
-def test_minimum_gap_is_the_least_signed_distance(name):
-    loops = join(SCENES[name])
-    a, b = np.flatnonzero(loops.body == 0), np.flatnonzero(loops.body == 1)
-    actual = minimum_gap(a[0], a[-1] + 1, b[0], b[-1] + 1, loops.outline, PLANE)
-    assert actual == pytest.approx(min(closest(loops, s, 1)[0] for s in a), abs=1e-12)
-
-
 def force_twin(loops, found, law, old_master, old_tangential):
     """Forces of all contacts and the pairs' frictional work, in NumPy and without Q."""
     pairs = list(itertools.combinations(range(loops.n_bodies), 2))
@@ -179,6 +171,56 @@ def test_contact_forces_agree_with_numpy(name, damping):
     force, _, friction_work = forces(loops, found, law, old_master, old_tangential)
     np.testing.assert_allclose(force, expected, rtol=1e-10, atol=1e-9)
     np.testing.assert_allclose(friction_work, work, rtol=1e-10, atol=1e-12)
+
+
+K, MU = Law().stiffness, Law().friction
+
+
+def pressed(x=0.05):
+    """A tip that has just been pressed in by a millimetre, straight, without sliding."""
+    node = OneNode(Law(), x=x, y=0.0)
+    node.move(0.0, -0.001)
+    return node
+
+
+def test_stick_then_slip_then_reversal():
+    node = pressed()
+    limit = MU * K * 0.001
+    assert node.move(1e-4, 0.0)[1] == pytest.approx(-K * 1e-4, rel=1e-12)  # stick
+    assert node.work == 0.0
+    assert node.move(1e-3, 0.0)[1] == pytest.approx(-limit, rel=1e-12)  # slip
+    assert node.work == pytest.approx(limit * (1.1e-3 - limit / K), rel=1e-12)  # force times the sliding part
+    assert node.move(-1e-4, 0.0)[1] == pytest.approx(-limit + K * 1e-4, rel=1e-12)  # unloads the spring
+    assert node.move(-1e-3, 0.0)[1] == pytest.approx(limit, rel=1e-12)
+
+
+def test_force_is_carried_across_segments():
+    node = pressed(x=0.2499)
+    before = node.move(5e-5, 0.0)[1]  # still on the segment that ends at x = 0.25
+    after = node.move(1e-4, 0.0)[1]
+    assert node.loops.position[0, 0] > 0.25
+    assert after == pytest.approx(before - K * 1e-4, rel=1e-12)
+
+
+def test_release_forgets_the_force():
+    node = pressed()
+    node.move(1e-3, 0.0)
+    assert node.move(0.0, 0.01) == (0.0, 0.0)
+    assert node.move(0.0, -0.01)[1] == 0.0
+
+
+def test_a_candidate_ahead_of_a_segment_s_end_has_finite_rows():
+    """The normal at the vertex lies along the segment: there is no lever, and nothing is carried."""
+    tip = np.array([[0.1, 0.0], [0.3, 1.0], [0.2, 1.0]])
+    plate = np.array([[-1.0, 0.0], [0.0, 0.0], [0.0, 1.0]])
+    loops = join([tip, plate])
+    found = empty_candidates(len(loops.body), 1)
+    found.master[0], found.facet[0], found.share[0, 0] = 1, 3, (0.0, 1.0)
+    found.gap[0], found.normal[0] = 0.1, (1, 0)
+    rows = rows_of(loops, found)
+    assert rows.count == 1
+    for array in (rows.motion, rows.couple, rows.places.turn):
+        assert np.isfinite(array).all()
 
 
 def table(rng, points, nodes, width=4):

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import copy
 import pickle
+from typing import Any
 
 import numpy as np
 import pytest
 
 from mpmfw.kernels import Floats, Ints, Struct, device, kernel
+from mpmfw.step import threads
 
 
 class Points(Struct):
@@ -75,3 +77,19 @@ def test_a_copy_has_arrays_of_its_own():
         check(other)
         np.testing.assert_array_equal(points.gap, before)
         assert (other.label, other.member_names) == ("a", ("place", "gap", "normal"))
+
+
+@kernel
+def write_number(numbers: Any, t: int) -> None:
+    """Write t + 1 as thread t does."""
+    threads.write(numbers, t, t + 1)
+
+
+def test_numbers_that_different_threads_write_share_no_line_of_the_cache() -> None:
+    """Nearer ones would take the line from each other at every look."""
+    numbers = np.zeros(8 * threads.APART, dtype=np.int64)
+    for t in range(4):
+        write_number(numbers, t)
+    (places,) = np.nonzero(numbers)
+    assert set(np.diff(places) * numbers.itemsize) == {64}
+    assert [threads.wait(numbers, t, t + 1, 1) for t in range(4)] == [True] * 4
