@@ -1,8 +1,7 @@
-"""Files that a stranger has damaged or crafted, and what reading one of them may do: end well, or with one
-message.
+"""Files that a stranger has damaged or crafted, each from a number, and reading one in a watched process.
 
-Each is made from a number alone. It is read in a process of its own, which an audit hook watches: no import
-of what was not imported, no other process, no file written elsewhere, at most 1 GB, and no hanging."""
+Reading may end well or with one message: no import of what was not imported, no other process, no file
+written elsewhere, at most 1 GB, and no hanging."""
 
 from __future__ import annotations
 
@@ -27,16 +26,19 @@ from checkpoints_for_tests import opened, write
 from mpmfw.errors import Interrupted, MpmfwError
 from scenes_for_tests import two_blocks
 
-#: Bytes that reading a file may take, and seconds after which it hangs: 10 are meant, and the machine may
-#: have other work.
+#: Bytes that reading a file may take, and seconds after which it hangs; the machine may have other work.
 MEMORY, SECONDS = 1e9, 60
 
 #: Values that stand for others in what a file says.
 _VALUES = (
     0, 1, -1, 2**31, 2**63, 10**400, 1e308, float("nan"), float("inf"), True, None, "", "x", "os:system",
-    "__import__('os')",
-    "../../pwned", [], [1], {}, {"a": 1}, {"__class__": "subprocess.Popen"}, ["builtins:eval"] * 3,
+    "__import__('os')", "../../pwned", [], [1], {}, {"a": 1}, {"__class__": "subprocess.Popen"},
+    ["builtins:eval"] * 3,
 )  # fmt: skip
+_REMOVES = ("os.remove", "os.rename", "os.rmdir", "shutil.rmtree")
+_NAMES = ("x", "a/b", "state/time", "time2", "body2")
+_TEXTS = ("../../x", "", "/", "a/b", "a" * 5000, "\x1b[2J", "[", "{}")
+_NUMBERS = {"f": (np.nan, np.inf, 1e300, -1e300, 0.0), "i": (-1, -2, 0, 7, 10**6, 2**30)}
 
 SCENE = two_blocks(
     "penalty",
@@ -44,12 +46,20 @@ SCENE = two_blocks(
     shape__method="linear",
     output={"particles": True, "surface": True, "ledger": True, "stability": True},
 )
+#: What reads results of a run and of a comparison.
+READERS: dict[str, Callable[[Path, Path], Any]] = {
+    "open": lambda path, _: mpmfw.open(path),
+    "field": lambda path, _: mpmfw.plots.field(path),
+    "gap": lambda path, _: mpmfw.gap(path),
+    "animate": lambda path, folder: mpmfw.animate(path, folder / "f.gif"),
+    "export": lambda path, folder: mpmfw.export(path, folder / "out"),
+}
+OF_COMPARISONS = ("open", "gap")
 
-#: Events in which a file goes.
-_REMOVES = ("os.remove", "os.rename", "os.rmdir", "shutil.rmtree")
 
-#: Commands that read each file.
-COMMANDS = {"run": ("plot", "animate", "export"), "compare": ("plot",)}
+def compare(folder: Path) -> Any:
+    """Compare, with the finished runs in the folder."""
+    return mpmfw.compare(SCENE, ["penalty", "none"], ["linear"], output=folder / "compare.nc")
 
 
 def make(folder: Path) -> None:
@@ -67,16 +77,16 @@ def make(folder: Path) -> None:
         signal.signal(signal.SIGINT, before)
     assert (folder / "stopped.nc.checkpoint").is_file()
     mpmfw.run(SCENE, output=folder / "run.nc")
-    mpmfw.compare(SCENE, ["penalty", "none"], ["linear"], output=folder / "compare.nc")
+    compare(folder)
     with tempfile.TemporaryDirectory() as beside:
-        for name, commands in COMMANDS.items():  # what is imported on the way is not a file's doing
-            for command in commands:
-                _command(command, folder / f"{name}.nc", Path(beside))
+        for name, reads in READERS.items():  # what is imported on the way is not a file's doing
+            for kind in ("run", "compare")[: 1 + (name in OF_COMPARISONS)]:
+                reads(folder / f"{kind}.nc", Path(beside))
 
 
-def _bytes(draw: random.Random, whole: bytes) -> bytes:
-    """Flip bits, overwrite, cut or repeat a stretch."""
-    changed = bytearray(whole)
+def _bytes(draw: random.Random, path: Path) -> None:
+    """Flip bits, overwrite, cut or take out stretches."""
+    changed = bytearray(path.read_bytes())
     for _ in range(draw.choice((1, 1, 2, 8, 64))):
         at, length = draw.randrange(len(changed) or 1), draw.choice((1, 4, 8, 100))
         stretch = slice(at, at + length)
@@ -84,85 +94,68 @@ def _bytes(draw: random.Random, whole: bytes) -> bytes:
         flipped = bytes(byte ^ 1 << draw.randrange(8) for byte in changed[stretch][:1])
         ways = (flipped + changed[stretch][1:], bytes(size), b"\xff" * size, draw.randbytes(size), b"")
         changed[stretch] = draw.choice(ways)
-    return bytes(changed[: draw.choice((None, None, None, len(changed) // 2))])
+    path.write_bytes(changed[: draw.choice((None, None, None, len(changed) // 2))])
 
 
 def _elsewhere(draw: random.Random, tree: Any) -> None:
-    """Replace, drop or add one value somewhere in nested lists and tables."""
-    while True:
-        keys = list(tree) if isinstance(tree, dict) else list(range(len(tree)))
-        if not keys:
-            return
-        key = draw.choice(keys)
-        if isinstance(tree[key], dict | list) and tree[key] and draw.random() < 0.8:
-            tree = tree[key]
-            continue
-        if draw.random() < 0.1 and isinstance(tree, dict):
-            tree[draw.choice(("x", "a/b", "state/time"))] = tree.pop(key)
-        elif draw.random() < 0.1:
-            del tree[key]
-        else:
-            tree[key] = draw.choice(_VALUES)
+    """Replace, drop or rename one value somewhere in nested lists and tables."""
+    keys = list(tree) if isinstance(tree, dict) else list(range(len(tree)))
+    if not keys:
         return
+    key = draw.choice(keys)
+    if isinstance(tree[key], dict | list) and tree[key] and draw.random() < 0.8:
+        _elsewhere(draw, tree[key])
+    elif draw.random() < 0.1 and isinstance(tree, dict):
+        tree[draw.choice(_NAMES)] = tree.pop(key)
+    elif draw.random() < 0.1:
+        del tree[key]
+    else:
+        tree[key] = draw.choice(_VALUES)
 
 
 def _checkpoint(draw: random.Random, path: Path) -> None:
-    """Change what a checkpoint says, its places or its numbers, such that its checksums are right."""
+    """Change facts, places or numbers of a checkpoint, such that its checksums are right."""
     facts, arrays = opened(path)
     for _ in range(draw.choice((1, 1, 2, 5))):
         way, place = draw.randrange(4), draw.choice([key for key in arrays if key != "results.nc"])
         if way == 0:
-            arrays[draw.choice(("x", "a/b", "state/time"))] = arrays.pop(place)
+            arrays[draw.choice(_NAMES)] = arrays.pop(place)
         elif way == 1:
             _elsewhere(draw, facts)
         else:
             values = arrays[place].copy()
-            kind = draw.choice(("<f8", "<i8"))
+            kind = draw.choice("fi")
             some = values.reshape(-1).view("u1")
-            some = some[: len(some) // 8 * 8].view(kind)
+            some = some[: len(some) // 8 * 8].view(f"<{kind}8")
             if len(some):
-                some[draw.randrange(len(some))] = draw.choice(
-                    (np.nan, np.inf, 1e300, -1e300, 0.0)
-                    if kind == "<f8"
-                    else (-1, -2, 2**62, 2**40, 10**6, -(2**63))
-                )
+                some[draw.randrange(len(some))] = draw.choice((*_NUMBERS[kind], -(2**63), 2**62))
             arrays[place] = values if draw.random() < 0.8 else values.reshape(-1)
     write(path, facts, **arrays)
 
 
 def _results(draw: random.Random, path: Path) -> None:
-    """Change names, attributes and numbers of a results' file by the library that wrote it."""
+    """Change a name, an attribute or a number of a results' file by the library that wrote it."""
     import netCDF4
 
     try:
-        dataset = netCDF4.Dataset(path, "a")
+        opened_file = netCDF4.Dataset(path, "a")
     except OSError:  # a file that was made in memory
-        path.write_bytes(_bytes(draw, path.read_bytes()))
-        return
-    with dataset:
-        groups = [dataset, *dataset.groups.values()]
-        for _ in range(draw.choice((1, 2, 4))):
-            group = draw.choice(groups)
-            names = sorted(group.variables)
-            way = draw.randrange(4)
-            if way == 0 and group.ncattrs():
-                group.setncattr(
-                    draw.choice(sorted(group.ncattrs())),
-                    draw.choice(("", "x", "[", "{}", 7, -1.0, "../../x")),
-                )
-            elif way == 1 and names:
-                group.renameVariable(draw.choice(names), draw.choice(("x", "time2", "body2")))
-                break  # what follows is numbered anew
-            elif names:
-                variable = group.variables[draw.choice(names)]
-                if variable.dtype is str and len(variable):
-                    variable[draw.randrange(len(variable))] = draw.choice(
-                        ("../../x", "", "/", "a/b", "a" * 5000, "\x1b[2J")
-                    )
-                elif variable.dtype is not str and variable.size:
-                    variable.set_auto_maskandscale(False)
-                    at = tuple(draw.randrange(n) for n in variable.shape)
-                    variable[at] = draw.choice((0, -1, 10**6, 2**30, 7))
+        return _bytes(draw, path)
+    with opened_file as dataset:
+        group = draw.choice([dataset, *dataset.groups.values()])
+        names, attributes = sorted(group.variables), sorted(group.ncattrs())
+        way = draw.randrange(3)
+        if way == 0 and attributes:
+            group.setncattr(draw.choice(attributes), draw.choice((*_TEXTS, 7, -1.0)))
+        elif way == 1 and names:
+            group.renameVariable(draw.choice(names), draw.choice(_NAMES[-2:]))
+        elif names:
+            variable = group.variables[draw.choice(names)]
+            variable.set_auto_maskandscale(False)
+            if all(variable.shape):
+                at = tuple(draw.randrange(n) for n in variable.shape)
+                variable[at] = draw.choice(_TEXTS if variable.dtype is str else _NUMBERS["i"])
+    return None
 
 
 def _store(draw: random.Random, path: Path) -> None:
@@ -177,47 +170,22 @@ def case(number: int, sound: Path, folder: Path) -> tuple[str, Callable[[], Any]
     """Damage a copy of the sound files in a folder; what was damaged, and what reads it."""
     draw = random.Random(f"mpmfw damaged {number}")
     shutil.copytree(sound, folder, dirs_exist_ok=True)
-    what = ("checkpoint", "results", "run", "compare", "store")[number % 5]
     stores = sorted((folder / "compare.nc.runs").glob("*.json" if number % 2 else "*.*"))
-    path = {
-        "checkpoint": folder / "stopped.nc.checkpoint", "results": folder / "stopped.nc",
-        "run": folder / "run.nc",
-        "compare": folder / "compare.nc", "store": draw.choice(stores),
-    }[what]  # fmt: skip
-    if draw.random() < 0.3:
-        path.write_bytes(_bytes(draw, path.read_bytes()))
-    elif what == "checkpoint":
-        _checkpoint(draw, path)
-    elif path.suffix == ".json":
-        _store(draw, path)
-    else:
-        _results(draw, path)
+    what, path, craft = (
+        ("checkpoint", folder / "stopped.nc.checkpoint", _checkpoint),
+        ("results", folder / "stopped.nc", _results),
+        ("run", folder / "run.nc", _results),
+        ("compare", folder / "compare.nc", _results),
+        ("store", draw.choice(stores), _store),
+    )[number % 5]
+    is_crafted = draw.random() > 0.3 and not (what == "store" and path.suffix != ".json")
+    (craft if is_crafted else _bytes)(draw, path)
     if what in ("checkpoint", "results"):
         return what, lambda: mpmfw.resume(folder / "stopped.nc")
     if what == "store":
-        return what, lambda: mpmfw.compare(
-            SCENE, ["penalty", "none"], ["linear"], output=folder / "compare.nc"
-        )
-    command = draw.choice(("open", *COMMANDS[what]))
-    return (
-        f"{what} {command}",
-        lambda: mpmfw.open(path) if command == "open" else _command(command, path, folder),
-    )
-
-
-def _command(command: str, path: Path, folder: Path) -> None:
-    """Run a command line; an exit status of 2 says that a message was printed."""
-    from typer.testing import CliRunner
-
-    from mpmfw.cli import app
-
-    endings = {"plot": "f.png", "animate": "f.gif", "export": "f.pvd"}
-    outputs = {command: ["-o", str(folder / name), "--force"] for command, name in endings.items()}
-    done = CliRunner().invoke(app, [command, str(path), *outputs.get(command, [])])
-    if done.exception is not None and not isinstance(done.exception, SystemExit):
-        raise done.exception
-    if done.exit_code:
-        raise MpmfwError(done.stderr)
+        return what, lambda: compare(folder)
+    name = draw.choice(OF_COMPARISONS if what == "compare" else list(READERS))
+    return f"{what} {name}", lambda: READERS[name](path, folder)
 
 
 def read_apart(number: int, sound: Path, folder: Path) -> tuple[str, str, str]:
@@ -246,12 +214,8 @@ def _watched(reads: Callable[[], Any], folder: Path) -> tuple[str, str]:
     """Outcome and message of reading, or what it must not do."""
     seen: list[str] = []
     known = {name.partition(".")[0] for name in sys.modules} | set(sys.stdlib_module_names)
-    mine = (
-        str(folder),
-        *filter(None, (os.environ.get("NUMBA_CACHE_DIR"),)),
-        f"{os.sep}kernels{os.sep}",
-        "/proc/self/clear_refs",
-    )
+    caches = filter(None, (os.environ.get("NUMBA_CACHE_DIR"),))
+    mine = (str(folder), *caches, f"{os.sep}kernels{os.sep}", "/proc/self/clear_refs")
 
     def audit(event: str, given: tuple[Any, ...]) -> None:
         if event == "import" and given[0].partition(".")[0] not in known:
