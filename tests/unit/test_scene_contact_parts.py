@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from contact_scenes import STRATEGIES, impact
+from contact_scenes import STRATEGIES
 from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import load
 from mpmfw.runs.identity import key_of
@@ -188,14 +188,3 @@ def test_a_scene_says_what_is_wrong_with_it_once(overrides, message):
         load_scene(SCENE, set=overrides)
     assert message in str(error.value)
     assert len(str(error.value).splitlines()) == 1
-
-
-def test_a_run_with_it_is_the_run_of_the_object():
-    strong = load("contact", "bardenhagen")(criterion="position", normal="master")
-    results = []
-    for contact in (STRONG, strong):
-        sim = Simulation(impact(), contact=contact)
-        sim.advance(40)
-        results.append((sim.contact.label, sim.contact.records.impulse.tobytes()))
-    assert results[0] == results[1]
-    assert results[0][0] == STRONG
