@@ -60,6 +60,7 @@ _SURFACES = "~surfaces " + " ".join(
 )
 _CONTACT = "contact_force friction_force contact_count frictional_work contact_energy damping_work"
 _ISOTROPIC = "material._isotropic"
+_SOIL = " material._frictional material._principal"
 EFFECTS = {
     **{
         name: brings(name, modules=f"shape.{name} shape._tables")
@@ -70,7 +71,15 @@ EFFECTS = {
     "domain tracking": brings("cpdi2", arrays="cpdi2 layout", modules="shape.cpdi2 shape.cpdi shape._tables"),
     "neo_hookean": brings("neo_hookean soft", modules=f"material.neo_hookean {_ISOTROPIC}"),
     "linear_elastic": brings("linear_elastic soft", modules=f"material.linear_elastic {_ISOTROPIC}"),
-    "j2": brings("j2 soft", arrays="j2", series="material_dissipation", modules=f"material.j2 {_ISOTROPIC}"),
+    **{
+        model: brings(
+            f"{model} soft",
+            arrays=model,
+            series="material_dissipation",
+            modules=f"material.{model} material._plastic {_ISOTROPIC}{more}",
+        )
+        for model, more in (("j2", ""), ("mohr_coulomb", _SOIL), ("drucker_prager", _SOIL))
+    },
     "affine field": brings(arrays="particles/affine", series="affine_energy"),
     "affine moments": brings(arrays="particles/moment"),
     "gravity": brings("gravity", modules=".gravity"),
@@ -156,6 +165,7 @@ def _two(method: str, **changes: Any) -> dict[str, Any]:
 ONE = block(shape__method="linear", bodies__solid__rotation="lumped")
 ELASTIC = {"model": "linear_elastic", "density": 1e3, "bulk_modulus": 1e6, "shear_modulus": 5e5}
 YIELDS = {"model": "j2", "yield_stress": 1e4}
+SOIL = {"friction_angle": 0.5, "cohesion": 1e4}
 GRAVITY = {"vector": [0, -10]}
 HELD = [{"side": "bottom", "fixed": True}]
 FRICTIONLESS = ("penalty", "travel", "surfaces", "local spin")
@@ -211,6 +221,12 @@ CASES = {
     },
     "linear elastic": Case(with_changes(ONE, materials__soft=ELASTIC), (), material="linear_elastic"),
     "plastic": Case(with_changes(ONE, materials__soft={**ELASTIC, **YIELDS}), (), material="j2"),
+    **{
+        model: Case(
+            with_changes(ONE, materials__soft={**ELASTIC, **SOIL, "model": model}), (), material=model
+        )
+        for model in ("mohr_coulomb", "drucker_prager")
+    },
     "three dimensions": Case(box(shape__method="linear", bodies__solid__rotation="lumped"), ()),
     "no contact": Case(_two("none"), ("none",)),
     "contact by velocity": Case(_two("bardenhagen"), BY_NODES),

@@ -246,14 +246,28 @@ def _friction(law: str, option: str, first: Any, second: Any, /, **beside: Any) 
     return values(scene, f"contact__{law}", {**beside, option: first}, {**beside, option: second})
 
 
-def _material(model: str, option: str, first: Any, second: Any) -> Acts:
-    flow = {"materials__soft__yield_stress": 1e2} if model == "j2" else {}
-    return values(held(materials__soft__model=model, **flow), f"materials__soft__{option}", first, second)
+#: Options that a material must have beside its moduli.
+FLOW: dict[str, dict[str, float]] = {
+    "j2": {"yield_stress": 1e2},
+    "mohr_coulomb": {"friction_angle": 0.5, "cohesion": 1e2},
+    "drucker_prager": {"friction_angle": 0.5, "cohesion": 1e2},
+}
+MODELS = ("neo_hookean", "linear_elastic", *FLOW)
+
+
+def _made_of(model: str, **changes: Any) -> dict[str, Any]:
+    """The square that is held, of this material."""
+    flow = {f"materials__soft__{key}": value for key, value in FLOW.get(model, {}).items()}
+    return held(materials__soft__model=model, **flow, **changes)
+
+
+def _material(model: str, option: str, first: Any, second: Any, **changes: Any) -> Acts:
+    return values(_made_of(model, **changes), f"materials__soft__{option}", first, second)
 
 
 def _by_young(model: str, option: str, second: float) -> Acts:
-    flow = {"yield_stress": 1e2} if model == "j2" else {}
-    soft = {"model": model, "density": 1000.0, "youngs_modulus": 5e6, "poissons_ratio": 0.3, **flow}
+    soft = {"model": model, "density": 1000.0, "youngs_modulus": 5e6, "poissons_ratio": 0.3}
+    soft |= FLOW.get(model, {})
     return values(held(), "materials__soft", soft, {**soft, option: second})
 
 
@@ -277,16 +291,30 @@ PLUGINS: dict[str, Acts] = {
     "friction.mohr_coulomb.cohesion": _friction("mohr_coulomb", "cohesion", 1e3, 1e4),
     **{
         f"material.{model}.{option}": _material(model, option, first, second)
-        for model in ("neo_hookean", "linear_elastic", "j2")
+        for model in MODELS
         for option, first, second in (("bulk_modulus", 6e6, 5e6), ("shear_modulus", 3e6, 2e6))
     },
     **{
         f"material.{model}.{option}": _by_young(model, option, second)
-        for model in ("neo_hookean", "linear_elastic", "j2")
+        for model in MODELS
         for option, second in (("youngs_modulus", 4e6), ("poissons_ratio", 0.2))
     },
     "material.j2.yield_stress": _material("j2", "yield_stress", 1e2, 1e3),
     "material.j2.hardening_modulus": _material("j2", "hardening_modulus", 0.0, 1e6),
+    **{
+        f"material.{model}.{option}": _material(model, option, first, second)
+        for model in ("mohr_coulomb", "drucker_prager")
+        for option, first, second in (
+            ("friction_angle", 0.5, 0.3),
+            ("dilation_angle", 0.0, 0.2),
+            ("cohesion", 1e2, 2e2),
+        )
+    },
+    **{
+        f"material.{model}.tension": _material(model, "tension", 1e1, 5e1, gravity={"vector": [0.0, 100.0]})
+        for model in ("mohr_coulomb", "drucker_prager")
+    },
+    "material.drucker_prager.fit": _material("drucker_prager", "fit", "plane_strain", "extension"),
     "material.neo_hookean.energy": _material("neo_hookean", "energy", "split", "log"),
 }
 
@@ -319,6 +347,9 @@ EACH: dict[str, Each] = {
     "Stepping.scheme": chosen(held(), "stepping__scheme", "usl", "musl", "usf", auto="usl"),
     "Stepping.transfer": chosen(
         body(), "stepping__transfer", "flip", "pic", "apic", "tpic", "aflip", auto="aflip"
+    ),
+    "material.drucker_prager.fit": chosen(
+        _made_of("drucker_prager"), "materials__soft__fit", "plane_strain", "compression", "extension"
     ),
     "Body.rotation": chosen(PRESSED, f"{SOLID}__rotation", "spin", "exact", "lumped"),
     "Side.side": Each(

@@ -8,33 +8,15 @@ import math
 import numpy as np
 from pydantic import Field
 
-from mpmfw.api.types import AnyArray, FloatArray, Particles, Setup, State, hookimpl
-from mpmfw.api.types import Field as ArrayField
+from mpmfw.api.types import FloatArray, Particles, Setup, hookimpl
 from mpmfw.api.units import Pressure
-from mpmfw.kernels import Struct, device, kernel, scratch
+from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.arithmetic import determinant, invert
 from mpmfw.kernels.types import Float, Floats
-from mpmfw_material._isotropic import Isotropic, Moduli, pad_plane_strain
+from mpmfw_material._isotropic import Moduli, pad_plane_strain
+from mpmfw_material._plastic import SPACE, Flow, Plastic
 
-#: In three dimensions whatever the grid's are: plastic flow leaves the plane.
-SPACE = (1.0, 1.0, 1.0)
 ROOT = math.sqrt(2.0 / 3.0)
-
-PLASTIC_STRAIN = ArrayField(
-    "plastic_strain", ("particle",), "1", "equivalent plastic strain, the sum of its increments", output=True
-)
-PLASTIC_METRIC = ArrayField(
-    "plastic_metric", ("particle", "three", "three2"), "1", "inverse plastic right Cauchy-Green tensor"
-)
-PLASTIC_WORK = ArrayField("plastic_work", ("particle",), "J m-3", "plastic work per reference volume")
-
-
-class Flow(Struct):
-    """What plastic flow has left in the points."""
-
-    metric: Floats  #: (n, 3, 3) C_p⁻¹, det 1
-    strain: Floats  #: (n,) α
-    work: Floats  #: (n,) [J/m³]
 
 
 @device
@@ -141,48 +123,28 @@ class J2Options(Moduli):
     )
 
 
-class J2(Isotropic):
+class J2(Plastic):
     """Elastic as ``neo_hookean``, and von Mises plasticity: it flows at constant volume under σ_y + H α.
 
     The history of a point is C_p⁻¹, the inverse of the plastic right Cauchy-Green tensor, and α.
     """
 
     name = "j2"
-    dissipates = True
     Options = J2Options
     options: J2Options
 
     @hookimpl
-    def declare_fields(self) -> list[ArrayField]:
-        """The history, of which the plastic strain is an output."""
-        return [PLASTIC_STRAIN, PLASTIC_METRIC, PLASTIC_WORK]
-
-    @hookimpl
     def setup(self, setup: Setup) -> None:
-        """Take constants, and the history: one set of arrays for all materials of this model."""
-        self.spacing = setup.state.grid.spacing
+        """Allocate the history, and remember the constants."""
+        super().setup(setup)
         o = self.options
         self.constants = o.bulk_modulus, o.shear_modulus, o.yield_stress, o.hardening_modulus
-
-        def shared(field: ArrayField) -> AnyArray:
-            known = setup.state.arrays.get(f"{self.name}/{field.name}")
-            return setup.allocate(self.name, field, three=3, three2=3) if known is None else known
-
-        fields = {"metric": PLASTIC_METRIC, "strain": PLASTIC_STRAIN, "work": PLASTIC_WORK}
-        self.flow = Flow(**{name: shared(field) for name, field in fields.items()})
-        for own in self.slices:
-            self.flow.metric[own] = np.eye(3)
 
     @hookimpl
     def update_stress(self, particles: Particles) -> None:
         """σ of this material's bodies, and what has flowed."""
         f, stress = particles.deformation_gradient, particles.stress
         self.over_points(j2_stress, particles, f, self.flow, stress, *self.constants, self.spacing)
-
-    @hookimpl
-    def diagnostics(self, state: State, points: bool) -> dict[str, AnyArray]:  # noqa: ARG002
-        """The plastic strain of all points, 0 in other materials."""
-        return {"plastic_strain": self.flow.strain.copy()} if points else {}
 
     def _elastic(self, particles: Particles, own: slice) -> tuple[FloatArray, FloatArray]:
         """J and b_e of points."""
@@ -206,8 +168,3 @@ class J2(Isotropic):
         deviator = self.shear_modulus / jacobian[:, None, None] * (be - mean * np.eye(3))
         stress: FloatArray = deviator + pressure[:, None, None] * np.eye(3)
         return stress
-
-    def dissipated_by_points(self, particles: Particles, own: slice) -> FloatArray:  # noqa: ARG002
-        """Plastic work, (n,) [J/m^3]."""
-        work: FloatArray = self.flow.work[own]
-        return work

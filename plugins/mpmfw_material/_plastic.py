@@ -1,0 +1,65 @@
+"""History of materials with plastic flow: plastic metric, plastic strain and plastic work."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mpmfw.api.types import AnyArray, Field, FloatArray, Particles, Setup, State, hookimpl
+from mpmfw.kernels import Struct
+from mpmfw.kernels.types import Floats
+from mpmfw_material._isotropic import Isotropic
+
+#: In three dimensions whatever the grid's are: plastic flow leaves the plane.
+SPACE = (1.0, 1.0, 1.0)
+
+PLASTIC_STRAIN = Field(
+    "plastic_strain", ("particle",), "1", "equivalent plastic strain, the sum of its increments", output=True
+)
+PLASTIC_METRIC = Field(
+    "plastic_metric", ("particle", "three", "three2"), "1", "inverse plastic right Cauchy-Green tensor"
+)
+PLASTIC_WORK = Field("plastic_work", ("particle",), "J m-3", "plastic work per reference volume")
+
+
+class Flow(Struct):
+    """Plastic flow of the points."""
+
+    metric: Floats  #: (n, 3, 3) C_p⁻¹
+    strain: Floats  #: (n,) equivalent plastic strain
+    work: Floats  #: (n,) [J/m³]
+
+
+class Plastic(Isotropic):
+    """Base of materials with plastic flow; all of one model share the arrays of the history."""
+
+    dissipates = True
+
+    @hookimpl
+    def declare_fields(self) -> list[Field]:
+        """The history, of which the plastic strain is an output."""
+        return [PLASTIC_STRAIN, PLASTIC_METRIC, PLASTIC_WORK]
+
+    @hookimpl
+    def setup(self, setup: Setup) -> None:
+        """Allocate the history, or take that of another material of this model."""
+        self.spacing = setup.state.grid.spacing
+
+        def shared(field: Field) -> AnyArray:
+            known = setup.state.arrays.get(f"{self.name}/{field.name}")
+            return setup.allocate(self.name, field, three=3, three2=3) if known is None else known
+
+        self.flow = Flow(
+            metric=shared(PLASTIC_METRIC), strain=shared(PLASTIC_STRAIN), work=shared(PLASTIC_WORK)
+        )
+        for own in self.slices:
+            self.flow.metric[own] = np.eye(3)
+
+    @hookimpl
+    def diagnostics(self, state: State, points: bool) -> dict[str, AnyArray]:  # noqa: ARG002
+        """The plastic strain of all points, 0 in other materials."""
+        return {"plastic_strain": self.flow.strain.copy()} if points else {}
+
+    def dissipated_by_points(self, particles: Particles, own: slice) -> FloatArray:  # noqa: ARG002
+        """Plastic work, (n,) [J/m^3]."""
+        work: FloatArray = self.flow.work[own]
+        return work

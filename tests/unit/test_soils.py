@@ -1,0 +1,223 @@
+"""Soils: strength, dilation and tension in closed form, and the properties of any plastic flow."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.optimize import brentq
+from scipy.spatial.transform import Rotation
+
+from mpmfw.api import FloatArray
+from mpmfw_material._frictional import Frictional, frictional_stress
+from mpmfw_material._plastic import Flow
+from mpmfw_material.drucker_prager import DruckerPrager
+from mpmfw_material.mohr_coulomb import MohrCoulomb
+
+SAND: dict[str, Any] = {
+    "youngs_modulus": "2 GPa",
+    "poissons_ratio": 0.2,
+    "friction_angle": "33 degree",
+    "dilation_angle": "8 degree",
+    "cohesion": "5 kPa",
+}
+PHI, PSI, COHESION, CONFINEMENT = math.radians(33.0), math.radians(8.0), 5e3, 1e5
+FLOW_NUMBER = (1.0 + math.sin(PHI)) / (1.0 - math.sin(PHI))
+STRENGTH = FLOW_NUMBER * CONFINEMENT + 2.0 * COHESION * math.sqrt(FLOW_NUMBER)
+
+
+class Point:
+    """One material point, whose logarithmic strain along the axes, and shear, are given."""
+
+    def __init__(self, material: Frictional, dim: int = 3) -> None:
+        self.material, self.spacing = material, (1.0,) * dim
+        self.flow = Flow(metric=np.eye(3)[None].copy(), strain=np.zeros(1), work=np.zeros(1))
+
+    def stress(self, f: FloatArray) -> FloatArray:
+        """Kirchhoff's τ at F, (dim, dim) [Pa]; the history moves on."""
+        m, dim = self.material, len(self.spacing)
+        stress = np.empty((1, dim, dim))
+        tension = m.apex() if m.options.tension is None else float(m.options.tension)
+        frictional_stress(
+            0, 1, np.ascontiguousarray(f[None, :dim, :dim]), self.flow, stress, m.bulk_modulus,
+            m.shear_modulus, m.surface(), tension, m.cone, self.spacing,
+        )  # fmt: skip
+        found: FloatArray = stress[0] * np.linalg.det(f)
+        return found
+
+    def trial(self, f: FloatArray) -> FloatArray:
+        """τ at F; the history stays."""
+        arrays = self.flow.metric, self.flow.strain, self.flow.work
+        before = [array.copy() for array in arrays]
+        found = self.stress(f)
+        for array, old in zip(arrays, before, strict=True):
+            array[:] = old
+        return found
+
+
+def deformation(strain: Any, shear: float = 0.0) -> FloatArray:
+    f = np.diag(np.exp(np.asarray(strain, dtype=float)))
+    f[0, 1] = shear
+    return f
+
+
+def confined(point: Point, pressure: float) -> float:
+    """Compress isotropically to ``pressure``; return the logarithmic strain along each axis."""
+    strain = -pressure / (3.0 * point.material.bulk_modulus)
+    point.stress(deformation([strain] * 3))
+    return strain
+
+
+def triaxial(point: Point, sign: float, plane: bool = False) -> tuple[FloatArray, FloatArray]:
+    """Shorten (or lengthen) along y under constant pressure at the sides; τ at the end, and all strains.
+
+    With ``plane`` the strain along z stays.
+    """
+    start = confined(point, CONFINEMENT)
+    lateral, strains = start, []
+    for axial in start + sign * np.linspace(0.0, 1.5e-3, 61)[1:]:
+
+        def residual(other: float, axial: float = axial) -> float:
+            strain = [other, axial, start if plane else other]
+            return float(point.trial(deformation(strain))[0, 0]) + CONFINEMENT
+
+        lateral = brentq(residual, lateral - 2e-3, lateral + 2e-3, xtol=1e-16)
+        strains.append([lateral, axial, start if plane else lateral])
+        tau = point.stress(deformation(strains[-1]))
+    return np.diag(tau), np.array(strains)
+
+
+@pytest.mark.parametrize(
+    "material", [MohrCoulomb(**SAND), DruckerPrager(**SAND, fit="compression")], ids=lambda m: m.name
+)
+def test_strength_in_triaxial_compression(material: Frictional) -> None:
+    """σ₁ = N_φ σ₃ + 2 c √N_φ, and the volume grows by the angle of dilation."""
+    tau, strains = triaxial(Point(material), -1.0)
+    assert -tau[1] == pytest.approx(STRENGTH, rel=1e-6)
+    rates = strains[-1] - strains[-10]
+    if material.name == "mohr_coulomb":
+        ratio = -rates.sum() / rates[1]  # dε_v / dε_1 = −2 sin ψ / (1 − sin ψ)
+        assert ratio == pytest.approx(2.0 * math.sin(PSI) / (1.0 - math.sin(PSI)), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    "material", [MohrCoulomb(**SAND), DruckerPrager(**SAND, fit="extension")], ids=lambda m: m.name
+)
+def test_strength_in_triaxial_extension(material: Frictional) -> None:
+    """The sides are the larger pressure: σ₃ = (σ₁ − 2 c √N_φ) / N_φ."""
+    tau, _ = triaxial(Point(material), 1.0)
+    assert -tau[1] == pytest.approx(
+        (CONFINEMENT - 2.0 * COHESION * math.sqrt(FLOW_NUMBER)) / FLOW_NUMBER, rel=1e-6
+    )
+
+
+@pytest.mark.parametrize("dilation", ["0 degree", "8 degree", "33 degree"])
+@pytest.mark.parametrize("model", [MohrCoulomb, DruckerPrager], ids=lambda m: m.name)
+def test_strength_in_plane_strain(model: type[Frictional], dilation: str) -> None:
+    point = Point(model(**{**SAND, "dilation_angle": dilation}))
+    tau, _ = triaxial(point, -1.0, plane=True)
+    assert -tau[1] == pytest.approx(STRENGTH, rel=1e-3)
+
+
+@pytest.mark.parametrize("model", [MohrCoulomb, DruckerPrager], ids=lambda m: m.name)
+def test_direct_shear_under_a_constant_load(model: type[Frictional]) -> None:
+    """Davis (1968): |τ_xy| = (σ_n + c cot φ) sin φ cos ψ / (1 − sin φ sin ψ), and dε_y / dγ = tan ψ."""
+    point = Point(model(**SAND))
+    start = confined(point, CONFINEMENT)
+    height, heights = start, []
+    for gamma in np.linspace(0.0, 4e-3, 161)[1:]:
+
+        def residual(other: float, gamma: float = gamma) -> float:
+            return float(point.trial(deformation([start, other, start], gamma))[1, 1]) + CONFINEMENT
+
+        height = brentq(residual, height - 2e-3, height + 2e-3, xtol=1e-16)
+        heights.append(height)
+        tau = point.stress(deformation([start, height, start], gamma))
+    expected = (CONFINEMENT + COHESION / math.tan(PHI)) * math.sin(PHI) * math.cos(PSI)
+    assert abs(tau[0, 1]) == pytest.approx(expected / (1.0 - math.sin(PHI) * math.sin(PSI)), rel=1e-3)
+    assert (heights[-1] - heights[-41]) / 1e-3 == pytest.approx(math.tan(PSI), rel=0.01)
+
+
+def test_an_oedometer_flows_at_the_active_ratio() -> None:
+    """ν / (1 − ν) is below 1 / N_φ, so that the sides bear (σ₁ − 2 c √N_φ) / N_φ."""
+    point = Point(MohrCoulomb(**{**SAND, "dilation_angle": 0.0, "poissons_ratio": 0.15}))
+    for strain in np.linspace(0.0, -1e-3, 21)[1:]:
+        tau = np.diag(point.stress(deformation([0.0, strain, 0.0])))
+    expected = (tau[1] + 2.0 * COHESION * math.sqrt(FLOW_NUMBER)) / FLOW_NUMBER
+    assert tau[0] == tau[2] == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("model", [MohrCoulomb, DruckerPrager], ids=lambda m: m.name)
+def test_tension_is_cut_off(model: type[Frictional]) -> None:
+    """Expansion ends at the apex c cot φ or the cut-off; sand without cohesion bears none."""
+    cases: list[tuple[dict[str, float], float]] = [
+        ({}, COHESION / math.tan(PHI)),
+        ({"tension": 2e3}, 2e3),
+        ({"cohesion": 0.0}, 0.0),
+    ]
+    for options, expected in cases:
+        point = Point(model(**{**SAND, **options}))
+        for strain in (1e-3, 5e-3):
+            tau = point.stress(deformation([strain, 1.2 * strain, 0.9 * strain]))
+        assert np.trace(tau) / 3.0 == pytest.approx(expected, abs=1e-6)
+        if not options.get("tension"):
+            np.testing.assert_allclose(tau, expected * np.eye(3), atol=1e-6)
+    sheared = Point(model(**SAND, tension=2e3)).stress(deformation([1e-3, 0.0, 0.0], 1e-3))
+    assert np.trace(sheared) / 3.0 == pytest.approx(2e3)
+    assert abs(sheared[0, 1]) > 1e2
+
+
+def excess(material: Frictional, tau: FloatArray) -> float:
+    """Yield function of a stress over the moduli; at most round-off is admissible."""
+    friction, _, cohesion = material.surface()
+    values = np.linalg.eigvalsh(tau)
+    p = values.mean()
+    if material.cone:
+        found = math.sqrt(0.5 * float(((values - p) ** 2).sum())) + friction * p - cohesion
+    else:
+        found = (1.0 + friction) * values[2] - (1.0 - friction) * values[0] - cohesion
+    return float(found) / material.shear_modulus
+
+
+strains = st.lists(st.floats(-0.05, 0.05), min_size=9, max_size=9)
+
+
+@pytest.mark.parametrize("model", [MohrCoulomb, DruckerPrager], ids=lambda m: m.name)
+@given(first=strains, second=strains, turn=st.integers(0, 1000))
+def test_any_path_stays_on_the_surface_dissipates_and_turns_with_its_observer(
+    model: type[Frictional], first: list[float], second: list[float], turn: int
+) -> None:
+    material = model(**SAND)
+    q = Rotation.random(random_state=turn).as_matrix()
+    plain, turned, work = Point(material), Point(material), 0.0
+    for step in (first, second):
+        f = np.eye(3) + np.reshape(step, (3, 3))
+        tau = plain.stress(f)
+        assert excess(material, tau) < 1e-12
+        assert plain.flow.work[0] >= work - 1e-9
+        work = float(plain.flow.work[0])
+        np.testing.assert_allclose(turned.stress(q @ f), q @ tau @ q.T, atol=1e-9 * material.bulk_modulus)
+
+
+@pytest.mark.parametrize("model", [MohrCoulomb, DruckerPrager], ids=lambda m: m.name)
+def test_plane_strain_is_the_plane_of_three_dimensions(model: type[Frictional]) -> None:
+    plane, space = Point(model(**SAND), dim=2), Point(model(**SAND))
+    for k in range(20):
+        f = deformation([-1e-3 * k, 2e-4 * k, 0.0], 1e-3 * k)
+        np.testing.assert_allclose(plane.stress(f), space.stress(f)[:2, :2], rtol=1e-12, atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"dilation_angle": "40 degree"}, "dilation_angle"),
+        ({"friction_angle": 0.0, "cohesion": 0.0}, "cohesion"),
+    ],
+)
+def test_soils_without_sense_are_refused(options: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        MohrCoulomb(**{**SAND, "dilation_angle": 0.0, **options})
