@@ -3,8 +3,7 @@
 from mpmfw.geometry.base import BodyGeometry
 from mpmfw.geometry.disc import Disc, Ring
 from mpmfw.geometry.discretise import Geometry, Particles, discretise
-from mpmfw.geometry.extrusion import Cylinder, Extrusion, Revolution, Torus
-from mpmfw.geometry.layout import FloatArray, Layout
+from mpmfw.geometry.layout import Layout
 from mpmfw.geometry.mesh_file import MeshFile
 from mpmfw.geometry.plane import PlaneGeometry
 from mpmfw.geometry.polygon import Polygon, Rectangle
@@ -16,10 +15,7 @@ __all__ = [
     "Ball",
     "BodyGeometry",
     "Box",
-    "Cylinder",
     "Disc",
-    "Extrusion",
-    "FloatArray",
     "Geometry",
     "Layout",
     "MeshFile",
@@ -27,10 +23,8 @@ __all__ = [
     "PlaneGeometry",
     "Polygon",
     "Rectangle",
-    "Revolution",
     "Ring",
     "SolidGeometry",
     "SurfaceMesh",
-    "Torus",
     "discretise",
 ]

@@ -26,8 +26,7 @@ class Cells:
 
     def corner(self, index: npt.NDArray[np.intp]) -> FloatArray:
         """Lattice nodes (..., 2) [m]; one formula for all, so that neighbours share them exactly."""
-        corner: FloatArray = self.origin + self.edge * index
-        return corner
+        return np.asarray(self.origin + self.edge * index)
 
 
 def covering_cells(bounds: FloatArray, size: float, offset: tuple[float, ...]) -> Cells:
@@ -50,9 +49,7 @@ def clipped_lattice(region: Any, size: float, offset: tuple[float, ...]) -> Layo
     area is kept.
     """
     cells = covering_cells(np.array(region.bounds), size, offset)
-    index = np.stack(np.meshgrid(*(np.arange(n) for n in cells.counts), indexing="ij"), axis=-1).reshape(
-        -1, 2
-    )
+    index = np.stack(np.meshgrid(*map(np.arange, cells.counts), indexing="ij"), axis=-1).reshape(-1, 2)
     area, centroid = _clip(region, cells, index)
     kept = area > 1e-12 * size**2
     index, area, centroid = index[kept], area[kept], centroid[kept]
@@ -82,8 +79,7 @@ def _shared_edges(region: Any, cells: Cells, index: npt.NDArray[np.intp]) -> Flo
     """Lengths (k, 4) [m] inside the region of the left, right, lower and upper edges of cells (k, 2)."""
     ends = np.array([[[0, 0], [0, 1]], [[1, 0], [1, 1]], [[0, 0], [1, 0]], [[0, 1], [1, 1]]])
     edges = shapely.linestrings(cells.corner(index[:, np.newaxis, np.newaxis, :] + ends))
-    lengths: FloatArray = shapely.length(shapely.intersection(edges, region))
-    return lengths
+    return np.asarray(shapely.length(shapely.intersection(edges, region)))
 
 
 def tiling(
@@ -135,9 +131,7 @@ def merge_small_pieces(
     dim = index.shape[1]
     preferred = shared * (1.0 - TIE_BREAK * np.repeat(np.arange(dim), 2))
     order = np.argsort(-preferred, axis=1, kind="stable")
-    beside = np.where(shared > 0.0, _neighbours(index, small), -1)[
-        np.arange(len(small))[:, np.newaxis], order
-    ]
+    beside = np.take_along_axis(np.where(shared > 0.0, _neighbours(index, small), -1), order, axis=1)
     owner = np.arange(len(volume))
     joint = volume.copy()
     for k in np.argsort(volume[small], kind="stable"):
@@ -150,9 +144,8 @@ def merge_small_pieces(
     for piece in small.tolist():
         roots[piece] = _root(owner, piece)
     total = np.bincount(roots, weights=volume, minlength=len(volume)).astype(np.float64)
-    moment = np.column_stack(
-        [np.bincount(roots, weights=volume * x, minlength=len(volume)) for x in centroid.T]
-    )
+    sums = [np.bincount(roots, weights=volume * x, minlength=len(volume)) for x in centroid.T]
+    moment = np.column_stack(sums)
     kept = np.flatnonzero(owner == np.arange(len(volume)))
     return total[kept], moment[kept] / total[kept, np.newaxis]
 

@@ -34,15 +34,10 @@ class Cuts:
 
 
 def cut_cells(corners: FloatArray, counts: tuple[int, int, int]) -> Cuts:
-    """Cut the cells of a lattice by a closed surface inside of it.
+    """Cut the cells of a lattice, ``counts`` along each axis, by a closed surface inside of it.
 
-    Parameters
-    ----------
-    corners : (n, 3, 3)
-        Of the triangles, counter-clockwise as seen from outside; from the lattice's origin, in edges of a
-        cell.
-    counts
-        Number of cells along each axis.
+    ``corners`` (n, 3, 3) of its triangles are counter-clockwise as seen from outside; they are measured from
+    the lattice's origin, in edges of a cell.
     """
     # (corner, axis, triangle): sums over three numbers that lie side by side cost numpy as much as over many
     pieces = np.ascontiguousarray(np.moveaxis(corners, 0, 2))
@@ -78,14 +73,12 @@ def cut_cells(corners: FloatArray, counts: tuple[int, int, int]) -> Cuts:
 
 def _sum(corners: FloatArray) -> FloatArray:
     """Sum over the three corners, which come first."""
-    total: FloatArray = corners[0] + corners[1] + corners[2]
-    return total
+    return np.asarray(corners[0] + corners[1] + corners[2])
 
 
 def _mean_product(u: FloatArray, v: FloatArray) -> FloatArray:
     """Mean over triangles of the product of two linear functions, given at their corners (3, n)."""
-    mean: FloatArray = (_sum(u) * _sum(v) + _sum(u * v)) / 12.0
-    return mean
+    return np.asarray((_sum(u) * _sum(v) + _sum(u * v)) / 12.0)
 
 
 def _normals(pieces: FloatArray) -> FloatArray:
@@ -124,8 +117,7 @@ def _cut_once(pieces: FloatArray, axis: int, plane: FloatArray) -> FloatArray:
     p, q = crossing(b), crossing(c)
     parts = np.concatenate([np.stack(one) for one in ((a, p, q), (p, b, c), (p, c, q))], axis=2)
     x, y, z = _normals(parts)
-    kept: FloatArray = parts[..., x * x + y * y + z * z > 0.0]
-    return kept
+    return np.asarray(parts[..., x * x + y * y + z * z > 0.0])
 
 
 def volume_of(nodes: FloatArray, facets: IntArray) -> float:
@@ -140,5 +132,4 @@ def centroid_of(nodes: FloatArray, facets: IntArray) -> FloatArray:
     middle = nodes.mean(axis=0)
     a, b, c = ((nodes - middle)[facets[:, k]] for k in range(3))
     sixfold = (a * np.cross(b, c)).sum(axis=1)
-    centroid: FloatArray = middle + sixfold @ (a + b + c) / (4.0 * sixfold.sum())
-    return centroid
+    return np.asarray(middle + sixfold @ (a + b + c) / (4.0 * sixfold.sum()))

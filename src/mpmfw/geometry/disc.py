@@ -94,8 +94,7 @@ def _core(side: FloatArray) -> FloatArray:
     xi, eta = np.meshgrid(side, side, indexing="ij")
     square = np.stack([xi, eta], axis=-1) / np.sqrt(2)
     disc = np.stack([xi * np.sqrt(1 - 0.5 * eta**2), eta * np.sqrt(1 - 0.5 * xi**2)], axis=-1)
-    core: FloatArray = CORE_RADIUS * ((1 - CORE_BULGE) * square + CORE_BULGE * disc)
-    return core
+    return np.asarray(CORE_RADIUS * ((1 - CORE_BULGE) * square + CORE_BULGE * disc))
 
 
 def _cells(nodes: FloatArray) -> FloatArray:
@@ -133,12 +132,10 @@ class Ring(PlaneGeometry):
 
     @property
     def centroid(self) -> FloatArray:
-        """The centre (2,) [m]."""
         return np.array(self.centre)
 
     @property
     def bounds(self) -> FloatArray:
-        """Lower and upper corner of the bounding box (2, 2) [m]."""
         return np.add(self.centre, [[-self.outer_radius], [self.outer_radius]])
 
     @property

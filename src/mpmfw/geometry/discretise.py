@@ -35,15 +35,10 @@ Fraction = Annotated[float, Field(ge=0.0, lt=1.0, allow_inf_nan=False)]
 class Particles(BaseModel):
     """How a body is divided into material points.
 
-    Attributes
-    ----------
-    layout
-        ``lattice``: square cells clipped by the outline. ``fitted``: quadrilaterals that follow the outline.
-    size
-        Wanted largest edge of a domain [m]. Pieces merged at a clipped outline, and the outer cells of a
-        fitted ring, are slightly larger; a fitted mesh file keeps its own elements.
-    offset
-        Shift of the lattice along each axis, in fractions of a cell; directions not given are not shifted.
+    ``lattice`` has square cells clipped by the outline, ``fitted`` quadrilaterals that follow it. ``size`` is
+    the wanted largest edge of a domain [m]. Pieces merged at a clipped outline, and the outer cells of a
+    fitted ring, are slightly larger; a fitted mesh file keeps its own elements. ``offset`` shifts the lattice
+    along each axis, in fractions of a cell; directions not given are not shifted.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -133,12 +128,8 @@ Geometry = Annotated[
 def discretise(geometry: Geometry, particles: Particles, segment: float | None) -> Layout:
     """Divide a body into material points, and its surface into facets.
 
-    Sides of facets are at most ``segment`` [m] long; without it there are none.
-
-    Raises
-    ------
-    ValueError
-        The geometry has no such layout, or the segment is not positive.
+    Sides of facets are at most ``segment`` [m] long; without it there are none. A ValueError refuses a layout
+    that the geometry does not have, and a segment that is not positive.
     """
     if segment is not None and segment <= 0:
         raise ValueError(f"the segment length must be positive, not {segment} m")

@@ -39,7 +39,6 @@ class Extrusion(TurnedSolid):
 
     @property
     def centroid(self) -> FloatArray:
-        """Centroid (3,) [m]."""
         return np.array([*self.outline.centroid, 0.5 * (self.low + self.high)])
 
     @property
@@ -50,7 +49,6 @@ class Extrusion(TurnedSolid):
 
     @property
     def bounds(self) -> FloatArray:
-        """Lower and upper corner of the bounding box (2, 3) [m]."""
         nodes = self.fine_nodes
         return np.array([nodes.min(axis=0), nodes.max(axis=0)])
 
@@ -82,7 +80,6 @@ class Cylinder(AxialSolid):
 
     @property
     def centroid(self) -> FloatArray:
-        """The centre (3,) [m]."""
         return np.array(self.centre)
 
     @property
@@ -92,7 +89,6 @@ class Cylinder(AxialSolid):
 
     @property
     def bounds(self) -> FloatArray:
-        """Lower and upper corner of the bounding box (2, 3) [m]."""
         along = self.turn[:, 2]
         half = 0.5 * self.length * np.abs(along) + self.radius * np.sqrt(np.maximum(1.0 - along**2, 0.0))
         return np.array([self.centroid - half, self.centroid + half])
@@ -135,18 +131,13 @@ class Revolution(AxialSolid):
 
     @property
     def bounds(self) -> FloatArray:
-        """Lower and upper corner of the bounding box (2, 3) [m]."""
         nodes = np.concatenate(self.outline.outlines(self.outline.outline_length / 400.0))
         radius, height = nodes[:, :1], nodes[:, 1:]
         along = self.turn[:, 2]
         across = np.sqrt(np.maximum(1.0 - along**2, 0.0))
-        origin = np.array(self.origin)
-        return np.array(
-            [
-                (origin + height * along - radius * across).min(axis=0),
-                (origin + height * along + radius * across).max(axis=0),
-            ]
-        )
+        middle = np.array(self.origin) + height * along
+        lower, upper = (middle - radius * across).min(axis=0), (middle + radius * across).max(axis=0)
+        return np.array([lower, upper])
 
     def surfaces(self, edge: float) -> Surfaces:
         """Nodes (n, 3) [m] and triangles (k, 3) with sides up to ``edge`` [m], 1.4 of it across."""
@@ -187,7 +178,6 @@ class Torus(AxialSolid):
 
     @property
     def centroid(self) -> FloatArray:
-        """The centre (3,) [m]."""
         return np.array(self.centre)
 
     @property
@@ -197,7 +187,6 @@ class Torus(AxialSolid):
 
     @property
     def bounds(self) -> FloatArray:
-        """Lower and upper corner of the bounding box (2, 3) [m]."""
         return self._revolution.bounds
 
     def surfaces(self, edge: float) -> Surfaces:

@@ -20,11 +20,8 @@ def neighbours_of(facets: IntArray) -> IntArray:
     sides = np.sort(np.concatenate([facets[:, rest] for rest in corners]), axis=1)
     order = np.lexsort(sides.T[::-1])
     ordered = sides[order]
-    if (
-        len(ordered) % 2
-        or not (ordered[::2] == ordered[1::2]).all()
-        or (ordered[1:-1:2] == ordered[2::2]).all(1).any()
-    ):
+    in_pairs = len(ordered) % 2 == 0 and (ordered[::2] == ordered[1::2]).all()
+    if not in_pairs or (ordered[1:-1:2] == ordered[2::2]).all(1).any():
         raise ValueError("the surface is not closed: a side of a facet has not exactly one other facet")
     across = np.empty(n * dim, dtype=np.int64)
     across[order[::2]], across[order[1::2]] = order[1::2] % n, order[::2] % n

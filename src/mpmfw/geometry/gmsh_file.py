@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from mpmfw.geometry.layout import FloatArray, IntArray
+from mpmfw.units import LARGEST
 
 #: gmsh's numbers of elements that stand beside a mesh, at points and along curves: of first order, and of
 #: second.
@@ -44,20 +45,15 @@ def _keep_python_s_answer_to_broken_pipes() -> None:
     Else the death of one process of a pool, or of a reader of the output, would take this one with it.
     """
     if hasattr(signal, "SIGPIPE") and threading.current_thread() is threading.main_thread():
-        signal.signal(
-            signal.SIGPIPE, signal.getsignal(signal.SIGPIPE)
-        )  # what Python knows, gmsh has not told it
+        # What Python knows, gmsh has not told it
+        signal.signal(signal.SIGPIPE, signal.getsignal(signal.SIGPIPE))
 
 
 def read_blocks(path: Path, kinds: Mapping[int, int]) -> tuple[FloatArray, dict[int, IntArray]]:
     """Read the nodes (n, 3) of a gmsh file and the nodes (k, m) of its elements of each kind.
 
-    ``kinds`` are gmsh's numbers of the kinds that are read, with their nodes.
-
-    Raises
-    ------
-    ValueError
-        Not a gmsh file, elements of other kinds, or gmsh is not installed.
+    ``kinds`` are gmsh's numbers of the kinds that are read, with their nodes. A ValueError refuses other
+    files and kinds, and says where gmsh is not installed.
     """
     with started_gmsh(f"reading {path.name}") as gmsh:
         content = path.read_bytes()
@@ -89,6 +85,16 @@ def read_blocks(path: Path, kinds: Mapping[int, int]) -> tuple[FloatArray, dict[
         for k, m in kinds.items()
     }
     return np.reshape(coordinates, (-1, 3)), blocks
+
+
+def refuse_not_finite(path: Path, nodes: FloatArray) -> None:
+    """Refuse a file with coordinates (n, dim) that are not finite numbers, or past the largest one."""
+    wrong = np.flatnonzero(~(np.abs(nodes) <= LARGEST).all(axis=1))
+    if len(wrong):
+        raise ValueError(
+            f"{path} has coordinates that are not finite numbers: {len(wrong)} nodes, the first number "
+            f"{wrong[0]}, counted from 0"
+        )
 
 
 def _largest_count(content: bytes) -> int:

@@ -68,21 +68,17 @@ def quadrilateral_centroids(corners: FloatArray) -> FloatArray:
     first, second = corners[:, [0, 1, 2]], corners[:, [0, 2, 3]]
     weight = np.stack([triangle_areas(first), triangle_areas(second)])
     weight = weight / weight.sum(axis=0)
-    centroid: FloatArray = weight[0, :, np.newaxis] * first.mean(axis=1) + weight[
-        1, :, np.newaxis
-    ] * second.mean(axis=1)
-    return centroid
+    means = np.stack([first.mean(axis=1), second.mean(axis=1)])
+    return np.asarray((weight[..., np.newaxis] * means).sum(axis=0))
 
 
 def triangle_areas(corners: FloatArray) -> FloatArray:
     """Signed areas (n,) [m^2] of triangles (n, 3, 2) [m], positive counter-clockwise."""
     a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    area: FloatArray = 0.5 * (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
-    return area
+    return np.asarray(0.5 * (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]))
 
 
 def parallelogram_corners(position: FloatArray, half_edges: FloatArray) -> FloatArray:
     """Corners (n, 4, 2) [m] x -+ r_1 -+ r_2 of parallelograms, counter-clockwise."""
     signs = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-    corners: FloatArray = position[:, np.newaxis, :] + np.einsum("nia,ka->nki", half_edges, signs)
-    return corners
+    return np.asarray(position[:, np.newaxis, :] + np.einsum("nia,ka->nki", half_edges, signs))

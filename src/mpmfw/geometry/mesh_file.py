@@ -11,13 +11,8 @@ import numpy as np
 import shapely
 from pydantic import model_validator
 
-from mpmfw.geometry.gmsh_file import read_blocks
-from mpmfw.geometry.layout import (
-    FloatArray,
-    IntArray,
-    Layout,
-    layout_of_quadrilaterals,
-)
+from mpmfw.geometry.gmsh_file import read_blocks, refuse_not_finite
+from mpmfw.geometry.layout import FloatArray, IntArray, Layout, layout_of_quadrilaterals
 from mpmfw.geometry.plane import PlaneGeometry, loops_of, subdivided
 
 # gmsh's numbers of first-order triangles and quadrangles, and their nodes
@@ -82,8 +77,7 @@ class MeshFile(PlaneGeometry):
     def centroid(self) -> FloatArray:
         """Centroid (2,) [m] of the elements."""
         area, centre = shapely.area(self.polygons), shapely.centroid(self.polygons)
-        centroid: FloatArray = area @ shapely.get_coordinates(centre) / area.sum()
-        return centroid
+        return np.asarray(area @ shapely.get_coordinates(centre) / area.sum())
 
     @property
     def is_connected(self) -> bool:
@@ -123,12 +117,7 @@ def read_elements(path: Path) -> Elements:
     if not path.is_file():
         raise ValueError(f"mesh file not found: {path}")
     points, blocks = read_blocks(path, KINDS)
-    wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
-    if len(wrong):
-        raise ValueError(
-            f"{path} has coordinates that are not finite numbers: {len(wrong)} nodes, the first number "
-            f"{wrong[0]}, counted from 0"
-        )
+    refuse_not_finite(path, points)
     if len(points) and np.ptp(points[:, 2:]) > 1e-9 * np.ptp(points):
         raise ValueError(f"{path} is not in a plane z = constant")
     if not any(map(len, blocks.values())):

@@ -94,8 +94,7 @@ def circle_nodes(centre: tuple[float, float], radius: float, n: int) -> FloatArr
     four about the diagonals too.
     """
     angle = 2 * np.pi * np.arange(n) / n
-    nodes: FloatArray = np.array(centre) + radius * np.column_stack([np.cos(angle), np.sin(angle)])
-    return nodes
+    return np.asarray(np.array(centre) + radius * np.column_stack([np.cos(angle), np.sin(angle)]))
 
 
 def circle_outline(centre: tuple[float, float], radius: float, segment: float) -> FloatArray:

@@ -64,9 +64,7 @@ class Rectangle(Cornered, PlaneGeometry):
         """Points (..., 2) [m] turned by the angle about the centre."""
         if self.angle == 0:
             return points
-        c, s = np.cos(self.angle), np.sin(self.angle)
-        turned: FloatArray = self.centroid + (points - self.centroid) @ np.array([[c, s], [-s, c]])
-        return turned
+        return np.asarray(self.centroid + (points - self.centroid) @ self.axes)
 
 
 #: Sizes that gmsh is asked for until no edge is too long.
@@ -112,10 +110,7 @@ class Polygon(PlaneGeometry):
 def polygon_mesh(loops: tuple[FloatArray, ...], size: float) -> FloatArray:
     """Fill loops (k, 2) [m], the outer one and holes, with quadrilaterals (n, 4, 2) of edges up to ``size``.
 
-    Raises
-    ------
-    ValueError
-        gmsh is not installed, or makes no mesh of that size.
+    A ValueError says that gmsh is not installed, or makes no mesh of that size.
     """
     with started_gmsh("a fitted layout of a polygon") as gmsh:
         # In units of the size, far from gmsh's absolute tolerances; the last subdivision halves edges
@@ -157,5 +152,4 @@ def _quadrilaterals(gmsh: Any) -> FloatArray:
     row = np.zeros(int(tags.max()) + 1, dtype=int)
     row[tags.astype(int)] = np.arange(len(tags))
     _, connectivity = gmsh.model.mesh.getElementsByType(gmsh.model.mesh.getElementType("quadrangle", 1))
-    corners: FloatArray = coordinates.reshape(-1, 3)[row[connectivity.astype(int)], :2].reshape(-1, 4, 2)
-    return corners
+    return np.asarray(coordinates.reshape(-1, 3)[row[connectivity.astype(int)], :2].reshape(-1, 4, 2))

@@ -111,8 +111,7 @@ class TurnedSolid(SolidGeometry):
         """Points (n, 3) [m] turned about the centroid."""
         if not any(self.angles):
             return points
-        turned: FloatArray = self.centroid + (points - self.centroid) @ turning(self.angles).T
-        return turned
+        return np.asarray(self.centroid + (points - self.centroid) @ turning(self.angles).T)
 
 
 class AxialSolid(TurnedSolid):
@@ -123,17 +122,14 @@ class AxialSolid(TurnedSolid):
     @property
     def turn(self) -> FloatArray:
         """Matrix (3, 3) from the body's own frame, in which its axis is z."""
-        matrix: FloatArray = turning(self.angles) @ upright(self.axis)
-        return matrix
+        return np.asarray(turning(self.angles) @ upright(self.axis))
 
 
 def joined(surfaces: Surfaces) -> tuple[FloatArray, IntArray]:
     """Nodes and triangles of all surfaces as one."""
     first = np.cumsum([0, *(len(nodes) for nodes, _ in surfaces)])
-    return (
-        np.concatenate([nodes for nodes, _ in surfaces]),
-        np.concatenate([facets + start for (_, facets), start in zip(surfaces, first, strict=False)]),
-    )
+    facets = [facets + start for (_, facets), start in zip(surfaces, first, strict=False)]
+    return np.concatenate([nodes for nodes, _ in surfaces]), np.concatenate(facets)
 
 
 def turning(angles: Turns) -> FloatArray:

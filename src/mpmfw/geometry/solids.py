@@ -46,7 +46,6 @@ class Box(Cornered, TurnedSolid):
 
     @property
     def bounds(self) -> FloatArray:
-        """Lower and upper corner of the bounding box (2, 3) [m]."""
         if not any(self.angles):
             return np.array([self.lower, self.upper])
         half = np.abs(turning(self.angles)) @ (0.5 * np.subtract(self.upper, self.lower))
@@ -91,9 +90,8 @@ def box_surface(lower: FloatArray, upper: FloatArray, edge: float) -> tuple[Floa
         u, v = (axis + 1) % 3, (axis + 2) % 3
         i, j = (2 * index.ravel() for index in np.meshgrid(*map(np.arange, count[[u, v]]), indexing="ij"))
         for side in (0, 2 * int(count[axis])):
-            quad = np.full(
-                (len(i), 5, 3), side, dtype=np.int64
-            )  # in halves of a rectangle: four corners, and the centre
+            # in halves of a rectangle: four corners, and the centre
+            quad = np.full((len(i), 5, 3), side, dtype=np.int64)
             quad[:, :, u] = np.stack([i, i + 2, i + 2, i, i + 1], axis=1)
             quad[:, :, v] = np.stack([j, j, j + 2, j + 2, j + 1], axis=1)
             start = 5 * np.arange(len(i))[:, np.newaxis] + sum(len(one) for one in places)
@@ -116,13 +114,8 @@ def sphere_surface(centre: FloatArray, radius: float, edge: float) -> tuple[Floa
     corners = np.concatenate([np.roll(corners, turn, axis=1) for turn in range(3)])
     apart = np.linalg.norm(corners[:, np.newaxis] - corners, axis=2)
     near = (apart > 0.0) & (apart < 2.0 + 1e-9)
-    faces = [
-        (a, b, c)
-        for a in range(12)
-        for b in range(a)
-        for c in range(b)
-        if near[a, b] and near[b, c] and near[a, c]
-    ]
+    triples = ((a, b, c) for a in range(12) for b in range(a) for c in range(b))
+    faces = [(a, b, c) for a, b, c in triples if near[a, b] and near[b, c] and near[a, c]]
     division = number_of_segments(STRETCH * 2.0 * radius / float(np.linalg.norm(corners[0])), edge)
     share, pieces = _division(division)
     points: list[FloatArray] = []
@@ -143,9 +136,6 @@ def _division(n: int) -> tuple[FloatArray, IntArray]:
     index = {(i, j): k for k, (i, j) in enumerate((i, j) for i in range(n + 1) for j in range(n + 1 - i))}
     share = np.array([[n - i - j, i, j] for i, j in index], dtype=float) / n
     pieces = [[index[i, j], index[i + 1, j], index[i, j + 1]] for i in range(n) for j in range(n - i)]
-    pieces += [
-        [index[i + 1, j], index[i + 1, j + 1], index[i, j + 1]]
-        for i in range(n - 1)
-        for j in range(n - 1 - i)
-    ]
+    inner = ((i, j) for i in range(n - 1) for j in range(n - 1 - i))
+    pieces += [[index[i + 1, j], index[i + 1, j + 1], index[i, j + 1]] for i, j in inner]
     return share, np.array(pieces)

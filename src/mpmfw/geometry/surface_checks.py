@@ -48,9 +48,8 @@ def shells_of(facets: IntArray, n_nodes: int) -> list[IntArray]:
     from scipy.sparse.csgraph import connected_components
 
     ends = (np.repeat(facets[:, 0], 2), facets[:, 1:].ravel())
-    _, part = connected_components(
-        coo_array((np.ones(2 * len(facets)), ends), shape=(n_nodes, n_nodes)), directed=False
-    )
+    joined = coo_array((np.ones(2 * len(facets)), ends), shape=(n_nodes, n_nodes))
+    _, part = connected_components(joined, directed=False)
     of_facet = part[facets[:, 0]]
     return [np.flatnonzero(of_facet == one) for one in np.unique(of_facet)]
 
@@ -157,16 +156,11 @@ def _crosses(ends: FloatArray, corners: FloatArray) -> FloatArray:
     normal, moment = np.cross(u, v), np.cross(away, along)
     lever = -(along * normal).sum(axis=1)
     safe = np.where(lever == 0.0, np.inf, lever)
-    share = np.stack(
-        [
-            (away * normal).sum(axis=1) / safe,
-            (v * moment).sum(axis=1) / safe,
-            -(u * moment).sum(axis=1) / safe,
-        ]
+    share = (
+        np.stack([(away * normal).sum(axis=1), (v * moment).sum(axis=1), -(u * moment).sum(axis=1)]) / safe
     )
     third = 1.0 - share[1] - share[2]
-    crossing: FloatArray = (share > INSIDE).all(axis=0) & (share[0] < 1.0 - INSIDE) & (third > INSIDE)
-    return crossing
+    return np.asarray((share > INSIDE).all(axis=0) & (share[0] < 1.0 - INSIDE) & (third > INSIDE))
 
 
 def places_below(nodes: FloatArray, facets: IntArray) -> FloatArray:
@@ -174,8 +168,7 @@ def places_below(nodes: FloatArray, facets: IntArray) -> FloatArray:
     corners = nodes[facets]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     size = np.sqrt(np.linalg.norm(normal, axis=1, keepdims=True))
-    below: FloatArray = np.tensordot(corners, PLACE, axes=(1, 0)) - BELOW * normal / size
-    return below
+    return np.asarray(np.tensordot(corners, PLACE, axes=(1, 0)) - BELOW * normal / size)
 
 
 def windings(places: FloatArray, corners: FloatArray) -> IntArray:
@@ -187,8 +180,7 @@ def windings(places: FloatArray, corners: FloatArray) -> IntArray:
     a, b, c = (corners[met, k] - places[one] for k in range(3))
 
     def twice(p: FloatArray, q: FloatArray) -> FloatArray:
-        area: FloatArray = p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]
-        return area
+        return np.asarray(p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0])
 
     shares = np.stack([twice(b, c), twice(c, a), twice(a, b)])
     area = shares.sum(axis=0)

@@ -13,10 +13,11 @@ from pydantic import model_validator
 
 from mpmfw.geometry.base import Point3D
 from mpmfw.geometry.cut_cells import volume_of
+from mpmfw.geometry.gmsh_file import read_blocks, refuse_not_finite
 from mpmfw.geometry.layout import FloatArray, IntArray, Layout
 from mpmfw.geometry.solid import Surfaces, TurnedSolid, solid_lattice, turning
 from mpmfw.geometry.surface_checks import check_surface, shells_of
-from mpmfw.units import LARGEST, to_si
+from mpmfw.units import to_si
 
 
 class SurfaceMesh(TurnedSolid):
@@ -42,10 +43,8 @@ class SurfaceMesh(TurnedSolid):
         if not isinstance(scale, float | int) or scale <= 0:
             raise ValueError(f"unit '{self.unit}' is no unit of length")
         try:
-            single = self.path.suffix.lower() == ".stl"
-            check_surface(
-                *self.fine_surface, f"; nodes within {SINGLE:.2g} of the largest coordinate are one" * single
-            )
+            merging = f"; nodes within {SINGLE:.2g} of the largest coordinate are one"
+            check_surface(*self.fine_surface, merging if self.path.suffix.lower() == ".stl" else "")
         except ValueError as error:
             text = str(error)
             raise ValueError(text if str(self.path) in text else f"{self.path}: {text}") from error
@@ -72,7 +71,6 @@ class SurfaceMesh(TurnedSolid):
 
     @property
     def bounds(self) -> FloatArray:
-        """Lower and upper corner of the bounding box (2, 3) [m]."""
         nodes, _ = self.fine_surface
         return np.array([nodes.min(axis=0), nodes.max(axis=0)])
 
@@ -81,8 +79,7 @@ class SurfaceMesh(TurnedSolid):
         """Lengths (k, 3) of the triangles' sides [m]."""
         nodes, facets = self.fine_surface
         corners = nodes[facets]
-        lengths: FloatArray = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
-        return lengths
+        return np.asarray(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2))
 
     @property
     def mean_edge(self) -> float:
@@ -147,8 +144,7 @@ def _divided(nodes: FloatArray, facets: IntArray, middle: IntArray) -> IntArray:
 
 
 def _stacked(where: IntArray, corners: tuple[IntArray, ...]) -> IntArray:
-    stacked: IntArray = np.stack(corners, axis=1)[where]
-    return stacked
+    return np.asarray(np.stack(corners, axis=1)[where])
 
 
 #: Endings of files that trimesh reads, and that of gmsh's own.
@@ -163,19 +159,15 @@ SINGLE = float(4.0 * np.finfo(np.float32).eps)
 def read_surface(path: Path) -> tuple[FloatArray, IntArray]:
     """Read nodes (n, 3) in the file's unit and triangles (k, 3); nodes at one place are one.
 
-    Nodes of an STL, whose triangles have their own, are one where they are equal in single precision.
-
-    Raises
-    ------
-    ValueError
-        No such file, of another kind, unreadable, without triangles, or with coordinates that are not
-        numbers.
+    Nodes of an STL, whose triangles have their own, are one where they are equal in single precision. A
+    ValueError says that there is no such file, or what is wrong with it.
     """
     if not path.is_file():
         raise ValueError(f"mesh file not found: {path}")
     kind = path.suffix.lower()
     if kind == BY_GMSH:
-        corners, facets = _by_gmsh(path)
+        corners, blocks = read_blocks(path, {2: 3})
+        facets = blocks[2]
     elif kind in BY_TRIMESH:
         corners, facets = _by_trimesh(path)
     else:
@@ -183,12 +175,7 @@ def read_surface(path: Path) -> tuple[FloatArray, IntArray]:
         raise ValueError(f"{path} has the ending '{kind}'; expected one of {kinds}")
     if not len(facets):
         raise ValueError(f"{path} has no triangles")
-    wrong = np.flatnonzero(~(np.abs(corners) <= LARGEST).all(axis=1))
-    if len(wrong):
-        raise ValueError(
-            f"{path} has coordinates that are not finite numbers: {len(wrong)} nodes, the first number "
-            f"{wrong[0]}, counted from 0"
-        )
+    refuse_not_finite(path, corners)
     if facets.min() < 0 or facets.max() >= len(corners):
         wrong = np.flatnonzero(((facets < 0) | (facets >= len(corners))).any(axis=1))
         raise ValueError(
@@ -222,24 +209,14 @@ def _by_trimesh(path: Path) -> tuple[FloatArray, IntArray]:
         import trimesh
     except ImportError as error:
         raise ValueError(f"reading {path.name} needs trimesh: pip install 'mpmfw[mesh]'") from error
-    logging.getLogger("trimesh").addHandler(
-        logging.NullHandler()
-    )  # it prints tracebacks of what it can do without
+    kind = path.suffix[1:].lower()
+    # It prints tracebacks of what it can do without
+    logging.getLogger("trimesh").addHandler(logging.NullHandler())
     try:
         # of the bytes alone: trimesh then opens no file that they name, such as a library of materials
-        content, kind = io.BytesIO(path.read_bytes()), path.suffix[1:].lower()
+        content = io.BytesIO(path.read_bytes())
         mesh: Any = trimesh.load(content, file_type=kind, force="mesh", process=False)
-        return np.asarray(mesh.vertices, dtype=np.float64).reshape(-1, 3), np.asarray(
-            mesh.faces, dtype=np.int64
-        )
+        nodes = np.asarray(mesh.vertices, dtype=np.float64).reshape(-1, 3)
+        return nodes, np.asarray(mesh.faces, dtype=np.int64)
     except Exception as error:  # readers of strangers' files fail in all ways
-        raise ValueError(
-            f"{path} is not a {path.suffix[1:].upper()} file that can be read: {error}"
-        ) from error
-
-
-def _by_gmsh(path: Path) -> tuple[FloatArray, IntArray]:
-    from mpmfw.geometry.gmsh_file import read_blocks
-
-    nodes, blocks = read_blocks(path, {2: 3})
-    return nodes, blocks[2]
+        raise ValueError(f"{path} is not a {kind.upper()} file that can be read: {error}") from error

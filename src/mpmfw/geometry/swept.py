@@ -18,12 +18,8 @@ def plane_triangles(loops: tuple[FloatArray, ...], edge: float) -> tuple[FloatAr
     """Nodes (n, 2) [m] and counter-clockwise Delaunay triangles (k, 3) of a plane region.
 
     ``loops`` are closed polylines (m, 2) [m], the outer one counter-clockwise, holes clockwise; their nodes
-    come first. The nodes inside form equilateral triangles of sides ``edge`` [m].
-
-    Raises
-    ------
-    ValueError
-        Parts of the outline are nearer to each other than their nodes along it.
+    come first. The nodes inside form equilateral triangles of sides ``edge`` [m]. A ValueError refuses parts
+    of the outline that are nearer to each other than their nodes along it.
     """
     from scipy.spatial import Delaunay
 
@@ -37,9 +33,8 @@ def plane_triangles(loops: tuple[FloatArray, ...], edge: float) -> tuple[FloatAr
     triangles = np.where(area[:, np.newaxis] < 0.0, triangles[:, ::-1], triangles)
     centre = nodes[triangles].mean(axis=1)
     shapely.prepare(region)
-    triangles = triangles[
-        (np.abs(area) > 1e-9 * edge**2) & shapely.contains_xy(region, centre[:, 0], centre[:, 1])
-    ]
+    within = shapely.contains_xy(region, centre[:, 0], centre[:, 1])
+    triangles = triangles[(np.abs(area) > 1e-9 * edge**2) & within]
     covered = float(triangle_areas(nodes[triangles]).sum())
     if abs(covered - region.area) > 1e-9 * region.area or not _has_outline(loops, triangles):
         raise ValueError(
@@ -61,8 +56,7 @@ def _inner_nodes(region: object, edge: float) -> FloatArray:
     points = np.stack([i + 0.5 * (j % 2), np.sqrt(0.75) * j], axis=-1).reshape(-1, 2)
     points = 0.5 * (lower + upper) + edge * points
     shapely.prepare(inside)
-    within: FloatArray = points[shapely.contains_xy(inside, points[:, 0], points[:, 1])]
-    return within
+    return np.asarray(points[shapely.contains_xy(inside, points[:, 0], points[:, 1])])
 
 
 def _has_outline(loops: tuple[FloatArray, ...], triangles: IntArray) -> bool:
@@ -95,15 +89,13 @@ def extruded_surface(
     nodes = [np.column_stack([plane, np.full(len(plane), z)]) for z in (low, high)]
     nodes += [np.column_stack([plane[:rim], np.full(rim, z)]) for z in heights]
     # the first node of every ring: the base, the rings between, the top
-    start = np.array(
-        [0, *(2 * len(plane) + rim * np.arange(layers - 1)), len(plane)] if layers else [0, len(plane)]
-    )
+    start = [0, *(2 * len(plane) + rim * np.arange(layers - 1)).tolist(), len(plane)]
     facets = [cap[:, ::-1], cap + len(plane)]
     first = 0
     for loop in loops:
         here = first + np.arange(len(loop))
         after = first + (np.arange(len(loop)) + 1) % len(loop)
-        for below, above in pairwise(start.tolist()):
+        for below, above in pairwise(start):
             facets += [np.stack([below + here, below + after, above + after], axis=1)]
             facets += [np.stack([below + here, above + after, above + here], axis=1)]
         first += len(loop)
@@ -119,15 +111,11 @@ def revolved_surface(loop: FloatArray, edge: float) -> tuple[FloatArray, IntArra
     on_axis = loop[:, 0] == 0.0
     idle = on_axis & np.roll(on_axis, 1) & np.roll(on_axis, -1)  # within a segment on the axis
     for radius, height in loop[~idle]:
-        if radius == 0.0:
-            angle = np.zeros(1)
-        else:
-            n = max(FEWEST, 4 * number_of_segments(0.5 * np.pi * radius, edge))
-            angle = 2.0 * np.pi * np.arange(n) / n
+        n = max(FEWEST, 4 * number_of_segments(0.5 * np.pi * radius, edge)) if radius > 0.0 else 1
+        angle = 2.0 * np.pi * np.arange(n) / n
         rings.append((total, angle))
-        nodes.append(
-            np.stack([radius * np.cos(angle), radius * np.sin(angle), np.full(len(angle), height)], axis=1)
-        )
+        ring = [radius * np.cos(angle), radius * np.sin(angle), np.full(len(angle), height)]
+        nodes.append(np.stack(ring, axis=1))
         total += len(angle)
     facets = [_strip(one, other) for one, other in zip(rings, [*rings[1:], rings[0]], strict=True)]
     return np.concatenate(nodes), np.concatenate(facets)

@@ -24,7 +24,6 @@ SMALLEST_CELL = 1e-9
 
 _NAME = re.compile(r"[A-Za-z0-9_]+")
 
-
 #: Bodies without a plane side.
 ROUND = frozenset({"disc", "ring", "ball", "torus"})
 
@@ -154,9 +153,8 @@ def _friction_law(scene: Tables, plugins: Mapping[Path, type[Any]]) -> Iterator[
     if contact is None or contact.friction_law is None:
         return
     law = plugins.get(("contact", contact.friction_law))
-    if not (
-        contact.friction or any(pair.friction for pair in contact.pairs) or getattr(law, "cohesive", True)
-    ):
+    rubs = contact.friction or any(pair.friction for pair in contact.pairs)
+    if not (rubs or getattr(law, "cohesive", True)):
         yield Problem(("contact", "friction_law"), "has no effect: every pair has friction = 0")
 
 
@@ -244,10 +242,8 @@ def _surface_mesh(scene: Tables, path: Path, geometry: SurfaceMesh) -> Iterator[
     extent = float(np.ptp(geometry.bounds, axis=0).max())
     for wrong, factor, relation in ((extent > room, 1e-3, "less"), (extent < grid.cell_size, 1e3, "more")):
         if wrong and 2.0 * grid.cell_size < extent * factor < room:
-            usual = {"m": "millimetres, unit = 'mm'", "mm": "metres, unit = 'm'"}
-            hint = (
-                f"is the file in {usual[geometry.unit]}?" if geometry.unit in usual else "is the unit right?"
-            )
+            usual = {"m": "millimetres, unit = 'mm'", "mm": "metres, unit = 'm'"}.get(geometry.unit)
+            hint = f"is the file in {usual}?" if usual else "is the unit right?"
             message = (
                 f"read in '{geometry.unit}' the body is {extent:.4g} m across, in a grid of {room:.4g} m "
                 f"with cells of {grid.cell_size:g} m; it would fit with a thousand times {relation}: {hint}"

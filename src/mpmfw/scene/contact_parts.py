@@ -66,10 +66,8 @@ def parts_of(table: Mapping[str, Any]) -> tuple[Parts | None, list[Problem]]:
         problems.append(Problem(("contact", given[0]), message))
     elif len(given) == 1:
         (other,) = (part for part in PARTS if part not in given)
-        message = (
-            f"missing beside {given[0]} = {shown(table[given[0]])}; "
-            f"expected one of {', '.join(available(other))}"
-        )
+        names = ", ".join(available(other))
+        message = f"missing beside {given[0]} = {shown(table[given[0]])}; expected one of {names}"
         problems.append(Problem(("contact", other), message, "missing"))
     if problems:
         return None, problems
@@ -122,14 +120,12 @@ def without_effect(overrides: Iterable[tuple[str, Path]], table: Any, tables: It
     if not isinstance(table, Mapping):
         return []
     alone = {name: part for part in PARTS for name in available(part) if name not in available("contact")}
-    return [
-        Problem(
-            (),
-            f"has no effect: the contact is not written with {alone[path[1]]} = '{path[1]}'; its options "
-            "stand in "
-            f'[contact."{table.get("method", "DETECTION+LAW")}"]',
-            override=key,
-        )
-        for key, path in overrides
-        if len(path) > 1 and path[0] == "contact" and path[1] in alone and path[1] not in tables
-    ]
+    stands, problems = f'[contact."{table.get("method", "DETECTION+LAW")}"]', []
+    for key, path in overrides:
+        if len(path) > 1 and path[0] == "contact" and path[1] in alone and path[1] not in tables:
+            written = f"{alone[path[1]]} = '{path[1]}'"
+            message = (
+                f"has no effect: the contact is not written with {written}; its options stand in {stands}"
+            )
+            problems.append(Problem((), message, override=key))
+    return problems

@@ -59,10 +59,8 @@ def code_in(content: Any) -> Iterator[Problem]:
             waiting += [((*path, index), item) for index, item in enumerate(value)]
         elif isinstance(value, str) and names_code(value):
             if path[-1] not in _FREE and path[:-1] != ("scenes",):
-                message = (
-                    f"'{value}' is Python code, which a file may name only with --trust (Python: trust=True)"
-                )
-                yield Problem(path, message)
+                trusted = "a file may name only with --trust (Python: trust=True)"
+                yield Problem(path, f"'{value}' is Python code, which {trusted}")
         elif isinstance(value, str) and (read := parse_value(value)) != value:
             waiting.append((path, read))  # a study's texts are read as TOML values
 

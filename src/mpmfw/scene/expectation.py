@@ -27,7 +27,7 @@ _QUANTITIES = {
     "Pa": ("a pressure or modulus", "6 MPa"),
     "kg/m^3": ("a density", "1 g/cm^3"),
 }
-_TYPES = {
+TYPES = {
     str: "a string",
     float: "a number",
     int: "an integer",
@@ -123,4 +123,4 @@ def _phrase(hint: Any) -> str:
     if models_in([hint]):
         required = [key for key, field in hint.model_fields.items() if field.is_required()]
         return f"a table with {' and '.join(required)}" if required else "a table"
-    return _TYPES.get(hint, "a table" if args else "")
+    return TYPES.get(hint, "a table" if args else "")

@@ -167,13 +167,11 @@ def _with_options(scene: Scene, chosen: Chosen) -> Scene:
             tables = (*tables, contact.friction_law)
         update = {"options": own, "friction_options": friction, "tables": tables}
         contact = contact.model_copy(update=update)
-    named: dict[str, dict[str, Any]] = {
-        group: {
-            name: table.model_copy(update={"options": options.get((group, name))})
-            for name, table in getattr(scene, group).items()
-        }
-        for group in NAMED
-    }
+    named: dict[str, dict[str, Any]] = {}
+    for group in NAMED:
+        for name, table in getattr(scene, group).items():
+            given = {"options": options.get((group, name))}
+            named.setdefault(group, {})[name] = table.model_copy(update=given)
     return scene.model_copy(update={"shape": shape, "contact": contact, **named})
 
 

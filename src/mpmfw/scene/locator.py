@@ -149,10 +149,7 @@ def dotted(path: Path) -> str:
         if isinstance(part, int):
             text += f"[{part}]"
         else:
-            name = (
-                part
-                if _BARE_KEY.fullmatch(part)
-                else '"' + part.replace("\\", "\\\\").replace('"', '\\"') + '"'
-            )
+            quoted = part.replace("\\", "\\\\").replace('"', '\\"')
+            name = part if _BARE_KEY.fullmatch(part) else f'"{quoted}"'
             text += f".{name}" if text else name
     return text

@@ -75,20 +75,18 @@ def _method_table(chosen: Chosen, kind: Kind, table: Mapping[str, Any]) -> dict[
     if kind == "contact":
         for part in ("detection", "law", "friction"):
             installed.update(available(part))
+    plain = [each for each in installed if "+" not in each]
     for key, value in table.items():
         if key in core_keys:
             continue
         if key not in installed and isinstance(value, Mapping):
-            names = [*(each for each in installed if "+" not in each), *core_keys]
+            names = [*plain, *core_keys]
             chosen.problems.append(unknown_name((kind, key), key, names, f"no such {kind} plug-in: "))
         elif key not in installed:
-            chosen.problems.append(
-                unknown_key((kind, key), [*core_keys, *(each for each in installed if "+" not in each)])
-            )
+            chosen.problems.append(unknown_key((kind, key), [*core_keys, *plain]))
         elif not isinstance(value, Mapping):
-            chosen.problems.append(
-                Problem((kind, key), f"expected a table of options of '{key}', not {shown(value)}")
-            )
+            message = f"expected a table of options of '{key}', not {shown(value)}"
+            chosen.problems.append(Problem((kind, key), message))
     named: list[tuple[str, Kind]] = [("method", kind)]
     if kind == "contact":
         named.append(("friction_law", "friction"))

@@ -26,16 +26,15 @@ def parse_path(key: str) -> Path:
         separator = bool(parts) and key[at] == "."
         match = _PART.match(key, at + separator)
         if match is None or (parts and not separator and match.group(3) is None):
-            raise ValueError(
-                f"{key!r} is not a key; write it as in grid.cell_size or contact.pairs[0].friction"
-            )
+            parts.clear()
+            break
         quoted, bare, index = match.groups()
-        parts.append(
-            int(index) if index is not None else bare if bare is not None else re.sub(r"\\(.)", r"\1", quoted)
-        )
+        name = bare if bare is not None else re.sub(r"\\(.)", r"\1", quoted or "")
+        parts.append(name if index is None else int(index))
         at = match.end()
     if not parts or isinstance(parts[0], int):
-        raise ValueError(f"{key!r} is not a key; write it as in grid.cell_size")
+        example = "grid.cell_size or contact.pairs[0].friction"
+        raise ValueError(f"{key!r} is not a key; write it as in {example}")
     return tuple(parts)
 
 
@@ -86,6 +85,5 @@ def _entry(at: Any, part: str | int, above: Path) -> Any:
         return at[part]
     if isinstance(at, list):
         raise LookupError(f"{dotted(above)} has {len(at)} entries, chosen by an index from [0]")
-    raise LookupError(
-        f"{dotted(above)} is no {'array' if isinstance(part, int) else 'table'}: it has nothing below it"
-    )
+    kind = "array" if isinstance(part, int) else "table"
+    raise LookupError(f"{dotted(above)} is no {kind}: it has nothing below it")

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal
 
 from mpmfw.errors import SceneProblem
 from mpmfw.scene.locator import Locator, Path, dotted
 
 #: Characters of a message about one problem.
 LONGEST = 2000
-
-Lines: TypeAlias = Locator | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +32,7 @@ class Origin:
     """Where a scene came from, to say where a problem is."""
 
     name: str | None  #: file name as the user gave it, or None for a mapping
-    locator: Lines  #: lines of the file's keys, or None for a mapping
+    locator: Locator | None  #: lines of the file's keys, or None for a mapping
     overrides: Sequence[tuple[str, Path]]  #: keys of the overrides, with each path that they set
     said: Mapping[str, str] = field(default_factory=dict)  #: names of overrides that are not ``--set KEY``
 
@@ -50,15 +48,8 @@ class Origin:
             inside = [key for key, target in self.overrides if target[: len(problem.path)] == problem.path]
             if inside:
                 source += " with " + ", ".join(self.said.get(key, f"--set {key}") for key in inside)
-        return SceneProblem(
-            _printable(problem.message),
-            _printable(key),
-            source,
-            override or "",
-            problem.value,
-            problem.expected,
-            problem.suggestion or "",
-        )
+        known = (problem.value, problem.expected, problem.suggestion or "")
+        return SceneProblem(_printable(problem.message), _printable(key), source, override or "", *known)
 
     def line_number(self, problem: Problem) -> int:
         """Line for sorting; overrides come last."""
@@ -81,12 +72,11 @@ class Origin:
             if target in between:
                 return key
         absent = self.locator is not None and len(path) > 1 and path[:-1] not in self.locator.lines
-        made = (
-            key
-            for key, target in overrides
-            if len(target) >= len(path) and target[: len(path) - 1] == path[:-1]
-        )
-        return next(made, None) if absent else None
+        if absent:
+            for key, target in overrides:
+                if len(target) >= len(path) and target[: len(path) - 1] == path[:-1]:
+                    return key
+        return None
 
 
 def _printable(line: str) -> str:

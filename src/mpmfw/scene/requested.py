@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, Literal
+from typing import Any
 
 from mpmfw.errors import SceneError
-from mpmfw.plugin.discovery import choices
+from mpmfw.plugin.discovery import Kind, choices
 from mpmfw.scene.contact_parts import PARTS
 from mpmfw.scene.loading import load_scene
 from mpmfw.scene.locator import Path
@@ -15,13 +15,8 @@ from mpmfw.scene.options import CORE_KEYS
 from mpmfw.scene.override import parse_path
 from mpmfw.scene.specification import parse_specification
 
-_KINDS: tuple[Literal["contact", "shape"], ...] = ("contact", "shape")
-
 #: Tables in which options of each kind of plug-in stand.
-_TABLES: Mapping[Literal["contact", "shape", "friction"], Literal["contact", "shape"]] = {
-    **{kind: kind for kind in _KINDS},
-    "friction": "contact",
-}
+_TABLES: dict[Kind, str] = {"contact": "contact", "shape": "shape", "friction": "contact"}
 
 
 def check_requested(
@@ -35,7 +30,7 @@ def check_requested(
     vary_paths = {key: _path(key, said[1]) for key in varied}
     for name, paths in zip(said, (set_paths, vary_paths), strict=True):
         for key, path in paths.items():
-            if path in [*((kind, "method") for kind in _KINDS), *(("contact", part) for part in PARTS)]:
+            if path in [("contact", "method"), ("shape", "method"), *(("contact", part) for part in PARTS)]:
                 option = f"--{path[0]} A,B,…" if name.startswith("--") else f"{path[0]}=[…]"
                 raise SceneError(f"{name} {key}: the methods of a comparison are chosen by {option}")
     for (key, path), (other, around) in itertools.product(set_paths.items(), vary_paths.items()):
@@ -71,15 +66,13 @@ def check_compared(
     said: tuple[str, str] = ("set", "vary"),
 ) -> None:
     """Refuse options of methods, names or objects, that a comparison of ``scene`` does not run."""
-    names = {
-        kind: [
-            parse_specification(one).name
-            if isinstance(one, str)
-            else str(getattr(one, "name", type(one).__name__))
-            for one in chosen
-        ]
-        for kind, chosen in methods.items()
-    }
+
+    def name_of(method: Any) -> str:
+        if isinstance(method, str):
+            return parse_specification(method).name
+        return str(getattr(method, "name", type(method).__name__))
+
+    names = {kind: [name_of(one) for one in chosen] for kind, chosen in methods.items()}
     names["friction"] = friction_laws(scene, shared, varied)
     for keys, word in zip((shared, varied), said, strict=True):
         check_methods_run(keys, names, word)

@@ -20,9 +20,8 @@ class Scene(Tables):
     """A valid scene. Make one with :func:`mpmfw.scene.load_scene`."""
 
     _source: Source = PrivateAttr()
-    _read: Callable[[Source, Mapping[str, Any]], Scene] = (
-        PrivateAttr()
-    )  # made this scene, and makes others like it
+    #: Made this scene, and makes others like it.
+    _read: Callable[[Source, Mapping[str, Any]], Scene] = PrivateAttr()
     _mapping: dict[str, Any] = PrivateAttr()
 
     @property
@@ -76,17 +75,16 @@ class Scene(Tables):
         if contact is not None:
             pairs = tuple(pair for pair in contact.pairs if set(pair.bodies) <= set(names))
             contact = contact.model_copy(update={"pairs": pairs})
-        loads = {
-            title: load
-            if load.bodies is None
-            else load.model_copy(update={"bodies": tuple(name for name in load.bodies if name in names)})
-            for title, load in self.loads.items()
-        }
+        loads = {}
+        for title, load in self.loads.items():
+            own = None if load.bodies is None else tuple(name for name in load.bodies if name in names)
+            if own != ():
+                loads[title] = load.model_copy(update={"bodies": own})
         return self.model_copy(
             update={
                 "bodies": {name: body for name, body in self.bodies.items() if name in names},
                 "contact": contact,
-                "loads": {title: load for title, load in loads.items() if load.bodies != ()},
+                "loads": loads,
                 "settle": None,
                 "sleep": None,
                 "output": Output(gap=False, particles=False, surface=False, energy=False),

@@ -51,10 +51,7 @@ def read_source(
 ) -> Source:
     """Read a file, or else the text of that name among ``shipped``; nested mappings are taken as they are.
 
-    Raises
-    ------
-    SceneError
-        It is no ``kind`` such as a scene: no such file and no such name, or not TOML.
+    A SceneError refuses what is no ``kind`` such as a scene: no such file and no such name, or not TOML.
     """
     if isinstance(given, Mapping):
         try:
@@ -64,8 +61,7 @@ def read_source(
     listed = ", ".join(shipped)
     if not isinstance(given, str | os.PathLike):
         raise SceneError(
-            f"{given!r} is no {kind}; expected a TOML file, the name of a shipped {kind} ({listed}) or a "
-            "mapping"
+            f"{given!r} is no {kind}; expected a TOML file, a shipped {kind}'s name ({listed}) or a mapping"
         )
     name, path = os.fspath(given), Path(given)
     if "\0" in name:
@@ -74,9 +70,8 @@ def read_source(
         try:
             return _parse(path.read_text(encoding="utf-8-sig"), name, path.parent)
         except UnicodeDecodeError as error:
-            raise SceneError(
-                f"{path}: not UTF-8 text, as TOML must be ({error.reason} at byte {error.start})"
-            ) from error
+            where = f"{error.reason} at byte {error.start}"
+            raise SceneError(f"{path}: not UTF-8 text, as TOML must be ({where})") from error
         except OSError as error:
             raise SceneError(f"{path}: cannot be read: {error.strerror}") from error
     if name in shipped:

@@ -65,21 +65,17 @@ def split_specifications(text: str) -> list[str]:
 def checked_specification(kind: Kind, text: str) -> Specification:
     """Read the specification of an installed plug-in, with options that its model takes one by one.
 
-    Raises
-    ------
-    SceneError
-        The form is wrong, no such plug-in is installed, it has no such option, or a value is refused.
+    A SceneError refuses a wrong form, a plug-in that is not installed, and an option or value that it has
+    not.
     """
-    message = parse_specification(text)
-    if message.name not in choices(kind):
-        raise SceneError(f"{text}: no such {kind} plug-in; {did_you_mean(message.name, choices(kind))}")
-    if message.options:
-        path = (kind, message.name)
-        _, found = with_options(load(kind, message.name), message.options, path)
-        of_one = [problem for problem in found if len(problem.path) > len(path)]
-        if of_one:
-            raise SceneError(f"{text}: {of_one[0].path[len(path)]}: {of_one[0].message}")
-    return message
+    asked = parse_specification(text)
+    if asked.name not in choices(kind):
+        raise SceneError(f"{text}: no such {kind} plug-in; {did_you_mean(asked.name, choices(kind))}")
+    if asked.options:
+        _, found = with_options(load(kind, asked.name), asked.options, (kind, asked.name))
+        for problem in (problem for problem in found if len(problem.path) > 2):
+            raise SceneError(f"{text}: {problem.path[2]}: {problem.message}")
+    return asked
 
 
 def written(kind: Kind, text: str, said: str) -> str:

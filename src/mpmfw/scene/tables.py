@@ -48,25 +48,16 @@ class Grid(Table):
 class Time(Table):
     """How long, how often recorded, and how far below the stability limit.
 
-    Attributes
-    ----------
-    end, output_interval
-        End of the motion and time between records [s].
-    outputs
-        ``exact``: steps are shortened to end at each output. ``nearest``: steps stay as long as they may be,
-        and what is recorded is the end of the step nearest to each output, with the time that it has; the
-        last one is exact.
-    safety
-        Fraction of the stability limit that a step takes.
-    step
-        Fixed step [s]; None lets the limit decide.
+    With ``exact`` outputs steps are shortened to end at each of them. With ``nearest`` ones steps stay as
+    long as they may be: recorded is the end of the step nearest to each output, with the time that it has.
+    The last output is exact.
     """
 
-    end: PositiveTime
-    output_interval: PositiveTime
+    end: PositiveTime  #: of the motion [s]
+    output_interval: PositiveTime  #: time between records [s]
     outputs: Literal["exact", "nearest"] = "exact"
-    safety: PositiveNumber = 0.5
-    step: PositiveTime | None = None
+    safety: PositiveNumber = 0.5  #: fraction of the stability limit that a step takes
+    step: PositiveTime | None = None  #: fixed step [s]; None lets the limit decide
 
 
 class Stepping(Table):
@@ -147,29 +138,18 @@ class Side(Table):
 
 
 class Body(Table):
-    """One body; without ``velocity`` and ``angular_velocity`` it starts at rest.
-
-    Attributes
-    ----------
-    segment
-        Length of the surface's segments [m], in 3D of the sides of its triangles; None is a quarter of a
-        cell, in 3D half of one (see :meth:`segment_length`).
-    velocity, angular_velocity
-        Initial motion [m/s], and [rad/s] about the centroid.
-    rotation
-        Treatment of rotational inertia; None lets the build decide.
-    thickness
-        In the plane, across it [m]; None is 1 m.
-    """
+    """One body; without ``velocity`` and ``angular_velocity`` it starts at rest."""
 
     material: str
     geometry: Geometry
     particles: Particles
+    #: Length of the surface's segments, in 3D of the sides of its triangles [m]: see :meth:`segment_length`.
     segment: LengthInCells | None = None
-    velocity: VelocityVector | None = None
-    angular_velocity: Spin | None = None
+    velocity: VelocityVector | None = None  #: at the start [m/s]
+    angular_velocity: Spin | None = None  #: at the start, about the centroid [rad/s]
+    #: Treatment of rotational inertia; None lets the build decide.
     rotation: Literal["spin", "exact", "lumped"] | None = None
-    thickness: PositiveLength | None = None
+    thickness: PositiveLength | None = None  #: in the plane, across it [m]; None is 1 m
     sides: Annotated[tuple[Side, ...], Strict(False)] = ()
 
     def segment_length(self, cell_size: float) -> float:
@@ -209,13 +189,9 @@ class Settle(Table):
 class Sleep(Table):
     """Bodies at rest take no part in the steps until something disturbs them.
 
-    Attributes
-    ----------
-    strain
-        Bound on the speed of every material point, over the body's wave speed: the strain of a plane wave of
-        that speed.
-    crossings
-        How long the body must stay below it, in the times that its wave takes along its longest edge.
+    ``strain`` bounds the speed of every material point, over the body's wave speed: the strain of a plane
+    wave of that speed. ``crossings`` is how long the body must stay below it, in the times that its wave
+    takes along its longest edge.
     """
 
     strain: Annotated[Number, Field(gt=0, lt=1)] = 1e-6
@@ -223,36 +199,21 @@ class Sleep(Table):
 
 
 class Output(Table):
-    """What a run records besides the series that every run has.
+    """What a run records besides the series that every run has."""
 
-    Attributes
-    ----------
-    gap
-        Least gap of every pair.
-    particles, surface
-        Fields of material points and surface nodes.
-    particle_interval
-        Time between the outputs that have fields of material points [s]; None has them at every output. The
-        first and the last output always have them.
-    energy
-        Kinetic, affine and strain energy of every body.
-    ledger
-        Energy balance: work, dissipation and residual, measured in every step; a run whose energy grows is
-        stopped.
-    stability
-        The time step, its limit and who sets it; what the contact strategy knows of its own stability.
-    contact_moment
-        What the moment of contact on every body is about: ``centre_of_mass``, the body's own, or a point [m];
-        None has none.
-    """
-
-    gap: bool = True
-    particles: bool = True
+    gap: bool = True  #: least gap of every pair
+    particles: bool = True  #: fields of material points
+    #: Time between the outputs that have fields of material points [s]; None has them at every output. The
+    #: first and the last output always have them.
     particle_interval: PositiveTime | None = None
-    surface: bool = True
-    energy: bool = True
+    surface: bool = True  #: fields of surface nodes
+    energy: bool = True  #: kinetic, affine and strain energy of every body
+    #: Energy balance: work, dissipation and residual, measured in every step; a run whose energy grows is
+    #: stopped.
     ledger: bool = False
+    #: The time step, its limit and who sets it; what the contact strategy knows of its own stability.
     stability: bool = False
+    #: What moments of contact are about: each body's ``centre_of_mass``, or a point [m]; None has none.
     contact_moment: MomentPoint | None = None
 
 

@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from mpmfw.plugin.checks import distribution_text
 from mpmfw.plugin.discovery import available, nearest, one_of
-from mpmfw.scene.expectation import choices_of, expected, hints_at, models_in, tag_of
+from mpmfw.scene.expectation import TYPES, choices_of, expected, hints_at, models_in, tag_of
 from mpmfw.scene.locator import Path
 from mpmfw.scene.problem import Problem
 
@@ -29,13 +29,12 @@ def problems_of(
     for item in error.errors(include_url=False):
         found.setdefault(_data_path(item["loc"], data, item["type"]), []).append(item)
     # pydantic counts the valid entries of an array alone, and calls one with a wrong entry too short
-    found = {
-        path: items
+    return [
+        _problem(items, path, model, data, prefix, also_valid)
         for path, items in found.items()
         if items[0]["type"] != "too_short"
         or all(other[: len(path)] != path for other in found if other != path)
-    }
-    return [_problem(items, path, model, data, prefix, also_valid) for path, items in found.items()]
+    ]
 
 
 def _data_path(loc: tuple[str | int, ...], data: Any, kind: str) -> Path:
@@ -130,14 +129,9 @@ def shown(value: Any) -> str:
 
 
 def _type_name(value: Any) -> str:
-    names = {
-        bool: "a boolean",
-        int: "an integer",
-        float: "a number",
-        str: "a string",
-        list: "an array",
-        dict: "a table",
-    }
+    if isinstance(value, bool):
+        return "a boolean"
+    names = {**TYPES, list: "an array", dict: "a table"}
     return names.get(type(value), f"a {type(value).__name__}")
 
 

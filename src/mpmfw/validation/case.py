@@ -296,7 +296,9 @@ class CaseRun:
         A row has the quantity, in which ``{at}`` is the place, the key, and what :meth:`gate` takes next.
         """
         for quantity, key, *rest in rows:
-            self.gate(quantity.format(at=self.place.at), self.of(measure, key, **args), *rest, binds=binds)
+            named = dict(zip(("reference", "tolerance", "unit"), rest, strict=False))
+            value = self.of(measure, key, **args)
+            self.gate(quantity.format(at=self.place.at), value, binds=binds, **named)
 
 
 class RunSet(list[CaseRun]):
