@@ -17,7 +17,7 @@ def convergence(runs: Sequence[CaseRun]) -> Figure:
     """Draw L2 error and departure away from the walls over the cell size, with slopes for reference."""
     curves: dict[str, list[tuple[float, dict[str, float]]]] = {}
     for run in runs:
-        found = float(run.results.attrs["cell_size"]), run.of(stress)
+        found = float(run.results.attrs["cell_size"]), stress(run.results)
         curves.setdefault(str(run.method), []).append(found)
     figure = new_figure(2, 1, 62.0)
     left, right = figure.subplots(1, 2)

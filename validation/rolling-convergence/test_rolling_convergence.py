@@ -72,7 +72,7 @@ def test_orders(case, runs):
     found: dict[tuple[str, Method], dict[float, dict[str, float]]] = {}
     for run in runs:
         own = found.setdefault((run.runs, run.method), {})
-        own[run.scene.grid.cell_size] = run.of(errors, roll=run.runs)
+        own[run.scene.grid.cell_size] = errors(run.results, run.runs)
     lumping(case, found[NO_SLIP.name, CORRECTED], found[NO_SLIP.name, UNCORRECTED])
     for (roll, method), own in found.items():
         for h in (h for h in own if method.contact in CLASSICAL and h / 2.0 in own):
