@@ -13,9 +13,9 @@ from mpmfw.plugin.discovery import available, load
 from mpmfw.plugin.hooks import BoundHooks, make_manager
 from mpmfw.plugin.named import NamedPlugIn
 from mpmfw.plugin.setup import Setup
-from mpmfw.state.clock import Clock
 from mpmfw.state.fields import AnyArray, FloatArray
 from mpmfw.state.structs import Particles, State
+from mpmfw.step.timestep import Clock
 from mpmfw_testing.check import Inapplicable
 from mpmfw_testing.searching import try_all
 from mpmfw_testing.subject import Subject

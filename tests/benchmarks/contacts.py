@@ -16,7 +16,7 @@ from importlib.resources import files
 from typing import Any
 
 from mpmfw.runs.simulation import Simulation
-from mpmfw.state.clock import STEP_STAGES
+from mpmfw.state.fields import STEP_STAGES
 
 METHODS = ("none", "separate", "bardenhagen", "penalty")
 #: Steps after which the rings touch, those after which the sphere presses on the plane, and steps of a

@@ -15,7 +15,7 @@ from mpmfw.campaigns.executors import InProcess
 from mpmfw.cli import app
 from mpmfw.errors import SceneError
 from mpmfw.scene.toml_text import toml_text
-from mpmfw.state.clock import STEP_STAGES
+from mpmfw.state.fields import STEP_STAGES
 from mpmfw.studies.study import relative_error
 from studies_for_tests import SLIDING, tiny_study
 

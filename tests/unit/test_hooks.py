@@ -10,8 +10,8 @@ import pytest
 from mpmfw.api import hookimpl
 from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.plugin.hooks import BoundHooks, Observer, make_manager
-from mpmfw.state import clock as module
-from mpmfw.state.clock import Clock
+from mpmfw.step import timestep as module
+from mpmfw.step.timestep import Clock
 
 
 def plugin(name: str, **hooks: Any) -> Any:

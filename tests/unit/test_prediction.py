@@ -11,7 +11,7 @@ from contact_scenes import impact
 from mpmfw.runs.prediction import driven_speed, predict, share_of_springs
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
-from mpmfw.state.clock import STEP_STAGES
+from mpmfw.state.fields import STEP_STAGES
 
 
 def made(contact="penalty", shape="cpdi", **tables):

@@ -16,11 +16,11 @@ from mpmfw.plugin.hooks import BoundHooks, make_manager
 from mpmfw.plugin.setup import Setup
 from mpmfw.runs.bodies import lay_out
 from mpmfw.scene.loading import load_scene
-from mpmfw.state.clock import Clock
 from mpmfw.state.fields import FloatArray
 from mpmfw.state.structs import Body, Particles, State
 from mpmfw.state.windows import MARGIN, allocate_nodes, make_grid
 from mpmfw.step.schemes import usl
+from mpmfw.step.timestep import Clock
 from mpmfw.step.transfer import Transfer, make_transfer
 
 #: All is of order one: h = 1 m, density 1 kg/m^3, moduli [Pa]; the step [s] is well below its limit.

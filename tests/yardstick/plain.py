@@ -14,7 +14,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from mpmfw.state.clock import STEP_STAGES
+from mpmfw.state.fields import STEP_STAGES
 from yardstick import block
 from yardstick.block import Block
 

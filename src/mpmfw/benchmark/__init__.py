@@ -11,8 +11,7 @@ import numpy as np
 from rich.table import Table
 
 from mpmfw.runs.simulation import Simulation
-from mpmfw.state.clock import STEP_STAGES
-from mpmfw.state.fields import FloatArray
+from mpmfw.state.fields import STEP_STAGES, FloatArray
 
 __all__ = ["measure_scene", "measure_threads", "table"]
 

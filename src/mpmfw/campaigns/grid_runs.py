@@ -20,7 +20,7 @@ from mpmfw.campaigns.store import COSTS, Cost, Finished, Outcome
 from mpmfw.campaigns.work import LOADED, Task
 from mpmfw.errors import ResultsWarning, is_complete
 from mpmfw.plugin.measure import Measure
-from mpmfw.state.clock import STEP_STAGES
+from mpmfw.state.fields import STEP_STAGES
 
 _SPREAD = {"units": "s", "long_name": "half the range of the repeats; NaN of a single one"}
 _REPEATS = {"units": "1", "long_name": "runs of the cost"}

@@ -21,7 +21,7 @@ from pydantic import TypeAdapter
 from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.results.reading import read_run
 from mpmfw.results.replacing import replace_bytes
-from mpmfw.state.clock import COSTS as RUN_COSTS
+from mpmfw.state.fields import COSTS as RUN_COSTS
 
 #: Root attributes of a run that are its costs: name, unit, meaning.
 COSTS: tuple[tuple[str, str, str], ...] = (*RUN_COSTS, ("settle_steps", "1", "time steps of settling"))

@@ -27,7 +27,7 @@ from mpmfw.plugin.checks import cause
 from mpmfw.runs.identity import code_of
 from mpmfw.runs.run import run
 from mpmfw.scene import Scene
-from mpmfw.state.clock import STEP_STAGES
+from mpmfw.state.fields import STEP_STAGES
 
 #: Cores that others may keep busy before a machine counts as loaded: daemons take a few hundredths of one.
 LOADED = 0.2

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from mpmfw.plots.study_grid import label_of, order_of, problems_of, resolution_of, runs_of, with_methods
 from mpmfw.plots.style import combinations, dress, head, journal_style, legend_below, new_panels
-from mpmfw.state.clock import STEP_STAGES
+from mpmfw.state.fields import STEP_STAGES
 
 #: Of the stages, and a grey for settling.
 _COLOURS = ("#0072B2", "#56B4E9", "#009E73", "#D55E00", "#E69F00", "#CC79A7", "#6B6B6B")

@@ -13,15 +13,16 @@ import linecache
 import zlib
 from collections.abc import Callable, Sequence
 from types import CodeType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 import pluggy
 
 from mpmfw.errors import OutsideGrid, SceneError
 from mpmfw.plugin.checks import PASSED_ON, described, failure, naming
 from mpmfw.plugin.hookspecs import HookSpecs
-from mpmfw.state.clock import Clock
 from mpmfw.state.structs import Grid, State
+
+Clock: TypeAlias = Callable[[str], str]  #: begins a stage, and returns the one that ends
 
 #: Hooks that are called before a run begins.
 BEFORE_THE_RUN = ("declare_fields", "setup")

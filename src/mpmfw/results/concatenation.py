@@ -12,8 +12,7 @@ import xarray as xr
 from mpmfw.results.domains import loops
 from mpmfw.results.reading import output_times
 from mpmfw.results.selection import same_points
-from mpmfw.state.clock import COSTS, STAGES
-from mpmfw.state.fields import AnyArray, FloatArray
+from mpmfw.state.fields import COSTS, STAGES, AnyArray, FloatArray
 
 #: Root attributes of a run that ``auto`` leaves to the shape function.
 STEPPING: tuple[tuple[str, str], ...] = (

@@ -10,7 +10,7 @@ from typing import Any, Self
 
 from numba.core import event as numba_event
 
-from mpmfw.state.clock import Clock
+from mpmfw.step.timestep import Clock
 
 # numba's annotations differ between versions.
 _event: Any = numba_event

@@ -17,8 +17,7 @@ import numpy as np
 from mpmfw.effects.settling import longest_settling
 from mpmfw.runs.compilation import CompileTimer
 from mpmfw.runs.limits import frames_of, steps_of
-from mpmfw.state.clock import STEP_STAGES
-from mpmfw.state.fields import FloatArray
+from mpmfw.state.fields import STEP_STAGES, FloatArray
 
 if TYPE_CHECKING:
     from mpmfw.runs.simulation import Simulation

@@ -22,13 +22,12 @@ from mpmfw.runs.effects import decide
 from mpmfw.runs.frames import Recorder, check_state_finite
 from mpmfw.runs.restart import read_snapshot, write_snapshot
 from mpmfw.runs.sizing import warnings_about
-from mpmfw.state.clock import STAGES, STEP_STAGES, Clock
-from mpmfw.state.fields import AnyArray, Field
+from mpmfw.state.fields import STAGES, STEP_STAGES, AnyArray, Field
 from mpmfw.state.history import NotSaved, put, take
 from mpmfw.state.pairs import update_pairs
 from mpmfw.state.windows import fit_windows, is_cut_off, set_windows
 from mpmfw.step.schemes import SCHEMES, interpolate
-from mpmfw.step.timestep import TimeStep
+from mpmfw.step.timestep import Clock, TimeStep
 
 if TYPE_CHECKING:
     from mpmfw.runs.sleeping import Sleep

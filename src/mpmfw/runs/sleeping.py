@@ -18,7 +18,6 @@ from mpmfw.plugin.checks import bundled, described
 from mpmfw.plugin.load import BodyLoad, LoadedFacets, SurfaceLoad
 from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.runs.build import build_some
-from mpmfw.state.clock import Clock
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 from mpmfw.state.history import NotSaved
 from mpmfw.state.index_map import IndexMap, copy_history
@@ -26,6 +25,7 @@ from mpmfw.state.pairs import overlapping, update_pairs
 from mpmfw.state.structs import Body, State
 from mpmfw.state.windows import fit_windows, fitted_windows, set_windows
 from mpmfw.step.schemes import SCHEMES
+from mpmfw.step.timestep import Clock
 from mpmfw.step.transfer import Transfer
 
 #: Steps between two looks for bodies at rest.

@@ -120,3 +120,24 @@ CONTACT_SERIES: tuple[Field, ...] = (
 
 _GAP = "least distance between the bodies' surfaces; negative where they penetrate"
 MIN_GAP = _series("min_gap", _PAIR, "m", _GAP)
+
+#: Stages of a step and of a run, in the order of the tables.
+STAGES = ("shape", "projection", "force", "contact", "gather", "material", "gap", "output")
+
+#: Stages that count as the cost of the method; ``gap`` (surfaces tracked for the diagnostic alone) and
+#: ``output`` do not.
+STEP_STAGES = STAGES[:6]
+
+_ALONE = "largest resident memory of a process that did this run alone; NaN where it had done others before"
+#: Root attributes of a run that are its costs: name, unit, meaning.
+COSTS: tuple[tuple[str, str, str], ...] = (
+    ("steps", "1", "time steps"),
+    ("material_points", "1", "material points"),
+    ("cpu_time", "s", "CPU time of the steps, without compilation, settling, gap diagnostic and output"),
+    ("wall_time", "s", "wall time of the steps"),
+    ("peak_memory", "B", _ALONE),
+    ("settle_time", "s", "CPU time of settling"),
+    ("output_time", "s", "CPU time of output"),
+    ("gap_time", "s", "CPU time of the gap diagnostic"),
+    ("compile_time", "s", "time of compilation or of loading compiled code"),
+)

@@ -1,12 +1,14 @@
-"""The length of a time step: a fraction of the least stability limit, or fixed; refused past a limit."""
+"""The length of a time step, a fraction of the least stability limit or fixed; the clock of its stages."""
 
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from mpmfw.errors import PastStabilityLimit, PluginError, SceneError, SimulationError
+from mpmfw.state.fields import STAGES
 
 if TYPE_CHECKING:
     from mpmfw.plugin.setup import Setup
@@ -33,7 +35,7 @@ class TimeStep:
     shape function's share of it is refused. ``limiting`` plug-ins implement ``stable_timestep``."""
 
     def __init__(self, setup: Setup, limiting: Sequence[Any]) -> None:
-        time, self.state, self.limiting = setup.scene.time, setup.state, limiting
+        self.state, self.limiting = setup.state, limiting
         self.bulk_limit = 2.0 / setup.bulk_frequency
         # Looked up once: between two steps of many points the interpreter's own data has left the caches.
         thinner = (1.0 - 1e-9) * setup.cell_size
@@ -41,7 +43,7 @@ class TimeStep:
         length, courant = "√(h w)" if thin else "h", setup.shape_function.courant
         self._bulk = (self.bulk_limit, f"bulk wave speed ({length} / c)")
         self._least_refused = (courant * self.bulk_limit, f"the bulk ({courant:g} {length} / c)")
-        self._safety, self._fixed = time.safety, time.step
+        self._safety, self._fixed = setup.scene.time.safety, setup.scene.time.step
         # A share of the least limit of at most that is below all of them.
         may_exceed = self._fixed is not None or self._safety > courant
         self._checked = may_exceed and not setup.allow_unstable
@@ -107,3 +109,55 @@ class TimeStep:
         if step <= limit * (1.0 + 1e-12):
             return ""
         return f"a step of {step:.4g} s is past the stability limit {limit:.4g} s of {owner}"
+
+
+class Clock:
+    """Attributes time to the stage that is running.
+
+    Wall time is read at every change of stage. CPU time is read only in :meth:`flush`, once a frame, and
+    shared out in proportion to the wall time in between: one CPU-timer read costs as much as a small kernel.
+    """
+
+    __slots__ = ("_cpu_mark", "_mark", "_stage", "_wall_frame", "cpu", "wall")
+    history = ("cpu", "wall")
+
+    def __init__(self) -> None:
+        self._stage = "output"
+        self.restart()
+
+    def restart(self) -> None:
+        """Forget everything measured so far, so that settling and compilation do not count."""
+        self.wall: dict[str, float] = dict.fromkeys(STAGES, 0.0)
+        self.cpu: dict[str, float] = dict.fromkeys(STAGES, 0.0)
+        self.restored()
+
+    def restored(self) -> None:
+        """Go on from the seconds that were saved."""
+        self._wall_frame: dict[str, float] = dict.fromkeys(STAGES, 0.0)
+        self._mark, self._cpu_mark = time.perf_counter(), time.process_time()
+
+    def __call__(self, stage: str) -> str:
+        """Begin ``stage``; return the one that ends."""
+        now = time.perf_counter()
+        previous = self._stage
+        self._wall_frame[previous] += now - self._mark
+        self._stage = stage
+        self._mark = now
+        return previous
+
+    def flush(self) -> None:
+        """Add what was measured since the last flush to :attr:`wall` and :attr:`cpu` [s]."""
+        self(self._stage)
+        cpu_now = time.process_time()
+        elapsed = sum(self._wall_frame.values())
+        ratio = (cpu_now - self._cpu_mark) / elapsed if elapsed > 0.0 else 0.0
+        for stage, seconds in self._wall_frame.items():
+            self.wall[stage] += seconds
+            self.cpu[stage] += seconds * ratio
+            self._wall_frame[stage] = 0.0
+        self._cpu_mark = cpu_now
+
+    def exclude(self, wall: float, cpu: float) -> None:
+        """Take seconds that are not the method's, such as those of compilation, out of the present stage."""
+        self._mark += wall
+        self._cpu_mark += cpu
