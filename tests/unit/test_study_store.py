@@ -8,11 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from mpmfw.state.clock import STEP_STAGES
 
 from mpmfw.campaigns.grid_runs import costs_of, least, over_repeats
 from mpmfw.campaigns.store import COSTS, Cost, Outcome, Store
 from mpmfw.errors import SceneError
+from mpmfw.state.fields import STEP_STAGES
 
 COST = Cost("exclusive", {"cpu_time": 1.5}, {"shape": 0.5}, {"shape": 0.1})
 
