@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 import mpmfw
 from mpmfw.cli import app
 from mpmfw.errors import SceneError
-from mpmfw.results.domains import triangles_of
+from mpmfw.results.domains import corners_of
 from mpmfw.results.references import RollingReference, reference_of
 from mpmfw.scene import load_scene, shipped_scenes
 from mpmfw.scene.toml_text import toml_text
@@ -144,9 +144,12 @@ def test_results_import_nothing_when_they_are_looked_at():
         table["model"] = "evil:X"
     assert reference_of({"scene": toml_text(scene)}) == expected  # no method changes it
     scene["bodies"]["cylinder"]["geometry"] = {"type": "evil:X"}
-    tree = xr.DataTree(xr.Dataset(attrs={"scene": toml_text(scene)}))
+    point = {name: (("particle", "axis"), [[1.0, 2.0]]) for name in ("position", "deformation_gradient")}
+    points = xr.Dataset({**point, "mass": ("particle", [1.0])})
+    root = xr.Dataset(attrs={"scene": toml_text(scene), "shape": "cpdi"})
+    tree = xr.DataTree.from_dict({"/": root, "/particles/cylinder": points})
     assert reference_of(tree.attrs) is None
-    assert triangles_of(tree, "cylinder") is None
+    assert corners_of(tree, "cylinder") is None
     assert "evil" not in sys.modules
 
 

@@ -159,11 +159,11 @@ def test_surfaces_of_three_dimensions(tmp_path):
 
 def test_no_output_of_an_earlier_export_stays_behind(exported, tmp_path):
     _, tree, _ = exported
-    mpmfw.export(tree, tmp_path)
+    mpmfw.export(tree, tmp_path / "drop.pvd")
     own = tmp_path / "drop-points" / "notes.txt"
     own.write_text("mine", encoding="utf-8")
     with pytest.raises(SceneError, match=r"drop-points.pvd: is there already"):
-        mpmfw.export(tree, tmp_path, every=3)
-    mpmfw.export(tree, tmp_path, every=3, force=True)
+        mpmfw.export(tree, tmp_path / "drop.pvd", every=3)
+    mpmfw.export(tree, tmp_path / "drop.pvd", every=3, force=True)
     listed_files = {file for _, file in listed(tmp_path / "drop-points.pvd")}
     assert set((tmp_path / "drop-points").iterdir()) == {own, *listed_files}

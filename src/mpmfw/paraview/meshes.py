@@ -10,13 +10,13 @@ import numpy as np
 import shapely
 import xarray as xr
 
-from mpmfw.errors import MpmfwError, SceneError
-from mpmfw.results.domains import Corners, loops, triangles_of
+from mpmfw.errors import SceneError
+from mpmfw.results.domains import Corners, loops
 from mpmfw.results.selection import frame_of
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 
 #: Stored arrays that are the geometry of the mesh, not fields on it.
-_GEOMETRY = ("position", "corners", "next")
+_GEOMETRY = ("position", "corners", "next", "triangles")
 
 #: Out-of-plane component of tensors in plane strain, where it is known.
 _ACROSS = {"deformation_gradient": 1.0, "velocity_gradient": 0.0, "affine": 0.0}
@@ -186,10 +186,7 @@ def facets_of(tree: xr.DataTree, body: str) -> IntArray:
     if "next" in surface:
         following = np.asarray(surface["next"].values)
         return np.stack([np.arange(len(following)), following], axis=1)
-    made = triangles_of(tree, body)
-    if made is None or made.max(initial=-1) + 1 != surface.sizes["surface_node"]:
-        raise MpmfwError(f"surface of '{body}': the scene's triangles do not fit; has a mesh file changed?")
-    return made
+    return np.asarray(surface["triangles"].values)
 
 
 def skipped_fields(tree: xr.DataTree, bodies: Sequence[str]) -> list[str]:

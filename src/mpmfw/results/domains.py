@@ -1,4 +1,4 @@
-"""Geometry of a stored run that follows from its scene: domains of CPDI (2D), triangles of surfaces (3D)."""
+"""Geometry of a stored run: domains of CPDI, which follow from its scene, and surfaces."""
 
 from __future__ import annotations
 
@@ -11,8 +11,7 @@ from mpmfw.errors import MpmfwError
 from mpmfw.geometry import discretise
 from mpmfw.geometry.base import context_of_cells
 from mpmfw.geometry.layout import parallelogram_corners
-from mpmfw.geometry.solid import joined
-from mpmfw.results.references import cell_size_of, scene_of
+from mpmfw.results.references import scene_of
 from mpmfw.results.selection import frame_of
 from mpmfw.scene.content import code_in
 from mpmfw.scene.tables import Body
@@ -36,11 +35,13 @@ def corners_of(tree: xr.DataTree, body: str) -> Corners | None:
     needed = {"position", "deformation_gradient", "mass"}
     if not str(tree.attrs.get("shape", "")).startswith("cpdi") or not needed <= set(points.data_vars):
         return None
-    if (found := _body(tree, body)) is None:
-        return None
+    scene = scene_of({str(name): value for name, value in tree.attrs.items()})
     try:
-        layout = discretise(found[0].geometry, found[0].particles, None)
-    except (OSError, ValueError, MpmfwError):  # a mesh file that is no longer there
+        if next(code_in(scene["bodies"][body]), None):
+            return None
+        table = Body.model_validate(scene["bodies"][body], context=context_of_cells(scene))
+        layout = discretise(table.geometry, table.particles, None)
+    except (LookupError, TypeError, OSError, ValueError, MpmfwError):  # such as a mesh file that is gone
         return None
     mass = np.asarray(points["mass"].values, dtype=float)
     if len(layout.volume) != len(mass):
@@ -56,24 +57,14 @@ def corners_of(tree: xr.DataTree, body: str) -> Corners | None:
     return corners
 
 
-def triangles_of(tree: xr.DataTree, body: str) -> IntArray | None:
-    """Return the triangles (k, 3) of a body's surface in space, by node."""
-    if (found := _body(tree, body)) is None:
-        return None
-    table, cell_size = found
-    try:
-        return joined(table.geometry.surfaces(table.segment_length(cell_size)))[1]
-    except (TypeError, OSError, ValueError, MpmfwError):
-        return None
-
-
 def surface_in_space(tree: xr.DataTree, body: str, frame: int) -> tuple[FloatArray, IntArray] | None:
     """Return nodes (n, 3) [m] and triangles (k, 3) of a stored surface."""
-    stored = "surface" in tree.children and body in tree["surface"].children
-    facets = triangles_of(tree, body) if stored else None
-    if facets is None:
+    if "surface" not in tree.children or body not in tree["surface"].children:
         return None
-    return np.asarray(frame_of(tree, f"surface/{body}", frame)["position"].values, dtype=float), facets
+    data = frame_of(tree, f"surface/{body}", frame)
+    if "triangles" not in data:
+        return None
+    return np.asarray(data["position"].values, dtype=float), np.asarray(data["triangles"].values)
 
 
 def loops(following: IntArray) -> list[IntArray]:
@@ -86,15 +77,3 @@ def loops(following: IntArray) -> list[IntArray]:
             loop.append(int(following[loop[-1]]))
         closed.append(np.array(loop))
     return closed
-
-
-def _body(tree: xr.DataTree, body: str) -> tuple[Body, float] | None:
-    """Return a body of the stored scene, if it names no code, and the cell size [m]."""
-    scene = scene_of({str(name): value for name, value in tree.attrs.items()})
-    try:
-        table = scene["bodies"][body]
-        if next(code_in(table), None):
-            return None
-        return Body.model_validate(table, context=context_of_cells(scene)), cell_size_of(scene)
-    except (KeyError, TypeError, ValueError, OSError, MpmfwError):
-        return None

@@ -19,7 +19,7 @@ class RunHeader:
     particle_count: Mapping[str, int]  #: material points of each body
     fields: tuple[Field, ...]  #: declarations of all arrays of frames; the flag ``output`` is not read
     surface_count: Mapping[str, int] = field(default_factory=dict)  #: surface nodes, of bodies that have any
-    #: by body, the node (surface_node,) at which the segment that starts at each node ends
+    #: by body, in 2D the node (surface_node,) at which each node's segment ends, in 3D triangles (k, 3)
     connectivity: Mapping[str, IntArray] = field(default_factory=dict)
     #: root attributes; mappings and sequences are stored as JSON, a value of None is left out
     attributes: Mapping[str, Any] = field(default_factory=dict)

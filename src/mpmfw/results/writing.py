@@ -27,6 +27,11 @@ if TYPE_CHECKING:
 
 AXES = ("x", "y", "z")
 
+_CONNECTIVITY = {
+    "next": "surface node at which the segment that starts at this one ends",
+    "triangles": "surface nodes of each triangle, counter-clockwise as seen from outside",
+}
+
 #: Bytes of frames that are written at once.
 WRITTEN_AT_ONCE = 16_000_000
 
@@ -205,15 +210,20 @@ class RunWriter:
         _labels(dataset, "rotation", ("z",) if header.dim == 2 else axes)
         _labels(dataset, "body", header.bodies)
         _labels(dataset, "pair", header.pairs, grows=header.more_pairs)
-        segments = []
-        for body, following in header.connectivity.items():
+        variables = []
+        for body, facets in header.connectivity.items():
             if header.surface_count.get(body, 0):
                 group = self._timeline(f"surface/{body}").group
                 group.createDimension("surface_node", header.surface_count[body])
-                segments.append((group.createVariable("next", "i8", ("surface_node",)), following))
-        for variable, following in segments:
-            variable.long_name = "surface node at which the segment that starts at this one ends"
-            variable[:] = following
+                dims = ("surface_node",) if header.dim == 2 else ("triangle", "corner")
+                for dim, size in zip(dims, facets.shape, strict=True):
+                    if dim not in group.dimensions:
+                        group.createDimension(dim, size)
+                name = "next" if header.dim == 2 else "triangles"
+                variables.append((group.createVariable(name, "i8", dims), facets))
+        for variable, facets in variables:
+            variable.long_name = _CONNECTIVITY[variable.name]
+            variable[:] = facets
 
     def _timeline(self, place: str) -> Timeline:
         """Return a group, a new one with the times so far."""

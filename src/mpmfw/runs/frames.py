@@ -51,13 +51,13 @@ class Recorder:
         state, surface = self.state, self.state.surface
         names = tuple(body.name for body in state.bodies)
         with_surface = surface is not None and any(field.group == "surface" for field in self.fields.values())
-        counts, following = {}, {}
+        counts, connectivity = {}, {}
         if with_surface and surface is not None:
             for body in state.bodies:
                 own = surface.of(body.index)
                 counts[body.name] = own.stop - own.start
-                if state.grid.dim == 2:
-                    following[body.name] = surface.facets[surface.facets_of(body.index), 1] - own.start
+                facets = surface.facets[surface.facets_of(body.index)] - own.start
+                connectivity[body.name] = facets[:, 1] if state.grid.dim == 2 else facets
         return RunHeader(
             dim=state.grid.dim,
             bodies=names,
@@ -67,7 +67,7 @@ class Recorder:
             particle_count={b.name: b.particles.stop - b.particles.start for b in state.bodies},
             fields=tuple(self.fields.values()),
             surface_count=counts,
-            connectivity=following,
+            connectivity=connectivity,
             attributes={**attributes, **provenance()},
         )
 
