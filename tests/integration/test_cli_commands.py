@@ -181,7 +181,8 @@ def test_a_pipe_gets_the_table_and_the_names_of_the_files(compared):
     folder, result, _ = compared
     assert result.stderr == ""
     assert "\x1b" not in result.stdout
-    assert max(map(len, result.stdout.splitlines()[:-2])) <= 80
+    table, _, _ = result.stdout.partition("\n\n")
+    assert max(map(len, table.splitlines())) <= 80
     lines = [line for line in result.stdout.splitlines() if line.startswith("penalty")]
     assert [line.split()[1] for line in lines] == ["gimp", "cpdi"]
     assert (

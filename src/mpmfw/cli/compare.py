@@ -12,7 +12,7 @@ from typer import Option
 from mpmfw.cli import arguments as args
 from mpmfw.cli.paths import new_path, result_path
 from mpmfw.cli.progress import campaign_progress
-from mpmfw.cli.tables import Format, FormatOption, print_table, print_text, write_rows
+from mpmfw.cli.tables import Format, FormatOption, print_table, write_rows
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -106,7 +106,7 @@ def print_comparison(dataset: xr.Dataset) -> None:
     print_table(cells, heads, labels=labels, words=("status", *CHOICES))
     for row in rows:
         if row["status"] != "ok":
-            print_text(f"{', '.join(str(row[label]) for label in labels)}: {row['status']}")
+            typer.echo(f"{', '.join(str(row[label]) for label in labels)}: {row['status']}")
     if reference := described(dataset):
         own = reference.startswith("each row")
-        print_text(f"Errors: {reference}" if own else f"Errors against {reference}")
+        typer.echo(f"Errors: {reference}" if own else f"Errors against {reference}")

@@ -12,7 +12,7 @@ from typer import Argument, Option
 from mpmfw.cli import arguments as args
 from mpmfw.cli.paths import check_result
 from mpmfw.cli.progress import campaign_progress
-from mpmfw.cli.tables import Format, FormatOption, print_table, print_text, write_rows
+from mpmfw.cli.tables import Format, FormatOption, print_table, write_rows
 from mpmfw.errors import SceneError
 
 if TYPE_CHECKING:
@@ -30,11 +30,7 @@ _HEADS = {
 }
 
 
-class Timing(StrEnum):
-    """Ways to measure costs."""
-
-    shared = "shared"
-    exclusive = "exclusive"
+Timing = StrEnum("Timing", ("shared", "exclusive"))
 
 
 def study(
@@ -79,8 +75,8 @@ def study(
     }
     about = args.named(body=body, pair=pair, axis=axis)
     with campaign_progress() as reports:
-        running["progress"] = reports["progress"]
-        dataset = run_study(loaded, timing=timing.value, under=under, about=about, **running)
+        running |= {"progress": reports["progress"], "timing": timing.value}
+        dataset = run_study(loaded, under=under, about=about, **running)
     if form is not Format.table:
         write_rows(list(rows(dataset)), form)
     else:
@@ -106,6 +102,6 @@ def _print(dataset: xr.Dataset) -> None:
     print_table(found, heads, labels=labels, title=dataset.attrs["title"])
     for row in found:
         if row["status"] != "ok":
-            print_text(f"{', '.join(str(row[dim]) for dim in dims)}: {row['status']}")
+            typer.echo(f"{', '.join(str(row[dim]) for dim in dims)}: {row['status']}")
     typer.echo(f"\nErrors of {dataset.attrs['quantity']} against {dataset.attrs['error_against']}")
     typer.echo(f"Timing: {dataset.attrs['timing']}")

@@ -17,13 +17,7 @@ from typer import Option
 _WRAPPED = 24
 
 
-class Format(StrEnum):
-    """Formats of a printed table."""
-
-    table = "table"
-    csv = "csv"
-    json = "json"
-
+Format = StrEnum("Format", ("table", "csv", "json"))
 
 FormatOption: TypeAlias = Annotated[
     Format, Option("--format", help="Form of the table; csv and json have all digits.")
@@ -98,14 +92,6 @@ def print_table(
         left = left[count:]
         if not left:
             return
-
-
-def print_text(text: str) -> None:
-    """Print a text, wrapped at the width of the terminal."""
-    from rich.console import Console
-    from rich.text import Text
-
-    Console().print(Text(text))
 
 
 def write_rows(rows: Sequence[Mapping[str, Any]], form: Format) -> None:

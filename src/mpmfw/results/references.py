@@ -126,22 +126,16 @@ def own_attributes(run: xr.Dataset) -> dict[str, Any]:
     return {**run.attrs, "scene": json.dumps(scene, default=str)}
 
 
-def own_references(dataset: xr.Dataset) -> list[Reference | None]:
-    """Return the references of a comparison: one, unless a varied key changes it."""
-    varied = [dim for dim in dataset["status"].dims if dim not in ("contact", "shape")]
-    rows = (row for _, row in points_of(dataset, varied))
-    return list(dict.fromkeys(reference_of(own_attributes(row)) for row in rows))
-
-
 def described(dataset: xr.Dataset) -> str:
     """Return the reference of a comparison in words, if it has one."""
     texts = (str(array.attrs["against"]) for array in dataset.data_vars.values() if "against" in array.attrs)
     if text := "; ".join(dict.fromkeys(texts)):
         return text
-    references = own_references(dataset)
+    varied = [dim for dim in dataset["status"].dims if dim not in ("contact", "shape")]
+    references = {reference_of(own_attributes(row)) for _, row in points_of(dataset, varied)}
     if len(references) > 1:
         return "each row against its own closed form, as the varied keys change it"
-    return references[0].says if references and references[0] is not None else ""
+    return "".join(one.says for one in references if one is not None)
 
 
 def reference_of(attributes: Mapping[str, Any]) -> Reference | None:
@@ -168,9 +162,8 @@ def _loaded(text: str) -> Scene | None:
     """Return a scene without its methods and without code; None if it cannot be read."""
     scene = scene_of({"scene": text})
     contact, materials = scene.get("contact"), scene.get("materials")
-    scene = {key: table for key, table in scene.items() if key != "stepping"} | {
-        "shape": {"method": "linear"}
-    }
+    scene.pop("stepping", None)
+    scene["shape"] = {"method": "linear"}
     if isinstance(contact, dict):
         kept = ("friction", "friction_law", "pairs", contact.get("friction_law"))
         scene["contact"] = {"method": "none"} | {key: contact[key] for key in contact if key in kept}
