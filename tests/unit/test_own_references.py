@@ -1,4 +1,4 @@
-"""The sliding block of validation/finite-elements: what the case of steep friction rests on."""
+"""References that the validation computes: the sliding block of finite elements, the elastic sphere."""
 
 import importlib
 import math
@@ -85,3 +85,20 @@ def test_the_bounce_grows_in_motion_as_its_eigenvalue_says(measures):
     found = measures.growth_of(run.time, run.y, frequency)
     assert found[0] == pytest.approx(sigma, rel=0.1)
     assert found[1] == pytest.approx(frequency, rel=0.02)
+
+
+@pytest.fixture
+def elastic(monkeypatch):
+    """The elastic sphere of the case sphere-impacts."""
+    monkeypatch.syspath_prepend(str(Path(__file__).resolve().parents[2] / "validation" / "sphere-impacts"))
+    yield importlib.import_module("elastic")
+    sys.modules.pop("elastic", None)
+
+
+@pytest.mark.parametrize("poisson", [0.2, 0.3, 0.4])
+def test_an_elastic_sphere_slides_throughout_beyond_the_limit_and_not_below(elastic, poisson):
+    limit, ratio = elastic.sliding_from(poisson), elastic.ratio(poisson)
+    for psi in (limit + 0.1, limit + 1.5, limit + 4.0):
+        assert psi * elastic.rebound(psi / ratio, poisson) == pytest.approx(psi - limit - 1.0, abs=1e-6)
+    psi = limit - 0.5
+    assert psi * elastic.rebound(psi / ratio, poisson) > psi - limit - 1.0 + 1e-3
