@@ -45,7 +45,7 @@ LEAST = Brings(
         )
         for name in names.split()
     ),
-    modules=brings(modules=".series .verdict .ledger_energies .rotation").modules,
+    modules=brings(modules=".series .verdict .energies .rotation").modules,
     series=frozenset(
         {
             *("centre_of_mass", "mean_velocity", "angular_velocity", "linear_momentum", "angular_momentum"),
@@ -90,8 +90,8 @@ EFFECTS = {
     "thickness": brings(arrays="particles/thickness"),
     "surfaces": brings("surface", arrays="surface", modules=".surface"),
     "least gap": brings("gap", series="min_gap"),
-    "local spin": brings("local_spin", arrays="local_spin layout", modules=".local_spin .second_moments"),
-    "exact rotation": brings("rotation", arrays="layout", modules=".exact_rotation .second_moments"),
+    "local spin": brings("local_spin", arrays="layout", modules=".local_spin"),
+    "exact rotation": brings("rotation", arrays="layout", modules=".exact_rotation .local_spin"),
     "none": brings(modules="contact.baselines"),
     "separate": brings(modules="contact.baselines"),
     "bardenhagen": brings(
@@ -112,7 +112,7 @@ EFFECTS = {
     "interface layer": brings("surface_layer", arrays="surface_layer", modules="~surfaces.layer"),
     "ledger": brings(
         "energy_ledger",
-        modules=".ledger .ledger_energies .ledger_half_step .energy_guard",
+        modules=".ledger .ledger_works .energy_guard",
         series="transfer_dissipation energy_residual",
     ),
     "ledger of gravity": brings(series="gravity_work"),

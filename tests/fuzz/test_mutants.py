@@ -19,7 +19,7 @@ from seeds import SEEDS, seeds
 import mpmfw
 from mpmfw.errors import MpmfwError, ResultsWarning, SceneError
 from mpmfw.results import Frame
-from mpmfw.runs import sizing
+from mpmfw.runs import limits
 from mpmfw.runs.limits import check_length
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
@@ -76,7 +76,7 @@ def attempt(path: Path, *, memory: bool) -> str:
     ``memory`` measures what it allocates, at twice the time."""
     begin, said = time.perf_counter(), ""
     try:
-        with warnings.catch_warnings(), mock.patch.object(sizing, "memory_limit", return_value=MEMORY):
+        with warnings.catch_warnings(), mock.patch.object(limits, "_memory_limits", return_value=[MEMORY]):
             warnings.simplefilter("error")
             warnings.filterwarnings("ignore", category=UserWarning, module="mpmfw")
             warnings.filterwarnings("ignore", category=ResultsWarning)
@@ -86,7 +86,7 @@ def attempt(path: Path, *, memory: bool) -> str:
             bad = steps(scene)
             peak = tracemalloc.get_traced_memory()[1] if memory else 0.0
         assert not bad, f"ok, with values that are not finite in {bad}"
-        assert peak <= sizing.most_memory(scene) + BESIDE, f"took {peak:.3g} bytes"
+        assert peak <= limits.most_memory(scene) + BESIDE, f"took {peak:.3g} bytes"
         outcome = "ok"
     except SceneError as error:
         outcome, said = "refused", str(error)

@@ -4,6 +4,7 @@
 
 import subprocess
 import sys
+from contextlib import nullcontext
 from types import SimpleNamespace
 
 import pytest
@@ -168,7 +169,8 @@ def test_a_failing_run_is_status_1_and_says_where(mpmfw, monkeypatch):
     def run(*_, **__):
         raise SimulationError("left the grid", body="block", index=3, time=0.5)
 
-    monkeypatch.setitem(sys.modules, "mpmfw.runs.run", SimpleNamespace(run_to_file=run))
+    module = SimpleNamespace(begun=lambda *_, **__: nullcontext(), run_on=run)
+    monkeypatch.setitem(sys.modules, "mpmfw.runs.run", module)
     result = mpmfw("run", "s.toml")
     assert (result.exit_code, result.stdout) == (1, "")
     assert result.stderr == "left the grid: body 'block', point 3, at time 0.5 s\n"
@@ -176,11 +178,11 @@ def test_a_failing_run_is_status_1_and_says_where(mpmfw, monkeypatch):
 
 def test_a_run_gets_the_chosen_scene_and_a_file_named_as_it(mpmfw, monkeypatch):
     seen = {}
-    monkeypatch.setitem(
-        sys.modules,
-        "mpmfw.runs.run",
-        SimpleNamespace(run_to_file=lambda scene, **arguments: seen.update(arguments, scene=scene)),
+    module = SimpleNamespace(
+        begun=lambda scene, **_: nullcontext(scene),
+        run_on=lambda scene, progress: seen.update(scene=scene, progress=progress),
     )
+    monkeypatch.setitem(sys.modules, "mpmfw.runs.run", module)
     result = mpmfw(
         "run", "s.toml", "--contact", "separate", "--shape", "gimp", "--set", "grid.cell_size=250 mm"
     )

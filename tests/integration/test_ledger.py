@@ -10,6 +10,7 @@ import pytest
 from contact_scenes import impact, rectangle, scene
 from mpmfw import run
 from mpmfw.api import SimulationError, hookimpl
+from mpmfw.effects.energies import negligible_energy
 from mpmfw.effects.energy_guard import GROWTH_LIMIT, EnergyGuard
 from mpmfw.effects.ledger import CHECK_EVERY
 from mpmfw.runs.simulation import Simulation
@@ -217,9 +218,8 @@ def unstable():
 def stopped(mapping):
     """What stops a run past the stability limit, which is let run so far."""
     simulation = Simulation({**mapping, "output": {"ledger": True}, "allow_unstable": True})
-    simulation.manager.get_plugin("energy_ledger").guard = EnergyGuard.of(
-        simulation.state, simulation.setup.remedies
-    )
+    guard = EnergyGuard(negligible_energy(simulation.state), simulation.setup.remedies)
+    simulation.manager.get_plugin("energy_ledger").guard = guard
     with pytest.raises(SimulationError, match="energy grew by") as caught:
         simulation.run()
     return caught.value
@@ -253,8 +253,8 @@ def test_the_guard_allows_what_there_was_what_springs_held_and_what_loads_gave()
     guard = EnergyGuard(nothing=0.0, remedies={})
     guard.restart(10.0)
     guard.loaded = 4.0
-    guard.give(6.0)
-    guard.give(2.0)  # loads take back 4 J/m
+    guard.set_external_work(6.0)
+    guard.set_external_work(2.0)  # loads take back 4 J/m
     assert guard.growth(17.0) == pytest.approx(1.0)
     assert not guard.grown(16.0 + 0.5 * 20.0)
     assert guard.grown(16.1 + 0.5 * 20.0)
@@ -266,13 +266,15 @@ def test_the_guard_counts_what_adhesion_gave_and_no_more():
     guard = EnergyGuard(nothing=0.0, remedies={})
     guard.restart(0.0)
     guard.loaded = -3.0
-    guard.hold(-3.0, 0.0)
+    guard.set_contact_energy(-3.0, 0.0)
     assert guard.growth(0.0) == 0.0
     assert not guard.grown(0.0)
-    guard.hold(-4.5, 0.5)  # the step's own work comes on top: positions are those of its beginning
+    guard.set_contact_energy(
+        -4.5, 0.5
+    )  # the step's own work comes on top: positions are those of its beginning
     assert guard.growth(2.0) == pytest.approx(0.0)
     assert guard.grown(2.0 + GROWTH_LIMIT * 4.5 + 0.01)
-    guard.hold(0.0, 0.0)  # torn apart, which took 3 J/m of motion
+    guard.set_contact_energy(0.0, 0.0)  # torn apart, which took 3 J/m of motion
     assert guard.growth(0.0) == pytest.approx(3.0)
 
 

@@ -15,6 +15,7 @@ import pytest
 from many_discs import many_discs
 from mpmfw.errors import MpmfwError
 from mpmfw.plugin.discovery import available, choices
+from mpmfw.runs.restart import read_snapshot, write_snapshot
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene, shipped_scenes
 from mpmfw.state.history import NotSaved
@@ -81,7 +82,7 @@ def run(simulation: Simulation, step: int = -1, path: Path | None = None) -> tup
         nonlocal count
         count += 1
         if count == step:
-            simulation.save(path)
+            write_snapshot(str(path), simulation.snapshot())
 
     simulation.run(lambda frame: frames.append(copy.deepcopy(frame)), None, after_step)
     return frames, count
@@ -111,7 +112,7 @@ def stop_and_go_on(make: Any, path: Path, step: int) -> None:
     frames, steps = run(first, step, path)
     assert steps >= step
     second = make()
-    second.load(path)
+    second.restore(read_snapshot(str(path))[0])
     rest, left = run(second)
     assert left == steps - step
     same_frames(frames[len(frames) - len(rest) :], rest)
@@ -198,30 +199,30 @@ def test_pairs_that_come_near_during_the_run(tmp_path):
     before = len(Simulation(scene).state.pairs)
     stop_and_go_on(lambda: Simulation(scene), tmp_path / "saved", 35)
     last = Simulation(scene)
-    last.load(tmp_path / "saved")
+    last.restore(read_snapshot(str(tmp_path / "saved"))[0])
     assert len(last.state.pairs) > before
 
 
 def test_another_scene_or_method_is_refused(tmp_path):
     simulation = Simulation(two_blocks("penalty"))
-    simulation.save(tmp_path / "saved")
+    write_snapshot(str(tmp_path / "saved"), simulation.snapshot())
     other = Simulation(two_blocks("bardenhagen"))
     with pytest.raises(NotSaved, match=r"^state/kept_arrays/bardenhagen/impulse was not saved"):
-        other.load(tmp_path / "saved")
+        other.restore(read_snapshot(str(tmp_path / "saved"))[0])
 
 
 def test_a_damaged_file_is_named(tmp_path):
     path, simulation = tmp_path / "saved", Simulation(two_blocks("none"))
-    simulation.save(path)
+    write_snapshot(str(path), simulation.snapshot())
     whole = path.read_bytes()
     for share in (0.0, 0.3, 0.99):
         path.write_bytes(whole[: int(share * len(whole))])
         with pytest.raises(MpmfwError, match="saved' was cut short or is damaged"):
-            simulation.load(path)
+            simulation.restore(read_snapshot(str(path))[0])
     changed = bytearray(whole)
     changed[whole.index(simulation.state.particles.position.tobytes())] ^= 1
     path.write_bytes(changed)
     with pytest.raises(MpmfwError, match="saved' was cut short or is damaged"):
-        simulation.load(path)
+        simulation.restore(read_snapshot(str(path))[0])
     with pytest.raises(MpmfwError, match=r"cannot read '.*nothing': No such file or directory"):
-        simulation.load(tmp_path / "nothing")
+        simulation.restore(read_snapshot(str(tmp_path / "nothing"))[0])

@@ -27,6 +27,7 @@ from mpmfw.cli import app
 from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError, SimulationError
 from mpmfw.kernels import integrate_momentum
 from mpmfw.results.reading import read
+from mpmfw.runs.restart import write_snapshot
 from mpmfw.runs.run import resume, seconds_between
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
@@ -318,7 +319,7 @@ def test_what_cannot_go_on_says_why(tmp_path):
     )
     file.write_bytes(whole[:-1000])
     refused("run.nc.checkpoint' was cut short or is damaged; run it again")
-    Simulation(BLOCKS).save(file)
+    write_snapshot(str(file), Simulation(BLOCKS).snapshot())
     refused("run.nc.checkpoint: is not a checkpoint of a run")
     stopped(with_changes(BLOCKS, contact__friction=0.1), path, 9)
     file.write_bytes(whole)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from mpmfw.errors import SceneError
+from mpmfw.runs.restart import read_snapshot, write_snapshot
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import SOFT, with_changes
 
@@ -163,12 +164,12 @@ def test_resumes_to_the_bit(tmp_path: Path, moment: float) -> None:
         nonlocal saved
         if not saved and going.started and going.state.time > moment:
             saved = True
-            going.save(tmp_path / "saved")
+            write_snapshot(str(tmp_path / "saved"), going.snapshot())
 
     frames: list[Any] = []
     going.run(lambda frame: frames.append(np.copy(frame.particles["position"])), after_step=after_step)
     resumed = Simulation(given)
-    resumed.load(tmp_path / "saved")
+    resumed.restore(read_snapshot(str(tmp_path / "saved"))[0])
     again: list[Any] = []
     resumed.run(lambda frame: again.append(np.copy(frame.particles["position"])))
     assert 0 < len(again) < len(frames)

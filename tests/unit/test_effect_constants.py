@@ -11,8 +11,9 @@ import pytest
 
 from interpreted import interpreted
 from mpmfw.api import SceneError
-from mpmfw.effects import constraint, energy_guard, side_loads, side_rows
+from mpmfw.effects import constraint, energies, side_loads, side_rows
 from mpmfw.effects.constraint import AGREED, PASSES
+from mpmfw.effects.energy_guard import EnergyGuard
 from mpmfw.effects.side_rows import QUADRATURE, PlaneSides, list_rows, quadrature, splines
 from mpmfw.effects.surface import CRITICAL_MASS, LIGHT, weigh_by_mass, weigh_plain
 from mpmfw.kernels.stencil import LEAST_SHARE, linear_weights
@@ -200,13 +201,13 @@ def test_rounding_is_no_growth_of_energy_and_a_slow_impact_s_is(monkeypatch: pyt
     def stops(energy: float) -> bool:
         body = state.bodies[0]
         stiffness = float(state.particles.volume.sum()) * (body.bulk_modulus + body.shear_modulus)
-        return energy_guard.EnergyGuard.of(state, {}).grown(energy * stiffness)
+        return EnergyGuard(energies.negligible_energy(state), {}).grown(energy * stiffness)
 
     assert not stops(1e-24)
     assert stops(1e-8)
-    monkeypatch.setattr(energy_guard, "NOTHING", 0.0)
+    monkeypatch.setattr(energies, "NOTHING", 0.0)
     assert stops(1e-24)
-    monkeypatch.setattr(energy_guard, "NOTHING", 1e-6)
+    monkeypatch.setattr(energies, "NOTHING", 1e-6)
     assert not stops(1e-8)
 
 

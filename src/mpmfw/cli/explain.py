@@ -67,11 +67,11 @@ def _print_head(simulation: Simulation) -> None:
         f"contact {method}, shape {simulation.shape.label}"
     )
     if simulation.threads > 1:
-        from mpmfw.runs.limits import remark_on_threads
+        from mpmfw.runs.limits import remarks_on_threads
 
         shared = " and sums at nodes" if simulation.shape.rows_ascend else "; sums at nodes are one thread's"
         typer.echo(f"{simulation.threads} threads share points{shared}")
-        if remark := remark_on_threads(simulation.threads):
+        for remark in remarks_on_threads(simulation.threads):
             typer.echo(remark)
     typer.echo("")
 
@@ -135,9 +135,8 @@ def _print_share_of_springs(simulation: Simulation) -> None:
 
 def _print_cost(simulation: Simulation, found: Prediction, everything: bool) -> None:
     """Print steps, CPU time and memory, predicted from a trial."""
-    from mpmfw.runs.limits import results_size
+    from mpmfw.runs.limits import most_memory, results_size, shown_bytes
     from mpmfw.runs.prediction import TIMED
-    from mpmfw.runs.sizing import most_memory, shown_bytes
 
     if everything:
         stages = {**found.stages, "all": found.cpu_time}

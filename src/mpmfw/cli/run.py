@@ -27,10 +27,13 @@ def run(
     loaded = args.chosen_scene(scene, contact, shape, set_, trust)
     path = result_path(output, loaded, "run", force)
 
-    from mpmfw.runs.run import run_to_file
+    from mpmfw.runs.run import begun, run_on
 
-    with run_progress(loaded.time.end) as progress:
-        run_to_file(loaded, output=path, progress=progress, force=force, checkpoint=checkpoint)
+    with (
+        begun(loaded, output=path, force=force, checkpoint=checkpoint) as checkpoints,
+        run_progress(loaded.time.end) as progress,
+    ):
+        run_on(checkpoints, progress)
     typer.echo(str(path))
 
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mpmfw.effects.side_rows import PlaneSides, SideTable, list_rows, meet, quadrature
+from mpmfw.effects.side_rows import AXIS, PlaneSides, SideTable, list_rows, meet, quadrature
 from mpmfw.errors import SceneError
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import FLAT, Acts, Setup
@@ -27,91 +26,54 @@ PASSES = 100
 AGREED = 1e-10
 
 
-@dataclass(frozen=True, slots=True)
-class PrescribedSide:
-    """One plane side of a body, with the velocity that is prescribed on it."""
-
-    body: Body
-    normal: FloatArray  #: n, outward unit normal, (dim,)
-    place: float  #: n·x on the side at the start [m]
-    directions: FloatArray  #: unit vectors along the body's own axes, (dim, dim), one a row
-    velocity: FloatArray  #: components along these, (dim,) [m/s]; NaN leaves one free
-    alone: bool = True  #: whether no other body shares the velocity field
-
-    @property
-    def axis(self) -> int:
-        """Axis of the grid to which the normal is nearest, the first of two."""
-        size = np.abs(self.normal)
-        return int(np.flatnonzero(size > size.max() - 1e-9)[0])
-
-    @property
-    def speed(self) -> float:
-        """Prescribed velocity along the normal [m/s]; NaN where it is free."""
-        along = self.directions @ self.normal
-        own = int(np.abs(along).argmax())
-        return float(along[own] * self.velocity[own])
-
-    def box(self, cell_size: float) -> tuple[FloatArray, FloatArray]:
-        """Return the box of its columns: everywhere in a velocity field of its body, else a cell round the
-        body.
-        """
-        lower, upper = np.array(self.body.lower), np.array(self.body.upper)
-        rim = np.inf if self.alone else 1.01 * cell_size
-        return lower - rim, upper + rim
-
-
 class Constraint:
-    """Prescribed sides: the last change of the nodal momenta of the bodies' velocity fields.
-
-    ``degree`` and ``staggered`` describe the shape function's boundary basis
-    (:class:`mpmfw.api.shape.ShapeFunction`). ``calls`` is the number of calls in each step that move the
-    body; that of MUSL after the second projection moves nothing."""
+    """Prescribed sides: the last change of the nodal momenta of the bodies' velocity fields."""
 
     name = "constraint"
     ledger_term = ("external", "prescribed sides")
     history = ("planes", "work")
 
-    def __init__(
-        self, sides: tuple[PrescribedSide, ...], degree: int, *, staggered: bool, calls: int
-    ) -> None:
-        self.sides, self.degree, self.grids = sides, degree, 2 if staggered else 1
-        self.calls, self.left = calls, calls
+    def __init__(self, setup: Setup, sides: list[tuple[Body, Side]]) -> None:
+        shape, bodies = setup.shape_function, [body for body, _ in sides]
+        self.bodies, self.degree = bodies, shape.boundary_degree
+        #: Calls in each step that move the body: that of MUSL after the second projection moves nothing.
+        self.calls = self.left = 2 if setup.scheme == "usf" else 1
         self.work = 0.0  #: of the moving sides on the bodies so far [J/m]
         #: While a scene settles, moving sides are held where they are.
         self.at_rest = False
+        faces = [_face_of(setup, body, side) for body, side in sides]
+        #: unit vectors along the body's own axes, (n_sides, dim, dim), one a row
+        self.directions = np.array([setup.scene.bodies[body.name].geometry.axes for body in bodies])
+        #: components along these, (n_sides, dim) [m/s]; NaN leaves one free
+        self.velocity = np.array([_velocity(side, setup.dim) for _, side in sides])
+        self.planes = _planes(setup, bodies, faces, self.degree, 2 if shape.staggered else 1)
+        along = [axes @ normal for axes, (normal, _) in zip(self.directions, faces, strict=True)]
+        own = [int(np.abs(each).argmax()) for each in along]
+        #: along the normal, (n_sides,) [m/s]; NaN where it is free
+        self.speeds = np.array([each[k] * v[k] for each, k, v in zip(along, own, self.velocity, strict=True)])
+        self.free = np.flatnonzero(np.isnan(self.speeds)).tolist()
+        self.motions = np.zeros(len(sides))
+        self.agreed = AGREED * max(body.wave_speed for body in bodies)
+        self.frame = -1
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
         """Return the fixed and moving sides of all bodies."""
-        held, shape = setup.held_sides, setup.shape_function
-        sides = tuple(_prescribed(setup, body, side) for body, side in held)
-        calls = 2 if setup.scheme == "usf" else 1
-        constraint = cls(sides, shape.boundary_degree, staggered=shape.staggered, calls=calls)
-        return Acts(", ".join(f"{body.name} {side.side}" for body, side in held), [constraint])
+        held = setup.held_sides
+        return Acts(", ".join(f"{body.name} {side.side}" for body, side in held), [cls(setup, held)])
 
     def while_settling(self, asked: Settle | None) -> None:
         """Hold moving sides where they are, until ``asked`` is None."""
         self.at_rest = asked is not None
 
-    @hookimpl
-    def setup(self, setup: Setup) -> None:
-        """Allocate the places of the sides, and everything about them that does not change."""
-        self.frame = -1
-        self.speeds = np.array([side.speed for side in self.sides])
-        self.free = np.flatnonzero(np.isnan(self.speeds)).tolist()
-        self.motions = np.zeros(len(self.sides))
-        self.planes = _planes(self.sides, setup.state.grid, self.degree, self.grids)
-        self.directions = np.array([side.directions for side in self.sides])
-        self.velocity = np.array([side.velocity for side in self.sides])
-        self.agreed = AGREED * max(side.body.wave_speed for side in self.sides)
-
     def copy_history(self, other: Constraint, index_map: IndexMap) -> None:
         """Copy the places of sides, renumbered by ``index_map``, and the work."""
         self.work, other.work = self.work + other.work, 0.0
-        theirs = [k for k, side in enumerate(other.sides) if index_map.body[side.body.index] >= 0]
-        known = {int(index_map.body[other.sides[k].body.index]) for k in theirs}
-        ours = [k for k, side in enumerate(self.sides) if side.body.index in known]
-        self.planes.place[ours] = other.planes.place[theirs]
+        here = [int(index_map.body[body.index]) for body in other.bodies]
+        theirs = [k for k, body in enumerate(here) if body >= 0]
+        self.planes.place[[k for k, b in enumerate(self.bodies) if b.index in here]] = other.planes.place[
+            theirs
+        ]
 
     def held_momentum(self, grid: Grid) -> FloatArray:
         """Nodal momenta as :meth:`constrain_momentum` would leave them, (n_nodes, dim) [kg/s]; those of
@@ -146,15 +108,10 @@ class Constraint:
         self.frame = grid.frame
         width = 2 + int(self.degree + 1 + 2.0 * np.abs(self.planes.shift).max())
         rows, longest = 0, 0
-        for index, side in enumerate(self.sides):
-            nodes, shape, axis = (
-                grid.field_nodes(side.body.field),
-                grid.window_shape[side.body.field],
-                side.axis,
-            )
+        for body, column in zip(self.bodies, self.planes.column, strict=True):
+            nodes, shape, axis = grid.field_nodes(body.field), grid.window_shape[body.field], column[AXIS]
             count = int(shape[axis])
-            stride = int(np.prod(shape[axis + 1 :]))
-            self.planes.column[index] = (nodes.start, nodes.stop, stride, count, axis)
+            column[:AXIS] = nodes.start, nodes.stop, int(np.prod(shape[axis + 1 :])), count
             rows += (width + 1) * (nodes.stop - nodes.start) // count
             longest = max(longest, count)
         self.table = SideTable(
@@ -182,7 +139,7 @@ class Constraint:
             return 0.0
         table = self.table
         entries = slice(0, int(table.row[self.rows]))
-        parts = table.weights[entries] * (velocity[table.nodes[entries]] @ self.sides[index].normal)
+        parts = table.weights[entries] * (velocity[table.nodes[entries]] @ self.planes.normal[index])
         at_side = np.add.reduceat(parts, table.row[: self.rows])
         own = (table.side[: self.rows] == index) & (table.target[: self.rows] > 0.0)
         return float(at_side[own].mean()) if own.any() else 0.0
@@ -194,49 +151,52 @@ class Constraint:
         self.left = self.calls
 
 
-def _planes(sides: tuple[PrescribedSide, ...], grid: Grid, degree: int, grids: int) -> PlaneSides:
-    """The sides as arrays; their columns are those of the windows, which are not known yet."""
-    boxes = [side.box(grid.cell_size) for side in sides]
-    points = [quadrature(side.normal, side.axis, degree) for side in sides]
-    node_volume = (grids * grid.cell_size) ** grid.dim / grids
+def _planes(
+    setup: Setup, bodies: list[Body], faces: list[tuple[FloatArray, float]], degree: int, grids: int
+) -> PlaneSides:
+    """Return the sides as arrays; of their columns only the axis is known yet.
+
+    A side acts everywhere in a velocity field of its body alone, else within a cell round the body."""
+    cell, dim, alone = setup.cell_size, setup.dim, setup.field_per_body
+    rim = np.inf if alone else 1.01 * cell
+    column, points = np.zeros((len(bodies), 5), dtype=np.int64), []
+    for place, (normal, _) in zip(column, faces, strict=True):
+        size = np.abs(normal)
+        place[AXIS] = np.flatnonzero(size > size.max() - 1e-9)[0]  # nearest to the normal, the first of two
+        points.append(quadrature(normal, int(place[AXIS]), degree))
+    node_volume = (grids * cell) ** dim / grids
     return PlaneSides(
-        normal=np.array([side.normal for side in sides]),
-        place=np.array([side.place for side in sides]),
-        box_lower=np.array([lower for lower, _ in boxes]),
-        box_upper=np.array([upper for _, upper in boxes]),
-        alone=np.array([side.alone for side in sides], dtype=np.int64),
-        cell_mass=np.array([side.body.areal_density * node_volume for side in sides]),
+        normal=np.array([normal for normal, _ in faces]),
+        place=np.array([place for _, place in faces]),
+        box_lower=np.array([body.lower for body in bodies]) - rim,
+        box_upper=np.array([body.upper for body in bodies]) + rim,
+        alone=np.full(len(bodies), int(alone), dtype=np.int64),
+        cell_mass=np.array([body.areal_density * node_volume for body in bodies]),
         point=np.cumsum([0, *(len(shift) for shift, _ in points)]),
         shift=np.concatenate([shift for shift, _ in points]),
         share=np.concatenate([share for _, share in points]),
-        column=np.zeros((len(sides), 5), dtype=np.int64),
-        lower=np.array(grid.lower, dtype=float),
+        column=column,
+        lower=np.array(setup.state.grid.lower, dtype=float),
         grids=np.array([grids]),
     )
 
 
-def _prescribed(setup: Setup, body: Body, side: Side) -> PrescribedSide:
-    """Return a fixed or moving side; raise SceneError if the outline only touches it at a corner."""
+def _face_of(setup: Setup, body: Body, side: Side) -> tuple[FloatArray, float]:
+    """Return the normal and place of a side; raise SceneError if the outline only touches it at a corner."""
     normal, place = setup.face_of(body, side)
-    tolerance = FLAT * setup.cell_size
-    at_side = [np.abs(loop @ normal - place) <= tolerance for loop in body.outlines]
+    at_side = [np.abs(loop @ normal - place) <= FLAT * setup.cell_size for loop in body.outlines]
     along = (on[corners].all(axis=1).any() for on, corners in zip(at_side, body.facets, strict=True))
     if body.outlines and not any(along):
         raise SceneError(
             f"no part of the outline lies along the side '{side.side}'", key=f"bodies.{body.name}.sides"
         )
-    axes = setup.scene.bodies[body.name].geometry.axes
-    velocity = _velocity(side, setup.dim)
-    return PrescribedSide(body, normal, place, axes, velocity, alone=setup.field_per_body)
+    return normal, place
 
 
 def _velocity(side: Side, dim: int) -> FloatArray:
-    """Prescribed velocity of a side, NaN where a component is free."""
+    """Return the prescribed velocity of a side, (dim,) [m/s], NaN where a component is free."""
     if side.velocity is not None:
         return np.array([np.nan if isinstance(v, str) or v is None else float(v) for v in side.velocity])
-    fixed = np.zeros(dim)
-    if side.fixed is not None and side.fixed is not True:
-        for d, name in enumerate("xyz"[:dim]):
-            if name not in side.fixed:
-                fixed[d] = np.nan
-    return fixed
+    if side.fixed is None or side.fixed is True:
+        return np.zeros(dim)
+    return np.array([0.0 if name in side.fixed else np.nan for name in "xyz"[:dim]])

@@ -10,8 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.kernels import kernel
-from mpmfw.kernels.types import Floats, Ints
 from mpmfw.plugin.hooks import Observer
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Setup
@@ -30,25 +28,6 @@ CONTACT_MOMENT = Field(
     output=True,
     mean=True,
 )
-
-
-@kernel
-def add_moments(
-    first: Ints, position: Floats, centre: Floats, before: Floats, now: Floats, scale: float, out: Floats
-) -> None:
-    """M_b += Σ (x_i − c_b) × (``now`` − ``before``)_i times ``scale``, ``out`` (B, 1) in 2D and (B, 3) in 3D
-    [N s].
-
-    Nodes ``first[b]:first[b + 1]`` belong to body b; ``centre`` is (B, dim) [m].
-    """
-    dim = position.shape[1]
-    for b in range(len(first) - 1):
-        for i in range(first[b], first[b + 1]):
-            for a in range(out.shape[1]):
-                d, e = (0, 1) if dim == 2 else ((a + 1) % 3, (a + 2) % 3)
-                along = (position[i, d] - centre[b, d]) * (now[i, e] - before[i, e])
-                across = (position[i, e] - centre[b, e]) * (now[i, d] - before[i, d])
-                out[b, a] += scale * (along - across)
 
 
 class ContactMoment(Observer):
@@ -101,14 +80,17 @@ class ContactMoment(Observer):
             self._before = (grid.force if hook == "add_nodal_force" else grid.momentum).copy()
 
     def after(self, hook: str, plugin: Any, grid: Grid, dt: float) -> None:
-        """Add the moment of what contact changed."""
-        if plugin is self.contact:
-            forces = hook == "add_nodal_force"
-            now, scale = (grid.force, dt) if forces else (grid.momentum, 1.0)
-            add_moments(grid.offset, grid.position, self._centres(), self._before, now, scale, self.impulse)
+        """Add M_b = Σ (x_i − c_b) × I_i over the nodes of each body, I_i the impulse of contact [N s]."""
+        if plugin is not self.contact:
+            return
+        forces, bodies = hook == "add_nodal_force", len(self.impulse)
+        impulse = dt * (grid.force - self._before) if forces else grid.momentum - self._before
+        about = self.state.centres_of_mass if self.about is None else np.tile(self.about, (bodies, 1))
+        arm = grid.position - np.repeat(about, np.diff(grid.offset), axis=0)
+        moment = np.cross(arm, impulse) if grid.dim == 3 else _cross_in_plane(arm, impulse)
+        self.impulse += np.add.reduceat(moment, grid.offset[:-1])
 
-    def _centres(self) -> FloatArray:
-        """Return the points that the arms begin at, (B, dim) [m]."""
-        if self.about is None:
-            return self.state.centres_of_mass
-        return np.tile(np.array(self.about), (len(self.state.bodies), 1))
+
+def _cross_in_plane(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Return a × b along z, (n, 1), of vectors (n, 2)."""
+    return (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])[:, None]

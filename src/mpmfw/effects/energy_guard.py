@@ -4,16 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import numpy as np
-
 from mpmfw.errors import SimulationError
-from mpmfw.state.structs import State
 
 #: Growth, as a share of the energy at the start and what was put in since, past which a run is stopped.
 GROWTH_LIMIT = 0.5
-
-#: Energy per stiffness and volume that counts as nothing: rounding in bodies at rest is no growth.
-NOTHING = 1e-12
 
 #: Where energy may come from: its name, and what helps, by the names of :attr:`Setup.remedies` or in words.
 CAUSES = {
@@ -33,14 +27,6 @@ class EnergyGuard:
         self.nothing, self.remedies = nothing, remedies
         self.restart(0.0)
 
-    @classmethod
-    def of(cls, state: State, remedies: Mapping[str, str]) -> EnergyGuard:
-        """The guard of these bodies: nothing is a share of the stiffness that they have."""
-        volume = state.particles.times_thickness(state.particles.initial_volume)
-        volumes = [volume[body.particles].sum() for body in state.bodies]
-        stiffness = [body.bulk_modulus + body.shear_modulus for body in state.bodies]
-        return cls(NOTHING * float(np.dot(volumes, stiffness)), remedies)
-
     def restart(self, start: float) -> None:
         """Begin with bodies that have the energy ``start`` [J/m]."""
         self.start = start
@@ -48,11 +34,11 @@ class EnergyGuard:
         self.loaded: float | None = None  #: energy of the contact springs at the start, once a step has told
         self.fallen = self.depth = 0.0
 
-    def give(self, work: float) -> None:
+    def set_external_work(self, work: float) -> None:
         """Set the work of gravity and external loads since the start [J/m]; its maximum stays allowed."""
         self.given, self.input = work, max(self.input, work)
 
-    def hold(self, energy: float, last_work: float) -> None:
+    def set_contact_energy(self, energy: float, last_work: float) -> None:
         """Set the energy of contact where the step began [J/m], negative where bodies stick together, and its
         last work.
 

@@ -12,12 +12,12 @@ would keep I_grid ω instead of I ω."""
 
 from __future__ import annotations
 
-from mpmfw.effects.second_moments import inertia_of, moments_of_domains, moments_of_nodes
+from mpmfw.effects.local_spin import inertia_of, moments_of_domains, moments_of_nodes
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.arithmetic import invert
 from mpmfw.kernels.types import Floats, Nodes, Points
 from mpmfw.plugin.hookspecs import hookimpl
-from mpmfw.plugin.setup import Setup
+from mpmfw.state.fields import FloatArray
 from mpmfw.state.structs import Body, Grid, Particles
 
 
@@ -133,13 +133,8 @@ class ExactRotation:
     name = "rotation"
     ledger_term = ("inertia", "exact rotation")
 
-    def __init__(self, bodies: tuple[Body, ...]) -> None:
-        self.bodies = bodies
-
-    @hookimpl
-    def setup(self, setup: Setup) -> None:
-        """Take the domains from the layout."""
-        self.half_edges = setup.half_edges
+    def __init__(self, bodies: tuple[Body, ...], half_edges: FloatArray) -> None:
+        self.bodies, self.half_edges = bodies, half_edges  #: of the points' domains at the start
 
     @hookimpl
     def correct_inertia(self, grid: Grid, particles: Particles, dt: float) -> None:

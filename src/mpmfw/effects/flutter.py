@@ -35,12 +35,12 @@ class Flutter:
 
     name = "flutter"
     stage = "output"
-    history = ("last", "way", "window", "found", "spread", "found_at")
+    history = ("last", "centres", "window", "found", "spread", "found_at")
 
     def __init__(self, owner: str, dim: int) -> None:
         self.records = tuple(f"{owner}/{name}" for name in ("impulse", "friction_impulse", "frictional_work"))
         self.last = np.zeros((0, 2 * dim + 1))  #: the records at the last output, (pair, …)
-        self.way = np.zeros((0, dim))  #: centres of mass then, (body, dim) [m]
+        self.centres = np.zeros((0, dim))  #: centres of mass then, (body, dim) [m]
         #: normal and friction force at the last outputs, NaN without sliding
         self.window = np.zeros((0, OUTPUTS, 2))
         self.found: dict[str, float] = {}  #: by pair: least median of friction over its limit
@@ -56,16 +56,15 @@ class Flutter:
     @hookimpl
     def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
         """Note pairs that flutter at an output; there are no series."""
-        dim, pairs = state.grid.dim, len(state.pairs)
+        dim, pairs, known = state.grid.dim, len(state.pairs), len(self.centres) > 0
         now = np.column_stack([state.arrays[name] for name in self.records])
-        centres = state.centres_of_mass
-        last, before = self.last, self.way
-        self.last, self.way = now, centres
+        last, centres = self.last, state.centres_of_mass
+        way, self.centres = centres - self.centres if known else centres, centres
+        self.last = now
         if len(last) != pairs:
             self.window = np.full((pairs, OUTPUTS, 2), np.nan)
-        if len(last) != pairs or len(before) != len(centres) or interval == 0.0 or pairs == 0:
+        if len(last) != pairs or not known or interval == 0.0 or pairs == 0:
             return {}
-        way = centres - before
         friction, work = now[:, dim : 2 * dim] - last[:, dim : 2 * dim], now[:, -1] - last[:, -1]
         normal = now[:, :dim] - last[:, :dim] - friction
         bearing, held = (np.linalg.norm(each, axis=1) for each in (normal, friction))

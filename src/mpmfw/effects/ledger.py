@@ -15,13 +15,12 @@ from typing import Any
 
 import numpy as np
 
+from mpmfw.effects.energies import StrainEnergies, motion_energy, negligible_energy
 from mpmfw.effects.energy_guard import EnergyGuard
-from mpmfw.effects.ledger_energies import add_change, grid_energy, impulse_work, motion_energy
-from mpmfw.effects.ledger_half_step import HalfStep
-from mpmfw.effects.series import StrainEnergies
+from mpmfw.effects.ledger_works import HalfStep, add_change, grid_energy, impulse_work
 from mpmfw.plugin.hooks import Observer
 from mpmfw.plugin.hookspecs import hookimpl
-from mpmfw.plugin.setup import Acts, Setup
+from mpmfw.plugin.setup import Acts, Effect, Setup
 from mpmfw.state.fields import AnyArray, Field, FloatArray
 from mpmfw.state.structs import Grid, State
 
@@ -42,33 +41,31 @@ def _series(name: str, meaning: str) -> Field:
     return Field(name, (), "J m-1", meaning, "series", output=True)
 
 
-LEDGER_FIELDS = [
-    _series("gravity_work", "work of gravity on all bodies since time zero"),
-    _series("external_work", "work of loads and prescribed sides on all bodies since time zero"),
-    _series(
+WORK_FIELDS = {
+    "gravity": _series("gravity_work", "work of gravity on all bodies since time zero"),
+    "external": _series("external_work", "work of loads and prescribed sides on all bodies since time zero"),
+    "contact": _series(
         "contact_work", "work of contact on all bodies since time zero (spring energy taken up is negative)"
     ),
-    _series("inertia_work", "kinetic energy that the inertia corrections added on the grid since time zero"),
-    _series(
-        "transfer_dissipation",
-        "kinetic and affine energy lost between material points and grid since time zero",
+    "inertia": _series(
+        "inertia_work", "kinetic energy that the inertia corrections added on the grid since time zero"
     ),
-    _series(
-        "energy_residual", "kinetic, affine and strain energy that no other term of the ledger accounts for"
-    ),
-]
-
+}
+DISSIPATION = _series(
+    "transfer_dissipation", "kinetic and affine energy lost between material points and grid since time zero"
+)
+RESIDUAL = _series(
+    "energy_residual", "kinetic, affine and strain energy that no other term of the ledger accounts for"
+)
 CONTACT_RESIDUAL = _series(
     "contact_residual",
     "work of contact since time zero that its springs, friction and dashpots do not account for",
 )
-
 HALF_STEP = _series(
     "half_step_work",
     "part of energy_residual that is no error in time: work of the internal forces on what the transfer "
     "takes from the velocity half a step on, negative where it is lost",
 )
-
 CONTACT_HALF_STEP = _series(
     "contact_half_step_work",
     "part of contact_residual that is no error in time: work of contact on what the transfer takes from the "
@@ -83,9 +80,9 @@ class EnergyLedger(Observer):
     """Terms of the energy balance as series, and the end of a run whose energy grows without reason.
 
     Impulses are measured after each implementation of a hook, from the first output on, and not while a scene
-    settles. ``terms`` are the works that something in the scene does; others have no series. ``accounted``
-    says that the contact records all of :data:`SPRING_RECORDS`, so that its work has a residual. With
-    ``half_steps`` velocities are half a step behind positions and strain, as with update stress last."""
+    settles. ``terms`` are the works that something in the scene does; others have no series. The work of a
+    contact that records all of :data:`SPRING_RECORDS` is ``accounted``, and has a residual. With update
+    stress last, ``half_steps``, velocities are half a step behind positions and strain."""
 
     name = "energy_ledger"
     stage = "output"
@@ -98,21 +95,17 @@ class EnergyLedger(Observer):
     internal: FloatArray  #: (n_nodes, dim) [N/m], the internal forces
     momentum: FloatArray  #: (n_nodes, dim) [N s/m], as it was at the last look
 
-    def __init__(
-        self,
-        strain: StrainEnergies,
-        state: State,
-        terms: tuple[str, ...],
-        contact: Any,
-        *,
-        accounted: bool,
-        half_steps: bool,
-        guard: EnergyGuard | None,
-    ) -> None:
-        self.strain, self.state, self.terms, self.accounted = strain, state, terms, accounted
-        self.strategy, self.contact = contact, "" if contact is None else contact.name
-        self.tells_motion = half_steps and accounted and hasattr(contact, "work_over_last_step")
-        self.half_steps, self.guard, self.running = half_steps, guard, False
+    def __init__(self, setup: Setup, terms: list[str]) -> None:
+        contact: Any = setup.contact
+        self.strain: StrainEnergies = setup.plugin("body_series").strain
+        self.state, self.terms = setup.state, terms
+        self.strategy, self.contact = contact, "" if contact is None else str(contact.name)
+        self.accounted, self.half_steps = "spring_work" in setup.contact_fields, setup.scheme == "usl"
+        self.tells_motion = self.half_steps and self.accounted and hasattr(contact, "work_over_last_step")
+        #: None where the scene allows unstable runs.
+        self.guard: EnergyGuard | None = None
+        if not setup.allow_unstable:
+            self.guard = EnergyGuard(negligible_energy(setup.state), setup.remedies)
         self.motion = self.start = self.lost = 0.0
         self._forget()
 
@@ -123,17 +116,11 @@ class EnergyLedger(Observer):
         if contact is not None and contact.adds_mass:
             # Its inertia is on the nodes and on no material point: every term would be that of two bodies.
             return f"contact '{contact.name}' adds inertia of its own to the nodes"
-        ledger = cls(
-            setup.plugin("body_series").strain,
-            setup.state,
-            _terms(setup),
-            contact,
-            accounted="spring_work" in setup.contact_fields,
-            half_steps=setup.scheme == "usl",
-            guard=None if unstable else EnergyGuard.of(setup.state, setup.remedies),
-        )
         stops = "runs on whatever it shows" if unstable else "stops within 20 steps where energy grows"
-        return Acts(f"output.ledger; works and transfer measured in every step; {stops}", [ledger])
+        reason = f"output.ledger; works and transfer measured in every step; {stops}"
+        terms, none = _terms(setup), "nothing in the scene does any"
+        lines = [Effect(f"ledger: {t} work", bool(by), ", ".join(by) or none) for t, by in terms.items()]
+        return Acts(reason, [cls(setup, [term for term, by in terms.items() if by])], lines)
 
     def _forget(self) -> None:
         """Begin all sums at zero."""
@@ -155,16 +142,10 @@ class EnergyLedger(Observer):
     @hookimpl
     def declare_fields(self) -> list[Field]:
         """The works that there are, what the transfer loses, and the residual."""
-        return [
-            *(
-                field
-                for field in LEDGER_FIELDS
-                if not field.name.endswith("_work") or field.name.removesuffix("_work") in self.terms
-            ),
-            *([CONTACT_RESIDUAL] if self.accounted else []),
-            *([HALF_STEP] if self.half_steps else []),
-            *([CONTACT_HALF_STEP] if self.tells_motion else []),
-        ]
+        fields = [*(WORK_FIELDS[term] for term in self.terms), DISSIPATION, RESIDUAL]
+        fields += [CONTACT_RESIDUAL] if self.accounted else []
+        fields += [HALF_STEP] if self.half_steps else []
+        return fields + ([CONTACT_HALF_STEP] if self.tells_motion else [])
 
     def before(self, hook: str, plugin: Any, grid: Grid, dt: float) -> None:
         """Take the momenta or forces before a hook."""
@@ -224,8 +205,6 @@ class EnergyLedger(Observer):
     @hookimpl
     def end_step(self, state: State) -> None:
         """Add the grid's gain. The guard checks the grid's motion in every step, the strain every few."""
-        if not self.running:
-            return
         self.gained += self.moved - self.projected
         springs = state.arrays.get(f"{self.contact}/energy")
         held = 0.0 if springs is None else float(springs.sum())
@@ -233,8 +212,8 @@ class EnergyLedger(Observer):
             self.loaded = held
         if self.guard is not None:
             self.guard.loaded = self.loaded
-            self.guard.hold(held, self.work["contact"] - self.contact_before)
-            self.guard.give(self.work["gravity"] + self.work["external"])
+            self.guard.set_contact_energy(held, self.work["contact"] - self.contact_before)
+            self.guard.set_external_work(self.work["gravity"] + self.work["external"])
             if self.guard.grown(self.moved) or state.steps % CHECK_EVERY == 0:
                 self._balance(state)
 
@@ -244,16 +223,16 @@ class EnergyLedger(Observer):
         if interval == 0.0:
             self._restart(state)
         residual = self._balance(state)
-        series = {f"{term}_work": np.float64(self.work[term]) for term in self.terms}
-        last = {"transfer_dissipation": np.float64(self.dissipated), "energy_residual": np.float64(residual)}
+        series = {f"{term}_work": self.work[term] for term in self.terms}
+        series |= {"transfer_dissipation": self.dissipated, "energy_residual": residual}
         if self.accounted:
-            last["contact_residual"] = np.float64(self._contact_residual(state))
+            series["contact_residual"] = self._contact_residual(state)
         if self.half_step is not None:
             self.half_step.look(state.grid, state.particles)
-            last["half_step_work"] = np.float64(self.half_step.strain)
+            series["half_step_work"] = self.half_step.strain
             if self.tells_motion:
-                last["contact_half_step_work"] = np.float64(self.half_step.contact)
-        return {name: np.asarray(value) for name, value in {**series, **last}.items()}
+                series["contact_half_step_work"] = self.half_step.contact
+        return {name: np.asarray(np.float64(value)) for name, value in series.items()}
 
     def _contact_residual(self, state: State) -> float:
         """Work of contact up to the positions that the springs have seen, which are a step old, and what
@@ -280,16 +259,14 @@ class EnergyLedger(Observer):
         return residual
 
 
-def _terms(setup: Setup) -> tuple[str, ...]:
-    """Return the works that the ledger can meet in this scene; the others have no series."""
-    found: dict[str, list[str]] = {"gravity": [], "external": [], "contact": [], "inertia": []}
+def _terms(setup: Setup) -> dict[str, list[str]]:
+    """Return the works that the ledger can meet in this scene, and what does each."""
+    terms: dict[str, list[str]] = {"gravity": [], "external": [], "contact": [], "inertia": []}
     for plugin in setup.plugins:
         if (does := getattr(plugin, "ledger_term", None)) is not None:
             term, text = does
-            found[term].append(text)
+            terms[term].append(text)
     if setup.contact is not None:  # its work counts by the place where it is done
         for term in dict.fromkeys(term for hook, term in TERMS.items() if hasattr(setup.contact, hook)):
-            found[term].append(f"contact '{setup.contact.name}'")
-    for term, by in found.items():
-        setup.note(f"ledger: {term} work", bool(by), ", ".join(by) or "nothing in the scene does any")
-    return tuple(term for term, by in found.items() if by)
+            terms[term].append(f"contact '{setup.contact.name}'")
+    return terms

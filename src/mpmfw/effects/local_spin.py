@@ -1,10 +1,9 @@
 """Local spin correction: every cell of the grid answers a couple with the inertia of the material in it.
 
-The lumped nodes have more rotational inertia than the material, X in all of a body. The correction gives
-every cell a share of X in proportion to the mass that its nodes hold in common, and adds to the momenta of
-the nodes what the cell's own spin lacks. Nothing but the nodes of a cell is asked, so that no signal outruns
-the wave that carries it; the sum over all cells gives a body that turns as a whole the inertia of its
-material. docs/guide/rotation.md derives it."""
+The lumped nodes have more rotational inertia than the material, X in all of a body. Every cell gets a share
+of X in proportion to the mass that its nodes hold in common, and adds to the nodes' momenta what its spin
+lacks. It depends on its own nodes alone, so that no signal outruns the wave that carries it; all cells
+together give a body that turns as a whole the inertia of its material (docs/guide/rotation.md)."""
 
 from __future__ import annotations
 
@@ -12,13 +11,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mpmfw.effects.second_moments import inertia_of, moments_of_domains, moments_of_nodes
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.arithmetic import add_scaled_row, determinant, invert, set_scaled_row
 from mpmfw.kernels.types import Float, Floats, Ints, Nodes, Points
 from mpmfw.plugin.hookspecs import hookimpl
-from mpmfw.plugin.setup import Setup
-from mpmfw.state.fields import Field, FloatArray
+from mpmfw.state.fields import FloatArray
 from mpmfw.state.structs import Body, Grid, Particles
 
 if TYPE_CHECKING:
@@ -28,10 +25,88 @@ if TYPE_CHECKING:
 #: mass each: a film that barely reaches its outer nodes would have all of X on nodes that weigh nothing.
 LEAST_SHARE = 0.1
 
-NODAL_FIELDS = [
-    Field("change", ("node", "axis"), "m s-1", "velocity change over the step", "grid"),
-    Field("common", ("node",), "kg m-1", "H_c of the cell whose lowest node this is", "grid"),
-]
+# Sums are kept in scratch of each function: an array that a caller hands in may stay in memory.
+
+
+@device
+def inertia_of(second_moment: Floats, out: Floats, spacing: tuple[float, ...]) -> None:
+    """I = tr(S) 1 − S of the upper half of S = Σ m x xᵀ in 3D; in 2D tr(S) to ``out[0, 0]``."""
+    dim = len(spacing)
+    trace = 0.0
+    for d in range(dim):
+        trace += second_moment[d, d]
+    for d in range(dim):
+        for e in range(dim):
+            off = second_moment[min(d, e), max(d, e)] if dim == 3 else 0.0
+            out[d, e] = (trace if d == e else 0.0) - off
+
+
+@device
+def moments_of_nodes(
+    first_node: int, last_node: int, grid: Nodes, centre: Floats, second: Floats, spacing: tuple[float, ...]
+) -> Float:
+    """c = Σ m_i x_i / m to ``centre``, of Σ m_i (x_i − c)(x_i − c)ᵀ the elements that :func:`inertia_of`
+    reads to ``second``; return m = Σ m_i."""
+    dim = len(spacing)
+    r, c, sums = scratch.vector(spacing), scratch.vector(spacing), scratch.matrix(spacing, spacing)
+    total = 0.0
+    for d in range(dim):
+        c[d] = 0.0
+        for e in range(dim):
+            sums[d, e] = 0.0
+    for i in range(first_node, last_node):
+        total += grid.mass[i]
+        for d in range(dim):
+            c[d] += grid.mass[i] * grid.position[i, d]
+    for d in range(dim):
+        c[d] /= total
+    for i in range(first_node, last_node):
+        for d in range(dim):
+            r[d] = grid.position[i, d] - c[d]
+        for d in range(dim):
+            for e in range(d, dim if dim == 3 else d + 1):
+                sums[d, e] += grid.mass[i] * r[d] * r[e]
+    for d in range(dim):
+        centre[d] = c[d]
+        for e in range(dim):
+            second[d, e] = sums[d, e]
+    return total
+
+
+@device
+def moments_of_domains(
+    begin: int, end: int, points: Points, half_edges: Floats, centre: Floats, second: Floats,
+    spacing: tuple[float, ...],
+) -> None:  # fmt: skip
+    """Σ_p m_p ((x_p − c)(x_p − c)ᵀ + Σ_a r_a r_aᵀ / 3) to ``second``, r_a the half-edge vectors of the
+    deformed domain F R_0; the same elements as :func:`moments_of_nodes`."""
+    dim = len(spacing)
+    r, c = scratch.vector(spacing), scratch.vector(spacing)
+    own, sums = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
+    for d in range(dim):
+        c[d] = centre[d]
+        for e in range(dim):
+            sums[d, e] = 0.0
+    for p in range(begin, end):
+        for d in range(dim):
+            r[d] = points.position[p, d] - c[d]
+        for d in range(dim):
+            for e in range(d, dim if dim == 3 else d + 1):
+                own[d, e] = 3.0 * r[d] * r[e]
+        for a in range(dim):
+            for d in range(dim):
+                r[d] = 0.0
+                for e in range(dim):
+                    r[d] += points.deformation_gradient[p, d, e] * half_edges[p, e, a]
+            for d in range(dim):
+                for e in range(d, dim if dim == 3 else d + 1):
+                    own[d, e] += r[d] * r[e]
+        for d in range(dim):
+            for e in range(d, dim if dim == 3 else d + 1):
+                sums[d, e] += points.mass[p] * own[d, e]
+    for d in range(dim):
+        for e in range(dim):
+            second[d, e] = sums[d, e] / 3.0
 
 
 @device
@@ -39,8 +114,7 @@ def excess_inertia(true: Floats, lumped: Floats, out: Floats, spacing: tuple[flo
     """X = I_grid I⁻¹ I_grid − I_grid of two second moments to ``out`` (3, 3), in 2D to its last element
     alone; whether it is positive definite."""
     dim = len(spacing)
-    material = scratch.matrix(spacing, spacing)
-    grid = scratch.matrix(spacing, spacing)
+    material, grid = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
     inertia_of(true, material, spacing)
     inertia_of(lumped, grid, spacing)
     if dim == 2:
@@ -60,13 +134,10 @@ def excess_inertia(true: Floats, lumped: Floats, out: Floats, spacing: tuple[flo
 
 @device
 def corner_node(first: int, c: int, stride: Ints, spacing: tuple[float, ...]) -> int:
-    """Node at corner ``c`` of the cell whose lowest node is ``first``; bit d of c is the side along axis
-    d.
-    """
-    node = first
+    """Node at corner ``c`` of the cell whose lowest node is ``first``; bit d is the side along axis d."""
     for d in range(len(spacing)):
-        node += stride[d] * (c >> d & 1)
-    return node
+        first += stride[d] * (c >> d & 1)
+    return first
 
 
 @device
@@ -75,9 +146,8 @@ def common_masses(
 ) -> Float:
     """Replace 1/m_i in ``common`` by H_c of the cell whose lowest node is i, and return Σ H_c.
 
-    H_c is the harmonic mean of the masses of the cell's nodes, 0 if one has none, whose 1/m_i is infinite.
-    The last nodes along an axis are no cell's lowest, and have 0. A cell's other nodes come later, so that
-    their 1/m_i is still there."""
+    H_c is the harmonic mean of the masses of the cell's nodes, 0 if one has none. The last nodes along an
+    axis have 0, too. A cell's other nodes come later: their 1/m_i is still there."""
     dim = len(spacing)
     index = scratch.integers(spacing)
     for d in range(dim):
@@ -111,23 +181,14 @@ def side(c: int, d: int) -> Float:
 
 @device
 def turn_cell(
-    i: int,
-    share: float,
-    excess: Floats,
-    stride: Ints,
-    change: Floats,
-    node_momentum: Floats,
+    i: int, share: float, excess: Floats, stride: Ints, change: Floats, node_momentum: Floats,
     spacing: tuple[float, ...],
-) -> None:
+) -> None:  # fmt: skip
     """(m v)_j += share (X w) × s_j on the nodes j of the cell whose lowest node is ``i``, w = Σ_j s_j × Δv_j,
-    and s_j = (±1, …) the side of the cell that node j is on.
-
-    About axis a turn the axes d and e that follow it in the cycle x, y, z; in 2D there is z alone, a = 2.
-    """
+    and s_j = (±1, …) the side of the cell that node j is on; in 2D about z alone, a = 2."""
     dim = len(spacing)
     n, first = 2**dim, 2 if dim == 2 else 0
-    spin = scratch.vector((0.0, 0.0, 0.0))
-    couple = scratch.vector((0.0, 0.0, 0.0))
+    spin, couple = scratch.vector((0.0, 0.0, 0.0)), scratch.vector((0.0, 0.0, 0.0))
     v = scratch.matrix((0.0,), spacing)
     for a in range(first, 3):
         spin[a] = couple[a] = 0.0
@@ -154,12 +215,9 @@ def find_excess(
     begin: int, end: int, points: Points, half_edges: Floats, first_node: int, last_node: int, grid: Nodes,
     excess: Floats, spacing: tuple[float, ...],
 ) -> float:  # fmt: skip
-    """:func:`excess_inertia` of a body to ``excess`` (3, 3); return its mass [kg/m], or 0 where it is not
-    positive definite.
-    """
+    """:func:`excess_inertia` of a body to ``excess`` (3, 3); return its mass [kg/m], 0 if not positive."""
     centre = scratch.vector(spacing)
-    lumped = scratch.matrix(spacing, spacing)
-    true = scratch.matrix(spacing, spacing)
+    lumped, true = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
     total = moments_of_nodes(first_node, last_node, grid, centre, lumped, spacing)
     moments_of_domains(begin, end, points, half_edges, centre, true, spacing)
     return total if excess_inertia(true, lumped, excess, spacing) else 0.0
@@ -177,9 +235,7 @@ def correct_spin(
     and H the sum of all H_c, at least :data:`LEAST_SHARE` of the body's mass ``total``. Δv_i is that of
     ``held_momentum``, in which boundary conditions are met."""
     dim = len(spacing)
-    extent = scratch.integers(spacing)
-    stride = scratch.integers(spacing)
-    step = 1
+    extent, stride, step = scratch.integers(spacing), scratch.integers(spacing), 1
     for back in range(dim):
         d = dim - 1 - back
         extent[d], stride[d] = shape[d], step
@@ -200,39 +256,26 @@ def correct_spin(
 class LocalSpin:
     """The correction for every body with ``rotation = "spin"``, which has a velocity field of its own.
 
-    ``constraint`` are boundary conditions of these bodies: a prescribed side gains no spin."""
+    ``half_edges`` are those of the points' domains at the start. ``constraint`` are boundary conditions of
+    these bodies: a prescribed side gains no spin."""
 
     name = "local_spin"
     ledger_term = ("inertia", "local spin")
 
-    def __init__(self, bodies: tuple[Body, ...], constraint: Constraint | None) -> None:
-        self.bodies, self.constraint = bodies, constraint
+    def __init__(
+        self, bodies: tuple[Body, ...], half_edges: FloatArray, constraint: Constraint | None
+    ) -> None:
+        self.bodies, self.half_edges, self.constraint = bodies, half_edges, constraint
+        self.excess = np.zeros((len(bodies), 3, 3))  #: X of every body, between its two kernels
         self.frame = -1
-
-    @hookimpl
-    def declare_fields(self) -> list[Field]:
-        """Nodal scratch."""
-        return NODAL_FIELDS
-
-    @hookimpl
-    def setup(self, setup: Setup) -> None:
-        """Take the domains from the layout; know where arrays are listed."""
-        self.state, self.half_edges = setup.state, setup.half_edges
-        self.excess = np.zeros((len(self.bodies), 3, 3))  #: X of every body, between its two kernels
-
-    def _fit(self, grid: Grid) -> None:
-        """Fit the nodal array to the windows whenever these were laid anew."""
-        if self.frame != grid.frame:
-            self.frame = grid.frame
-            self.change: FloatArray = np.zeros_like(grid.momentum)
-            self.common: FloatArray = np.zeros_like(grid.mass)
-            self.state.arrays[f"{self.name}/change"] = self.change
-            self.state.arrays[f"{self.name}/common"] = self.common
 
     @hookimpl
     def correct_inertia(self, grid: Grid, particles: Particles) -> None:
         """Correct each body's own velocity field."""
-        self._fit(grid)
+        if self.frame != grid.frame:  # the windows were laid anew
+            self.frame = grid.frame
+            self.change: FloatArray = np.zeros_like(grid.momentum)  #: of velocity over the step [m/s]
+            self.common: FloatArray = np.zeros_like(grid.mass)  #: H_c of the cell with this lowest node
         held = grid.momentum
         if self.constraint is not None:
             held = self.constraint.held_momentum(grid)

@@ -5,29 +5,30 @@ from __future__ import annotations
 from typing import Any
 
 from mpmfw.errors import SceneError
-from mpmfw.plugin.setup import Acts, Setup
+from mpmfw.plugin.setup import Acts, Effect, Setup
 from mpmfw.state.structs import Body
 
 
 def from_setup(setup: Setup) -> Acts:
     """Return the corrections, each of the bodies that have it; its file is imported if there are any."""
     treated: dict[str, list[Body]] = {"spin": [], "exact": [], "lumped": []}
+    plugins, lines = list[Any](), []
     for body in setup.bodies:
         how, reason = _choice(setup, body)
-        setup.note(f"rotation of {body.name}: {how}", how != "lumped", reason)
+        lines.append(Effect(f"rotation of {body.name}: {how}", how != "lumped", reason))
         setup.rotations[body.name] = how
         treated[how].append(body)
-    plugins: list[Any] = []
     if treated["spin"]:
         from mpmfw.effects.local_spin import LocalSpin
 
         held = any(setup.is_held(body) for body in treated["spin"])
-        plugins.append(LocalSpin(tuple(treated["spin"]), setup.plugin("constraint") if held else None))
+        constraint = setup.plugin("constraint") if held else None
+        plugins.append(LocalSpin(tuple(treated["spin"]), setup.half_edges, constraint))
     if treated["exact"]:
         from mpmfw.effects.exact_rotation import ExactRotation
 
-        plugins.append(ExactRotation(tuple(treated["exact"])))
-    return Acts("", plugins)
+        plugins.append(ExactRotation(tuple(treated["exact"]), setup.half_edges))
+    return Acts("", plugins, lines)
 
 
 def _choice(setup: Setup, body: Body) -> tuple[str, str]:

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
 
+from mpmfw.effects.energies import StrainEnergies, made_of
 from mpmfw.kernels.body_sums import sum_affine_energy, sum_motion
 from mpmfw.plugin.checks import of_points
 from mpmfw.plugin.hookspecs import hookimpl
-from mpmfw.plugin.setup import Acts, Setup
+from mpmfw.plugin.setup import Acts, Effect, Setup
 from mpmfw.state.fields import (
     AFFINE_ENERGY,
     MATERIAL_WORK,
@@ -21,41 +21,6 @@ from mpmfw.state.fields import (
     IntArray,
 )
 from mpmfw.state.structs import State
-
-
-class StrainEnergies:
-    """Σ V_0 W(F) of every body, from the bodies' materials; computed once at an output."""
-
-    def __init__(self, materials: tuple[Any, ...]) -> None:
-        self.materials = materials
-        self._energies = np.empty(0)
-        self._moment: tuple[int, float] | None = None
-
-    def of(self, state: State) -> FloatArray:
-        """(body,) [J/m]."""
-        moment = state.steps, state.time
-        if moment != self._moment:
-            self._energies = self._sums(state, "energy_of_points")
-            self._moment = moment
-        return self._energies
-
-    @property
-    def dissipates(self) -> bool:
-        """True if a material of a body loses energy."""
-        return any(material.dissipates for material in self.materials if material.slices)
-
-    def dissipated(self, state: State) -> FloatArray:
-        """Return the energy that every body's material has lost since time zero (body,) [J/m]."""
-        return self._sums(state, "dissipated_by_points")
-
-    def _sums(self, state: State, density: str) -> FloatArray:
-        particles, values = state.particles, np.empty(state.particles.count)
-        for own, material in made_of(self.materials):
-            values[own] = of_points(density, material, state, own)
-        return np.add.reduceat(
-            values * particles.times_thickness(particles.initial_volume),
-            [body.particles.start for body in state.bodies],
-        )
 
 
 class BodySeries:
@@ -74,9 +39,9 @@ class BodySeries:
     def from_setup(cls, setup: Setup) -> Acts:
         """Return the series, which every run has; those of energies if the scene wants them."""
         energy = setup.scene.output.energy
-        setup.note("energies", energy, "series of every body" if energy else "output.energy = false")
+        line = Effect("energies", energy, "series of every body" if energy else "output.energy = false")
         strain = StrainEnergies(tuple(setup.materials.values()))
-        return Acts("", [cls(strain, affine=setup.state.particles.affine is not None, energy=energy)])
+        return Acts("", [cls(strain, affine=setup.state.particles.affine is not None, energy=energy)], [line])
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
@@ -84,21 +49,13 @@ class BodySeries:
         materials dissipate if one does."""
         if not self.energy:
             return [field for field in SERIES_FIELDS if not field.name.endswith("_energy")]
-        affine, lost = (
-            ([AFFINE_ENERGY] if self.affine else []),
-            ([MATERIAL_WORK] if self.strain.dissipates else []),
-        )
-        return [*SERIES_FIELDS, *affine, *lost]
-
-    @hookimpl
-    def setup(self, setup: Setup) -> None:
-        """Keep the dimension."""
-        self.dim = setup.dim
+        affine = [AFFINE_ENERGY] if self.affine else []
+        return [*SERIES_FIELDS, *affine, *([MATERIAL_WORK] if self.strain.dissipates else [])]
 
     @hookimpl
     def diagnostics(self, state: State) -> dict[str, AnyArray]:
         """All series, (body, …)."""
-        p, count, dim = state.particles, len(state.bodies), self.dim
+        p, count, dim = state.particles, len(state.bodies), state.grid.dim
         first = np.array([0, *(body.particles.stop for body in state.bodies)], dtype=np.int64)
         total, kinetic = np.empty(count), np.empty(count)
         centre, mean, second = np.empty((count, dim)), np.empty((count, dim)), np.empty((count, dim, dim))
@@ -124,11 +81,6 @@ class BodySeries:
         if self.strain.dissipates:
             series["material_dissipation"] = self.strain.dissipated(state)
         return series
-
-
-def made_of(materials: Iterable[Any]) -> Iterator[tuple[slice, Any]]:
-    """Yield slices of material points with the material that they are made of."""
-    return ((own, material) for material in materials for own in material.slices)
 
 
 def _solve_inertia(second: FloatArray, spin: FloatArray) -> FloatArray:

@@ -1,9 +1,7 @@
 """Settling to static equilibrium before time zero, by local non-viscous damping (Cundall 1982).
 
-At every node a share of the unbalanced force's magnitude is taken against the direction of motion. No
-frequency has to be known, every mode is damped alike, and as the unbalanced force vanishes so does the
-damping: nothing of it stays in the stresses.
-"""
+At every node a share of the unbalanced force's magnitude is taken against the direction of motion. Every mode
+is damped alike, and the damping vanishes with the unbalanced force: nothing of it stays in the stresses."""
 
 from __future__ import annotations
 
@@ -73,11 +71,12 @@ def is_settled_for_good(scene: Scene) -> bool:
     motion.
     """
     constant = scene.gravity is None or scene.gravity.is_constant
+    bodies = scene.bodies.values()
     return (
         scene.settle is not None
         and (scene.settle.gravity is None and constant and not scene.loads)
-        and all(body.velocity is None and body.angular_velocity is None for body in scene.bodies.values())
-        and all(side.is_constant for body in scene.bodies.values() for side in body.sides)
+        and all(body.velocity is None and body.angular_velocity is None for body in bodies)
+        and all(side.is_constant for body in bodies for side in body.sides)
     )
 
 
@@ -85,8 +84,7 @@ def concern(settled: Mapping[str, float]) -> list[str]:
     """Return a sentence if the kinetic energy at the first output after settling is too large a share of the
     strain energy.
     """
-    share = settled.get("settle_motion", 0.0)
-    if share <= MOTION_LEFT:
+    if (share := settled.get("settle_motion", 0.0)) <= MOTION_LEFT:
         return []
     return [
         f"the scene still moved at the first output after settling, with {100 * share:.2g} % of the strain "
@@ -95,12 +93,10 @@ def concern(settled: Mapping[str, float]) -> list[str]:
 
 
 def longest_settling(asked: Settle, bodies: Iterable[Body]) -> float:
-    """Simulated time after which settling gives up [s]."""
+    """Return the simulated time after which settling gives up [s]."""
     if asked.max_time is not None:
         return float(asked.max_time)
-    return CROSSINGS * max(
-        float(np.subtract(body.upper, body.lower).max()) / body.wave_speed for body in bodies
-    )
+    return CROSSINGS * max(float(np.subtract(b.upper, b.lower).max()) / b.wave_speed for b in bodies)
 
 
 class LocalDamping:
@@ -157,10 +153,9 @@ class Settling:
     ) -> dict[str, float]:
         """Step until the residual force is below the tolerance times the present internal forces.
 
-        Both are sums over all nodes and axes of magnitudes, as in the ratio of unbalanced forces of Cundall's
-        codes. ``step`` takes a time step with the damping; ``after_step`` is called after each. Return
-        ``settle_residual``, ``settle_steps`` and ``settle_simulated_time`` [s]. A warning says if the limit
-        of time came first."""
+        Both are sums of magnitudes over all nodes and axes. ``step`` takes a time step with the damping;
+        ``after_step`` is called after each. Return ``settle_residual``, ``settle_steps`` and
+        ``settle_simulated_time`` [s]. A warning says if the limit of time came first."""
         while self.residual > self.tolerance and self.elapsed < self.limit:
             state.time = 0.0  # loads that change in time stand still at their start
             step()
@@ -178,11 +173,8 @@ class Settling:
                 ResultsWarning,
                 stacklevel=3,
             )
-        return {
-            "settle_residual": self.residual,
-            "settle_steps": state.steps,
-            "settle_simulated_time": self.elapsed,
-        }
+        found = {"settle_residual": self.residual, "settle_steps": state.steps}
+        return {**found, "settle_simulated_time": self.elapsed}
 
     def end(self, state: State) -> None:
         """Stop all motion; loads and sides are the scene's own again."""

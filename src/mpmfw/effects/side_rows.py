@@ -69,9 +69,7 @@ class SideTable(Struct):
 
 @device
 def cardinal_spline(x: Float, degree: int) -> Float:
-    """B-spline β of a degree p at x cells from its node, Σ_j (−1)^j C(p+1, j) ((p+1)/2 − abs(x) − j)₊^p /
-    p!.
-    """
+    """B-spline β of degree p, Σ_j (−1)^j C(p+1, j) ((p+1)/2 − |x| − j)₊^p / p!, x cells from its node."""
     near = 0.5 * (degree + 1) - abs(x)
     total = 0.0
     factor = 1.0  # (−1)^j C(p + 1, j) / p!
@@ -141,9 +139,7 @@ def weigh_column(
     s: int,
     sides: PlaneSides, node_position: Floats, node_mass: Floats, table: SideTable, h: Float,
 ) -> Float:  # fmt: skip
-    """Weights c_k of a column and distances of its nodes, outwards [cells]; return the heaviest mass that has
-    a weight.
-    """
+    """Set weights c_k and outward distances [cells] of a column; return the heaviest mass with a weight."""
     heaviest = 0.0
     for k in range(count):
         i = first + k * stride
@@ -262,10 +258,7 @@ def list_rows(
     degree: int, sides: PlaneSides, node_position: Floats, node_mass: Floats, table: SideTable,
     spacing: tuple[float, ...]
 ) -> int:  # fmt: skip
-    """Fill the table with the rows of all sides, one side after the other; return their number.
-
-    ``degree`` is that of the boundary basis.
-    """
+    """Fill the table with the rows of all sides for a boundary basis of a ``degree``; return their number."""
     rows = 0
     for s in range(len(sides.place)):
         before = rows
@@ -281,26 +274,15 @@ def meet(
     node_mass: Floats,
     node_momentum: Floats, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """Give every row in turn the impulse that meets it, again and again until all are met; return the number
-    of passes.
+    """Give each of the ``rows`` in turn the impulse that meets it, until the change at the sides is at most
+    ``agreed`` [m/s], in at most so many ``passes``; return the number of passes.
 
     (m v)_k += λ A_rk e with λ = (V − Σ A_rk v_k·e) / Σ (A_rk² / m_k), along each prescribed direction e of
-    the row's side. It is the least change of the momentum, in the norm of the masses, that meets the row, and
-    together they end at the least that meets all (Kaczmarz 1937). So a velocity that is linear from the side
-    inwards keeps its gradient, an impulse acts where a traction on the side would, and no frequency of the
-    body rises: the step needs no new limit.
-
-    Parameters
-    ----------
-    rows
-        Number of rows in the table.
-    directions, velocity
-        e, (n_sides, dim, dim), one a row, and V, (n_sides, dim) [m/s]; NaN leaves a component free.
-    passes
-        Largest number of passes: two sides may ask for different velocities of a node.
-    agreed
-        Change at the sides [m/s] that ends them.
-    """
+    the row's side, ``directions`` (n_sides, dim, dim), one a row. V is ``velocity`` (n_sides, dim) [m/s]; NaN
+    leaves a component free. It is the least change of the momentum, in the norm of the masses, that meets the
+    row, and together they end at the least that meets all (Kaczmarz 1937). So a velocity that is linear from
+    the side inwards keeps its gradient, an impulse acts where a traction on the side would, and no frequency
+    of the body rises: the step needs no new limit."""
     dim = len(spacing)
     row, nodes, weights, target, side = table.row, table.nodes, table.weights, table.target, table.side
     compliance = table.compliance

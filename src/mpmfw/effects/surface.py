@@ -13,7 +13,7 @@ from mpmfw.kernels.arithmetic import add_scaled_row
 from mpmfw.kernels.stencil import entries
 from mpmfw.kernels.types import Floats, Indices, Ints, Table
 from mpmfw.plugin.hookspecs import hookimpl
-from mpmfw.plugin.setup import Acts, Setup
+from mpmfw.plugin.setup import Acts, Effect, Setup
 from mpmfw.state.fields import MIN_GAP, AnyArray, Field
 from mpmfw.state.structs import Grid, State
 from mpmfw.state.surface import least_gaps, make_surface
@@ -105,8 +105,11 @@ class SurfaceTracker:
 
     name = "surface"
 
-    def __init__(self, surface_map: SurfaceMap, stage: str) -> None:
-        self.map, self.stage = surface_map, stage
+    def __init__(self, setup: Setup, surface_map: SurfaceMap, stage: str) -> None:
+        self.map, self.stage, self.surface = surface_map, stage, setup.state.tracked_surface
+        density = np.array([body.areal_density for body in setup.bodies])
+        self.cell_mass = setup.allocate(self.name, CELL_MASS)
+        self.cell_mass[:] = density[self.surface.body] * setup.cell_size**setup.dim
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
@@ -119,16 +122,8 @@ class SurfaceTracker:
         chosen = contact.surface_map if contact is not None and by_contact else "auto"
         if chosen == "auto":
             chosen = "mass_weighted" if setup.massless_boundary else "plain"
-        setup.note(f"surface map {chosen}", True, f"shape {setup.shape}")
-        return Acts("for " + ", ".join(setup.surface_users), [cls(chosen, stage)])
-
-    @hookimpl
-    def setup(self, setup: Setup) -> None:
-        """Mass of a full cell at every surface node."""
-        surface = self.surface = setup.state.tracked_surface
-        density = np.array([body.areal_density for body in setup.bodies])
-        self.cell_mass = setup.allocate(self.name, CELL_MASS)
-        self.cell_mass[:] = density[surface.body] * setup.cell_size**setup.dim
+        line = Effect(f"surface map {chosen}", True, f"shape {setup.shape}")
+        return Acts("for " + ", ".join(setup.surface_users), [cls(setup, chosen, stage)], [line])
 
     @hookimpl(tryfirst=True)
     def detect(self, grid: Grid) -> None:

@@ -11,25 +11,12 @@ from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.state.fields import AnyArray, Field
 from mpmfw.state.structs import State
 
+_MEAN = "mean length of the steps since the last output"
+_OWNER = "who sets the limit: index into the attribute time_step_owners of the root"
 TIME_STEP_FIELDS = [
-    Field(
-        "time_step",
-        (),
-        "s",
-        "mean length of the steps since the last output",
-        "series",
-        output=True,
-        missing=True,
-    ),
+    Field("time_step", (), "s", _MEAN, "series", output=True, missing=True),
     Field("time_step_limit", (), "s", "stable time step at the output", "series", output=True),
-    Field(
-        "time_step_owner",
-        (),
-        "1",
-        "who sets the limit: index into the attribute time_step_owners of the root",
-        "series",
-        output=True,
-    ),
+    Field("time_step_owner", (), "1", _OWNER, "series", output=True),
 ]
 
 

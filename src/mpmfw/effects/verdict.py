@@ -1,17 +1,14 @@
 """The verdict on a run: ``ok``, or ``suspect`` with the reasons.
 
-Every run has one, whatever its contact and with or without a ledger. Energy is judged at outputs and at the
-end, surfaces at outputs. The constants below say how many steps lie between two looks at least. Surfaces are
-also judged between outputs, as often as bodies can move a cell, or through half a thin body, towards each
-other: two bodies may pass through each other between two outputs. Settling is not judged.
-"""
+Every run has one, whatever its contact and with or without a ledger. Energy and surfaces are judged at
+outputs and at the end, surfaces also between them, as often as bodies can move a cell, or through half a thin
+body, towards each other. Settling is not judged."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.effects.ledger_energies import kinetic_energy
-from mpmfw.effects.series import StrainEnergies
+from mpmfw.effects.energies import StrainEnergies, kinetic_energy, negligible_energy
 from mpmfw.kernels import Facets
 from mpmfw.kernels.sides import fastest_approach, find_inside, least_own_gaps, node_normals
 from mpmfw.plugin.hookspecs import hookimpl
@@ -28,9 +25,6 @@ DEEP, TOO_DEEP = 0.15, 0.5
 #: is suspect.
 GROWTH = 0.1
 
-#: Energy over stiffness and volume that counts as zero: rounding in bodies at rest.
-NOTHING = 1e-12
-
 #: Fewest steps between two outputs at which energy is judged, and bodies' surfaces are compared with each
 #: other and with themselves. A look takes about 0.1 ms, a quarter of a step of 800 points.
 ENERGY_EVERY, SIDES_EVERY, OWN_EVERY = 200, 100, 400
@@ -40,13 +34,10 @@ SIDES_LATEST = 500
 
 
 class Verdict:
-    """Judges a run by its surfaces and its energy.
+    """Judges a run by its energy and, where contact keeps bodies apart (``watched``), by its surfaces.
 
-    Parameters
-    ----------
-    setup
-        With the plug-ins that act so far: gravity, and those with an attribute ``work`` [J/m].
-    """
+    The plug-ins of ``setup`` that act so far do the work: gravity, and those with an attribute ``work``
+    [J/m]."""
 
     name = "verdict"
     stage = "output"
@@ -56,74 +47,64 @@ class Verdict:
         "deepest_at", "passed", "grown", "grown_share", "grown_at", "closed", "closed_at",
     )  # fmt: skip
 
-    def __init__(self, setup: Setup) -> None:
-        self.state, contact = setup.state, setup.contact
-        state = self.state
+    def __init__(self, setup: Setup, watched: bool) -> None:
+        self.watched, self.state = watched, setup.state
         self.strain: StrainEnergies = setup.plugin("body_series").strain
         self.gravity = setup.plugin("gravity")
-        working = (plugin for plugin in setup.plugins if hasattr(plugin, "ledger_term"))
-        self.working = [plugin for plugin in working if hasattr(plugin, "work")]
-        self.springs = "" if contact is None else f"{contact.name}/energy"
-        self.watched = _may_meet(setup)
-        self.outlines = Outlines(state)
-        thinnest = min(body.geometry.width for body in setup.scene.bodies.values())
-        self.stride = min(state.grid.cell_size, 0.5 * thinnest)
+        self.working = [
+            each for each in setup.plugins if hasattr(each, "ledger_term") and hasattr(each, "work")
+        ]
+        self.springs = "" if setup.contact is None else f"{setup.contact.name}/energy"
+        self.outlines, h, dim = Outlines(setup.state), setup.cell_size, setup.dim
+        self.stride = min(h, 0.5 * min(body.geometry.width for body in setup.scene.bodies.values()))
         self.inside = np.full(self.outlines.surface.count, -1)
         self.overlap = np.zeros(0)  #: (pair,) deepest node at the start [m]
-        self.overlap = self._depths(state)[0]
-        overlaps = bool((self.overlap > 0.05 * state.grid.cell_size).any())
+        self.overlap = self._depths(setup.state)[0]
         #: Whether the energy at the start is known; not that of an overlap which has not settled.
-        self.start_is_known = not overlaps or setup.scene.settle is not None
+        self.start_is_known = setup.scene.settle is not None or not (self.overlap > 0.05 * h).any()
         #: Velocities' time less that of the strain, in steps.
         self.half_step = 0.5 if setup.scheme == "usf" else -0.5
         self.running, self.due = False, 0.0
         self.next_energy = self.next_sides = self.latest_sides = self.next_own = 0
         self.nothing = self.start = self.first_work = self.gravity_work = self.most = 0.0
-        self.released = (
-            0.0  #: most that contact could give, of springs loaded at the start or that pull [J/m]
-        )
+        #: Most that contact could give, of springs loaded at the start or that pull [J/m].
+        self.released = 0.0
         #: Energy of the contact springs at the start; None until a step has found it.
         self.loaded: float | None = None
-        self.moment, self.pull = np.zeros(state.grid.dim), np.zeros(state.grid.dim)
+        self.moment, self.pull = np.zeros(dim), np.zeros(dim)
         self.deepest: dict[str, float] = {}  #: by pair: depth over cell size
         self.deepest_at: dict[str, float] = {}  #: and its time [s]
         self.passed: dict[str, float] = {}  #: by pair: time [s]
-        self.grown = self.grown_share = self.grown_at = (
-            0.0  #: excess [J/m], over the energy there was, time [s]
-        )
+        #: Excess of energy [J/m], over the energy there was, time [s].
+        self.grown = self.grown_share = self.grown_at = 0.0
         self.closed: dict[str, float] = {}  #: by body: own gap over cell size
         self.closed_at: dict[str, float] = {}  #: and its time [s]
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
         """Return the verdict, which looks at steps where surfaces may meet or gravity changes."""
-        gravity = setup.plugin("gravity")
+        gravity, contact = setup.plugin("gravity"), setup.contact
         changing = gravity is not None and len(gravity.table.times) > 1
-        return Acts("", [(VerdictOfSteps if _may_meet(setup) or changing else Verdict)(setup)])
+        watched = contact is not None and contact.keeps_apart and len(setup.bodies) > 1
+        return Acts("", [(VerdictOfSteps if watched or changing else Verdict)(setup, watched)])
 
     def _begin(self, state: State) -> None:
         """Take the energy of time zero."""
         self.running, self.inside[:] = True, -1
         self.next_energy = self.next_sides = self.next_own = 0
-        p = state.particles
-        volume = p.times_thickness(p.initial_volume)
-        stiffness = [body.bulk_modulus + body.shear_modulus for body in state.bodies]
-        volumes = [volume[body.particles].sum() for body in state.bodies]
-        self.nothing = NOTHING * float(np.dot(volumes, stiffness))
+        p, self.nothing = state.particles, negligible_energy(state)
         self.start = kinetic_energy(p.mass, p.velocity) + float(self.strain.of(state).sum())
         self.loaded = None if isinstance(self, VerdictOfSteps) else 0.0
         self.first_work = float(sum(plugin.work for plugin in self.working))
         self.gravity_work = self.most = self.released = 0.0
-        self.moment, self.pull = p.mass @ p.position, self._gravity(state)
-
-    def _gravity(self, state: State) -> FloatArray:
-        return np.zeros(state.grid.dim) if self.gravity is None else self.gravity.at(state.time)
+        self.moment = p.mass @ p.position
+        self.pull = 0.0 * self.pull if self.gravity is None else self.gravity.at(state.time)
 
     def _add_gravity_work(self, state: State, share: float) -> None:
         """Add the work since the last call; ``share`` is that of gravity now, the rest that of gravity
         then.
         """
-        moment, pull = state.particles.mass @ state.particles.position, self._gravity(state)
+        moment, pull = state.particles.mass @ state.particles.position, self.gravity.at(state.time)
         self.gravity_work += float((share * pull + (1.0 - share) * self.pull) @ (moment - self.moment))
         self.moment, self.pull = moment, pull
 
@@ -202,19 +183,18 @@ class Verdict:
     @property
     def reasons(self) -> list[str]:
         """Why the run is suspect; empty where it is not."""
-        found = [f"{label}: surfaces changed sides at {time:.4g} s" for label, time in self.passed.items()]
-        found += [
+        reasons = [f"{label}: surfaces changed sides at {time:.4g} s" for label, time in self.passed.items()]
+        reasons += [
             f"{label}: penetration of {cells:.3g} cells at {self.deepest_at[label]:.4g} s"
             for label, cells in self.deepest.items()
             if cells > TOO_DEEP
         ]
         if self.grown > 0.0:
-            found.append(
+            reasons.append(
                 f"energy of {self.grown:.3g} J/m without a source at {self.grown_at:.4g} s, "
-                f"{self.grown_share:.2g} of what there "
-                "was and was put in"
+                f"{self.grown_share:.2g} of what there was and was put in"
             )
-        return found
+        return reasons
 
     @property
     def status(self) -> str:
@@ -233,31 +213,23 @@ class Verdict:
         """The reasons, penetration that is deep but not suspect, and surfaces that came close to
         themselves.
         """
-        reasons = self.reasons
-        found = (
-            [f"suspect: {'; '.join(reasons)}; try smaller steps, smaller cells or a stiffer contact"]
-            if reasons
-            else []
-        )
-        found += [
-            f"{label}: the bodies penetrate by {cells:.2g} cells at time {self.deepest_at[label]:.4g} s, "
-            f"more than {DEEP:g}; "
-            "try a stiffer contact, or smaller cells"
-            for label, cells in self.deepest.items()
-            if cells <= TOO_DEEP
+        reasons = "; ".join(self.reasons)
+        warnings = [f"suspect: {reasons}; try smaller steps, smaller cells or a stiffer contact"]
+        return [
+            *(warnings if reasons else []),
+            *(
+                f"{label}: the bodies penetrate by {cells:.2g} cells at time {self.deepest_at[label]:.4g} s, "
+                f"more than {DEEP:g}; try a stiffer contact, or smaller cells"
+                for label, cells in self.deepest.items()
+                if cells <= TOO_DEEP
+            ),
+            *(
+                f"{name}: parts of its own surface are {cells:.2g} cells apart at time "
+                f"{self.closed_at[name]:.4g} s; within a cell they stick together, since a body has no "
+                "contact with itself"
+                for name, cells in self.closed.items()
+            ),
         ]
-        found += [
-            f"{name}: parts of its own surface are {cells:.2g} cells apart at time "
-            f"{self.closed_at[name]:.4g} s; within a cell "
-            "they stick together, since a body has no contact with itself"
-            for name, cells in self.closed.items()
-        ]
-        return found
-
-
-def _may_meet(setup: Setup) -> bool:
-    """Return whether the contact has to keep bodies apart."""
-    return setup.contact is not None and setup.contact.keeps_apart and len(setup.bodies) > 1
 
 
 class VerdictOfSteps(Verdict):
@@ -268,8 +240,6 @@ class VerdictOfSteps(Verdict):
     @hookimpl
     def end_step(self, state: State) -> None:
         """Look at the surfaces if bodies may have moved too far since the last look."""
-        if not self.running:
-            return
         if self.loaded is None:  # the first forces are those of the first positions
             self.loaded = self._held(state)
         if self.gravity is not None and len(self.gravity.table.times) > 1:
@@ -287,7 +257,12 @@ class Outlines:
         self.tracked = state.surface is not None
         self.surface: Surface = state.surface or make_surface(state.bodies, 1, "output")
         if not self.tracked:
-            self.carrier = _nearest_points(state, self.surface)
+            from scipy.spatial import cKDTree
+
+            self.carrier = np.zeros(self.surface.count, dtype=np.int64)  #: nearest point of the own body
+            for body in state.bodies:
+                points, own = cKDTree(state.particles.position[body.particles]), self.surface.of(body.index)
+                self.carrier[own] = body.particles.start + points.query(self.surface.position[own])[1]
             self.offset = self.surface.position - state.particles.position[self.carrier]
         self.facets = Facets(**{name: getattr(self.surface, name) for name in Facets.member_names})
         self.ends = np.zeros((0, 2), dtype=np.int64)  #: bodies of every pair
@@ -332,15 +307,3 @@ class Outlines:
             state.grid.spacing
         )  # fmt: skip
         return gaps
-
-
-def _nearest_points(state: State, surface: Surface) -> AnyArray:
-    """Material point of the own body that is nearest to every surface node, (n_s,)."""
-    from scipy.spatial import cKDTree
-
-    found = np.zeros(surface.count, dtype=np.int64)
-    for body in state.bodies:
-        own = surface.of(body.index)
-        _, index = cKDTree(state.particles.position[body.particles]).query(surface.position[own])
-        found[own] = body.particles.start + index
-    return found

@@ -165,6 +165,8 @@ def _written_out(
             call = [
                 f"previous = clock(stage_{k})", "try:", f"    {call[0]}", "finally:", "    clock(previous)"
             ]  # fmt: skip
+        if name == "end_step" and hasattr(impl.plugin, "running"):
+            call = ["result = None", f"if plugin_{k}.running:", *[f"    {line}" for line in call]]
         lines += [f"plugin = plugin_{k}", *told("before", "plugin"), *call, *told("after", "plugin")]
         lines += [
             "if result is not None:",

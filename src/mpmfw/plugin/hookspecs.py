@@ -153,7 +153,8 @@ class HookSpecs:
     def end_step(self, state: State) -> None:
         """After the step: records and guards.
 
-        May change the plug-in alone.
+        A plug-in with an attribute ``running`` is called only while that is true. May change the plug-in
+        alone.
         """
 
     @hookspec

@@ -11,7 +11,7 @@ import numpy as np
 from mpmfw.errors import PluginError
 from mpmfw.plugin.base import PlugIn
 from mpmfw.plugin.hookspecs import hookimpl
-from mpmfw.plugin.setup import Acts, Setup
+from mpmfw.plugin.setup import Acts, Effect, Setup
 from mpmfw.state.fields import AnyArray, Field, FloatArray
 from mpmfw.state.structs import Body, State
 from mpmfw.units import problems_in_time
@@ -111,16 +111,16 @@ class OutputSeries(NamedPlugIn):
 
 def from_setup(setup: Setup) -> Acts:
     """Return the loads, boundary conditions and outputs that act."""
-    acting = []
+    acting, lines = [], []
     for group, plugins in setup.named.items():
         answers = {f"{name} ({each.label})": each.from_setup(setup) for name, each in plugins.items()}
         acts = [answer for answer in answers.values() if not isinstance(answer, str)]
         reasons = [
             f"{what}: {answer}" if isinstance(answer, str) else what for what, answer in answers.items()
         ]
-        setup.note(group, bool(acts), ", ".join(reasons) or f"no [{group}]")
+        lines.append(Effect(group, bool(acts), ", ".join(reasons) or f"no [{group}]"))
         acting += acts
-    return Acts("", acting)
+    return Acts("", acting, lines)
 
 
 def shares_near(position: FloatArray, at: FloatArray, cell_size: float) -> FloatArray:

@@ -43,6 +43,7 @@ class Acts:
 
     reason: str
     plugins: Sequence[Any] = ()
+    lines: Sequence[Effect] = ()  #: further lines of ``mpmfw explain``
 
 
 @dataclass
@@ -186,10 +187,6 @@ class Setup:
             key = getattr(self.contact, "softer_by", None)
             found["contact"] = "another contact" if key is None else f"a softer contact ({key})"
         return {**found, "shape": f"another shape than '{self.shape}'"}
-
-    def note(self, name: str, on: bool, reason: str) -> None:
-        """Record an effect."""
-        self.effects.append(Effect(name, on, reason))
 
     def plugin(self, name: str) -> Any:
         """Return the plug-in of a name, or None."""

@@ -12,8 +12,8 @@ import numpy as np
 from mpmfw.errors import SceneError
 from mpmfw.geometry import Layout, discretise
 from mpmfw.plugin.checks import described, naming
-from mpmfw.runs.sizing import check_box_inside
-from mpmfw.state.fields import AFFINE_FIELD, MOMENT_FIELD, PARTICLE_FIELDS, FloatArray, IntArray
+from mpmfw.runs.limits import check_box_inside
+from mpmfw.state.fields import AFFINE_FIELD, MOMENT_FIELD, PARTICLE_FIELDS, FloatArray
 from mpmfw.state.pairs import overlapping
 from mpmfw.state.structs import Body, Particles, State, Stencil
 from mpmfw.step.transfer import Transfer
@@ -55,12 +55,13 @@ def make_bodies(
 ) -> tuple[Body, ...]:
     """Return the bodies of the state, with a velocity field for each, or one for all."""
     bodies, start = [], 0
+    moduli = {name: _moduli(material) for name, material in materials.items()}
     for index, (name, model) in enumerate(scene.bodies.items()):
-        layout, material = layouts[index], materials[model.material]
-        count = len(layout.volume)
+        layout, count = layouts[index], len(layouts[index].volume)
         reach = np.abs(layout.half_edges).sum(axis=2)
         domains = [layout.position - reach, layout.position + reach]  # they bulge beyond an outline
         corners = np.concatenate(layout.outlines or domains)
+        bulk_modulus, shear_modulus = moduli[model.material]
         bodies.append(
             Body(
                 name=name,
@@ -68,8 +69,8 @@ def make_bodies(
                 particles=slice(start, start + count),
                 field=index if per_body else 0,
                 density=scene.materials[model.material].density,
-                bulk_modulus=_modulus("bulk_modulus", material),
-                shear_modulus=_modulus("shear_modulus", material),
+                bulk_modulus=bulk_modulus,
+                shear_modulus=shear_modulus,
                 lower=tuple(corners.min(axis=0).tolist()),
                 upper=tuple(corners.max(axis=0).tolist()),
                 outlines=layout.outlines,
@@ -81,19 +82,15 @@ def make_bodies(
     return tuple(bodies)
 
 
-def _modulus(name: str, material: Material) -> float:
-    """Return a modulus of a material [Pa]; raise SceneError unless it is positive, a shear modulus at least
-    0.
-    """
-    with naming(material, name):
-        value = getattr(material, name)
-    least = 0.0 if name == "shear_modulus" else np.nextafter(0.0, 1.0)
-    if not isinstance(value, int | float | np.number) or not least <= value < np.inf:
-        raise SceneError(
-            f"{described(material)} has {name} {value!r}; expected a number "
-            f"{'from' if least == 0.0 else 'above'} 0 in Pa"
-        )
-    return float(value)
+def _moduli(material: Material) -> tuple[float, float]:
+    """Return K and G of a material [Pa]; raise SceneError unless K is positive and G at least 0."""
+    with naming(material, "its moduli"):
+        values = {name: getattr(material, name) for name in ("bulk_modulus", "shear_modulus")}
+    for name, value in values.items():
+        least, text = (np.nextafter(0.0, 1.0), "above") if name == "bulk_modulus" else (0.0, "from")
+        if not isinstance(value, int | float | np.number) or not least <= value < np.inf:
+            raise SceneError(f"{described(material)} has {name} {value!r}; expected a number {text} 0 in Pa")
+    return float(values["bulk_modulus"]), float(values["shear_modulus"])
 
 
 def check_bodies(scene: Scene, layouts: tuple[Layout, ...], bodies: tuple[Body, ...]) -> None:
@@ -107,44 +104,34 @@ def check_bodies(scene: Scene, layouts: tuple[Layout, ...], bodies: tuple[Body, 
 
 
 def _check_overlap(bodies: tuple[Body, ...]) -> None:
-    """Refuse bodies whose surfaces overlap by more than rounding."""
+    """Refuse bodies whose surfaces overlap by more than rounding, 1e-6 of the smaller one.
+
+    In space that is measured by the depth of nodes inside the other body."""
     if len(bodies) < 2 or any(not body.outlines for body in bodies):
         return
-    boxes = (np.array([body.lower for body in bodies]), np.array([body.upper for body in bodies]))
-    first, second = overlapping(*boxes)
-    if boxes[0].shape[1] == 3:
-        _check_depth(bodies, first, second)
-        return
-    import shapely
+    lower, upper = (np.array([getattr(body, end) for body in bodies]) for end in ("lower", "upper"))
+    first, second = overlapping(lower, upper)
+    if lower.shape[1] == 3:
+        from mpmfw.state.surface import least_gaps, make_surface
 
-    near = np.union1d(first, second)
-    regions = np.array([_area(bodies[index], shapely) for index in near.tolist()], dtype=object)
-    one, other = (regions[np.searchsorted(near, index)] for index in (first, second))
-    common = shapely.area(shapely.intersection(one, other))
-    too_much = np.flatnonzero(common > 1e-6 * np.minimum(shapely.area(one), shapely.area(other)))
-    for pair in too_much[:1]:
+        size, at, unit = (upper - lower).min(axis=1), " at one node", "m"
+        common = -least_gaps(make_surface(bodies, 1, "gap"), first, second, (1.0, 1.0, 1.0))
+    else:
+        import shapely
+
+        near, at, unit = np.union1d(first, second), "", "m²"
+        regions = np.full(len(bodies), None, dtype=object)
+        regions[near] = [_area(bodies[index], shapely) for index in near.tolist()]
+        size, common = (
+            shapely.area(regions),
+            shapely.area(shapely.intersection(regions[first], regions[second])),
+        )
+    for pair in np.flatnonzero(common > 1e-6 * np.minimum(size[first], size[second]))[:1]:
         raise SceneError(
-            f"overlaps body '{bodies[second[pair]].name}' by {common[pair]:.3g} m² at the start; move them "
-            "apart, or say allow_overlap = true",
+            f"overlaps body '{bodies[second[pair]].name}' by {common[pair]:.3g} {unit}{at} at the start; "
+            "move them apart, or say allow_overlap = true",
             key=f"bodies.{bodies[first[pair]].name}",
         )
-
-
-def _check_depth(bodies: tuple[Body, ...], first: IntArray, second: IntArray) -> None:
-    """Refuse bodies in space that have nodes inside each other, by more than 1e-6 of the smaller body's
-    size.
-    """
-    from mpmfw.state.surface import least_gaps, make_surface
-
-    gaps = least_gaps(make_surface(bodies, 1, "gap"), first, second, (1.0, 1.0, 1.0))
-    size = [min(np.subtract(body.upper, body.lower)) for body in bodies]
-    for a, b, gap in zip(first.tolist(), second.tolist(), gaps, strict=True):
-        if gap < -1e-6 * min(size[a], size[b]):
-            raise SceneError(
-                f"overlaps body '{bodies[b].name}' by {-gap:.3g} m at one node at the start; move them "
-                "apart, or say allow_overlap = true",
-                key=f"bodies.{bodies[a].name}",
-            )
 
 
 def _area(body: Body, shapely: Any) -> Any:
@@ -210,7 +197,5 @@ def _spread(state: State, phi: Stencil) -> FloatArray:
 
 def _spin_matrix(omega: FloatArray, dim: int) -> FloatArray:
     """W with W r = ω × r."""
-    if dim == 2:
-        return np.array([[0.0, -omega[0]], [omega[0], 0.0]])
-    x, y, z = omega
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    x, y, z = (0.0, 0.0, omega[0]) if dim == 2 else omega
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])[:dim, :dim].copy()

@@ -21,7 +21,7 @@ from mpmfw.plugin.measure import Measure, Reference
 from mpmfw.plugin.named import NamedPlugIn, OutputSeries
 from mpmfw.plugin.setup import Setup
 from mpmfw.runs.bodies import check_bodies, lay_out, make_bodies, make_particles
-from mpmfw.runs.sizing import check_memory
+from mpmfw.runs.limits import check_memory
 from mpmfw.scene.options import NAMED
 from mpmfw.state.pairs import FEW, BodyPairs
 from mpmfw.state.structs import Body, State

@@ -37,22 +37,17 @@ class Recorder:
         groups |= {group for group in ("particles", "surface") if getattr(scene.output, group)}
         core = PARTICLE_FIELDS if state.surface is None else (*PARTICLE_FIELDS, *SURFACE_FIELDS)
         recorded = [field for field in (*core, *declared) if field.output and field.group in groups]
-        self.fields = {field.name + "/" + field.group: _stored(field) for field in recorded}
-        self._particle_interval, self._output_interval = (
-            scene.output.particle_interval,
-            scene.time.output_interval,
-        )
+        self.fields = {(field.group, field.name): _stored(field) for field in recorded}
+        self._particle_interval = scene.output.particle_interval
+        self._output_interval = scene.time.output_interval
         self._intervals = 0  #: of the material points, up to their last frame
         self._by_name = {field.name: field for field in declared}
         self._constant = self._sums()
 
     def header(self, attributes: Mapping[str, Any]) -> RunHeader:
         """All that is known before the first step."""
-        state, surface = self.state, self.state.surface
-        names = tuple(body.name for body in state.bodies)
-        with_surface = surface is not None and any(field.group == "surface" for field in self.fields.values())
-        counts, connectivity = {}, {}
-        if with_surface and surface is not None:
+        state, surface, counts, connectivity = self.state, self.state.surface, {}, {}
+        if surface is not None and any(group == "surface" for group, _ in self.fields):
             for body in state.bodies:
                 own = surface.of(body.index)
                 counts[body.name] = own.stop - own.start
@@ -60,7 +55,7 @@ class Recorder:
                 connectivity[body.name] = facets[:, 1] if state.grid.dim == 2 else facets
         return RunHeader(
             dim=state.grid.dim,
-            bodies=names,
+            bodies=tuple(body.name for body in state.bodies),
             pairs=tuple(pair.label for pair in state.pairs),
             more_pairs=state.near is not None,
             per_metre=state.particles.thickness is None,
@@ -77,35 +72,31 @@ class Recorder:
         ``interval`` is the time since the last output [s], 0 at the first."""
         state = self.state
         update_pairs(state, self.hook)
-        found: dict[str, dict[str, AnyArray]] = {"particles": {}, "surface": {}, "series": {}, "contact": {}}
         check_state_finite(state)
         self._check_constant()
+        arrays: dict[tuple[str, str], AnyArray] = {}
+        for group, struct in (("particles", state.particles), ("surface", state.surface)):
+            core = [at for at in self.fields if at[0] == group and at[1] not in self._by_name]
+            arrays |= {at: getattr(struct, at[1]) for at in core}
         answers = self.hook.diagnostics(state=state, interval=interval, points=points) or []
         who = self.recording if len(answers) == len(self.recording) else [None] * len(answers)
         for plugin, answer in zip(who, answers, strict=True):
             with naming(plugin, "diagnostics", state):
                 for name, values in answer.items():
-                    found[self._by_name[name].group][name] = self._checked(plugin, name, values)
-        for group, struct in (("particles", state.particles), ("surface", state.surface)):
-            for field in self.fields.values() if points or group == "surface" else ():
-                if field.group == group and field.name not in found[group]:
-                    found[group][field.name] = getattr(struct, field.name)
-        recorded = {
-            group: {name: values for name, values in arrays.items() if f"{name}/{group}" in self.fields}
-            for group, arrays in found.items()
-        }
+                    arrays[self._by_name[name].group, name] = self._checked(plugin, name, values)
+        found: dict[str, dict[str, AnyArray]] = {"particles": {}, "surface": {}, "series": {}, "contact": {}}
+        for (group, name), values in arrays.items():
+            if (group, name) in self.fields and (points or group != "particles"):
+                found[group][name] = values
+        pairs, by_pair = state.pairs, found.pop("contact")
+        contact = {pair.label: {name: v[pair.index] for name, v in by_pair.items()} for pair in pairs}
         return Frame(
             time=state.time,
-            particles=recorded["particles"] if points else {},
-            surface=recorded["surface"],
-            series=recorded["series"],
-            contact={
-                pair.label: {name: values[pair.index] for name, values in recorded["contact"].items()}
-                for pair in state.pairs
-            }
-            if recorded["contact"]
-            else {},
-            pairs=() if state.near is None else tuple(pair.label for pair in state.pairs),
+            particles=found["particles"],
+            surface=found["surface"],
+            series=found["series"],
+            contact=contact if by_pair else {},
+            pairs=() if state.near is None else tuple(pair.label for pair in pairs),
         )
 
     def points_are_due(self, time: float) -> bool:

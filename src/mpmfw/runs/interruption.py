@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
-from typing import Any
 
 from mpmfw.errors import Interrupted
+
+_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 class Interruption:
@@ -19,17 +20,13 @@ class Interruption:
 
     def __init__(self) -> None:
         self.waiting: int | None = None
-        self._held = 0
         self._deferred = False
 
     def __call__(self, number: int, frame: FrameType | None) -> None:  # noqa: ARG002
-        """Take a signal; one that waits already is not asked to wait longer by a second, but where a call
-        must be whole.
-        """
-        if self._held or (self._deferred and self.waiting is None):
-            self.waiting = number
-        else:
+        """Take a signal; a second one does not wait."""
+        if not self._deferred or self.waiting is not None:
             raise Interrupted(number)
+        self.waiting = number
 
     @contextmanager
     def deferred(self) -> Iterator[None]:
@@ -48,33 +45,16 @@ class Interruption:
         if number is not None:
             raise Interrupted(number)
 
-    def whole(self, function: Callable[..., Any]) -> Callable[..., Any]:
-        """The function, which a signal does not break off: it takes effect after the call."""
-
-        def call(*arguments: Any) -> Any:
-            self._held += 1
-            try:
-                return function(*arguments)
-            finally:
-                self._held -= 1
-                if not self._deferred:
-                    self.check()
-
-        return call
-
 
 @contextmanager
 def interruptible() -> Iterator[Interruption]:
     """Context in which both signals are taken; in another thread than the main one they are left alone."""
-    taking = Interruption()
-    if threading.current_thread() is not threading.main_thread():
-        yield taking
-        return
-    before = {}
-    for number in (signal.SIGINT, signal.SIGTERM):
-        # A host that ignores or takes a signal itself goes on to do so
-        if signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
-            before[number] = signal.signal(number, taking)
+    taking, before = Interruption(), {}
+    if threading.current_thread() is threading.main_thread():
+        for number in _SIGNALS:
+            # A host that ignores or takes a signal itself goes on to do so
+            if signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
+                before[number] = signal.signal(number, taking)
     try:
         yield taking
     finally:
@@ -84,15 +64,13 @@ def interruptible() -> Iterator[Interruption]:
 
 @contextmanager
 def unbroken() -> Iterator[None]:
-    """Context that no signal breaks off: whoever takes signals gets at its end the first that came."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    taken = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
-    before = {number: handler for number, handler in taken.items() if callable(handler)}
-    received: list[tuple[int, FrameType | None]] = []
-    for number in before:
-        signal.signal(number, lambda *arrived: received.append(arrived))
+    """Context that no signal breaks off: the handler of the first that came is called at its end."""
+    before, received = {}, list[tuple[int, FrameType | None]]()
+    if threading.current_thread() is threading.main_thread():
+        for number in _SIGNALS:
+            if callable(handler := signal.getsignal(number)):
+                before[number] = handler
+                signal.signal(number, lambda *arrived: received.append(arrived))
     try:
         yield
     finally:

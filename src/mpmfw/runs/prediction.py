@@ -18,6 +18,7 @@ from mpmfw.effects.settling import longest_settling
 from mpmfw.runs.compilation import CompileTimer
 from mpmfw.runs.limits import frames_of, steps_of
 from mpmfw.state.fields import STEP_STAGES, FloatArray
+from mpmfw.step.schemes import interpolate
 
 if TYPE_CHECKING:
     from mpmfw.runs.simulation import Simulation
@@ -54,9 +55,7 @@ def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
     """Predict the cost of a simulation by its first steps; it must not have begun, and cannot run afterwards.
 
     ``arrays`` are the sizes of the arrays that are allocated already [bytes]."""
-    before = clocks.process_time()
-    memory = sum(arrays) + _tables(simulation)
-    clock, settle = simulation.clock, simulation.scene.settle
+    before, clock, settle = clocks.process_time(), simulation.clock, simulation.scene.settle
     with ExitStack() as stack:
         stack.enter_context(CompileTimer(clock))
         step = _start(simulation, stack)
@@ -74,11 +73,10 @@ def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
         simulation.frame()
         clock.flush()
         frame = clock.cpu["output"] + clock.cpu["gap"]
-        length = simulation.stable_step()
-    steps = int(steps_of(simulation, length))
-    settle_steps = (
-        0 if settle is None else math.ceil(longest_settling(settle, simulation.state.bodies) / length)
-    )
+        length, tables = simulation.stable_step(), _tables(simulation)
+    steps, settle_steps = int(steps_of(simulation, length)), 0
+    if settle is not None:
+        settle_steps = math.ceil(longest_settling(settle, simulation.state.bodies) / length)
     return Prediction(
         first_step=first_step,
         steps=steps,
@@ -86,38 +84,31 @@ def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
         settle_steps=settle_steps,
         output_time=steps * (times["output"] + times["gap"]) + frames_of(simulation) * frame,
         start_time=before,
-        memory=memory,
+        memory=sum(arrays) + tables,
         limits=tuple(limits),
     )
 
 
 def _start(simulation: Simulation, stack: ExitStack) -> Callable[[], None]:
-    """Begin as a run does; return what takes its first step."""
-    scene = simulation.scene
-    if scene.settle is not None:
+    """Begin as a run does; return a function that takes its first step."""
+    time = simulation.scene.time
+    if simulation.scene.settle is not None:
         stack.enter_context(simulation.extra_plugin(simulation.begin_settling().damping))
         return simulation.step
     simulation.start()
-    due = min(scene.time.output_interval, scene.time.end)
-    target = due if scene.time.outputs == "exact" else scene.time.end
+    target = min(time.output_interval, time.end) if time.outputs == "exact" else time.end
     return lambda: simulation.step_towards(target)
 
 
 def _tables(simulation: Simulation) -> int:
-    """Bytes of the tables of interpolation, which are filled with the first step, and of the rows of
-    contact.
-    """
-    state, shape = simulation.state, simulation.shape.name
-    dim, surface = state.grid.dim, state.surface
-    at_points = {"linear": 2**dim, "bspline": 3**dim, "cubic_bspline": 4**dim, "ck": 2 ** (dim + 1)}
-    over_domains = {"gimp": 3.0**dim}.get(shape, 7.0 ** (dim / 2))
-    total = int(state.particles.count * at_points.get(shape, over_domains) * (4 + 8 + 8 * dim))
-    if surface is not None:
-        total += surface.count * at_points.get(shape, 2**dim) * (4 + 8)
-    rows = {id(each): each for each in (getattr(simulation.contact, name, None) for name in ("rows", "old"))}
-    for each in rows.values():
-        total += 0 if each is None else sum(int(array.nbytes) for array in each.arrays().values())
-    return total
+    """Return the bytes of the tables of interpolation and of the rows of contact, which the first step
+    fills."""
+    surface, contact = simulation.state.surface, simulation.contact
+    tables = [interpolate(simulation.state, simulation.hook, simulation.clock)]
+    tables += [] if surface is None else [surface.table]
+    rows = {id(each): each for name in ("rows", "old") if (each := getattr(contact, name, None)) is not None}
+    arrays = [array for table in tables for array in table.kernel_arrays]
+    return sum(int(a.nbytes) for a in [*arrays, *(a for r in rows.values() for a in r.arrays().values())])
 
 
 def driven_speed(simulation: Simulation) -> FloatArray:

@@ -1,5 +1,4 @@
-"""Restart: now and then the values that a run keeps, in a file beside its results, from which a run that was
-killed goes on.
+"""Restart: now and then the values that a run keeps, in a file beside its results, from which it goes on.
 
 The file is an archive of NumPy (``.npz``) that holds arrays by place, and names no class and no function.
 Each array has a checksum, which is compared before anything is used."""
@@ -28,6 +27,7 @@ from mpmfw.results import RunHeader, RunWriter, check_results
 from mpmfw.results.reading import is_hdf5
 from mpmfw.results.replacing import abandoned, replacement
 from mpmfw.runs.identity import code_of
+from mpmfw.runs.interruption import unbroken
 from mpmfw.scene.scene import Scene
 from mpmfw.scene.sources import Source
 from mpmfw.state.fields import AnyArray
@@ -82,9 +82,9 @@ def read_snapshot(path: str) -> tuple[dict[str, AnyArray], Facts | None]:
     """Read arrays by place, and the facts about their run.
 
     Raise MpmfwError if there is no such file, another version wrote it, or it is damaged."""
+    if is_foreign(path):
+        raise MpmfwError(f"'{path}' is not a checkpoint that this version of mpmfw wrote")
     try:
-        if is_foreign(path):
-            raise MpmfwError(f"'{path}' is not a checkpoint that this version of mpmfw wrote")
         with open(path, "rb") as file, np.load(file, allow_pickle=False) as archive:
             if sum(member.file_size for member in archive.zip.infolist()) > os.path.getsize(path):
                 raise ValueError("members are compressed or overlap")
@@ -95,8 +95,6 @@ def read_snapshot(path: str) -> tuple[dict[str, AnyArray], Facts | None]:
         if len(saved) != count or not all(array.dtype.str in TYPES for array in saved.values()):
             raise ValueError("arrays are missing, or of another type")
         return saved, None if facts is None else Facts.model_validate(facts)
-    except MpmfwError:
-        raise
     except Exception as error:  # a damaged archive may raise anything
         if isinstance(error, OSError) and error.filename is not None:
             raise MpmfwError(f"cannot read '{path}': {error.strerror}") from error
@@ -133,7 +131,8 @@ class Checkpoints:
         now = time.monotonic()
         if self.writer.is_due(now):  # the next output may be far away
             self.simulation.clock("output")
-            self.signals.whole(self.writer.flush)()
+            with unbroken():
+                self.writer.flush()
         if now >= self._next:
             self.write()
 
@@ -175,22 +174,22 @@ def read_checkpoint(path: str) -> Checkpoint:
     """Read the checkpoint beside a run's file.
 
     Raise SceneError if the run ended, or if the checkpoint is missing, damaged, or of another run."""
-    file = checkpoint_path(path)
+    file, there = checkpoint_path(path), {}
     if not os.path.isfile(path):
         raise SceneError(f"{path}: there is no such file; expected the results of a run")
     try:
-        found = _attributes(path)
-    except OSError:
+        there = _attributes(path)
+    except OSError:  # killed within a sync: the checkpoint has the outputs up to it
         if not is_hdf5(path) or not os.path.isfile(file):
             check_results(path)
             raise
-        found = None  # killed within a sync: the checkpoint has the outputs up to it
-    if found and found["kind"] != "run":
+    kind, status = there.get("kind", "run"), there.get("status", "running")
+    if kind != "run" or is_complete(status):
         raise SceneError(
-            f"{path}: holds no run but results of kind '{found['kind']}'; give the command that made it again"
+            f"{path}: holds no run but results of kind '{kind}'; give the command that made it again"
+            if kind != "run"
+            else f"{path}: the run is finished; there is nothing to go on with"
         )
-    if found and is_complete(found["status"]):
-        raise SceneError(f"{path}: the run is finished; there is nothing to go on with")
     if not os.path.isfile(file):
         raise SceneError(
             f"{path}: there is no checkpoint beside it ({os.path.basename(file)}); a run writes one every "
@@ -204,8 +203,7 @@ def read_checkpoint(path: str) -> Checkpoint:
         made_with = _attributes("results.nc", results)
     except (MpmfwError, OSError) as error:
         raise SceneError(f"{error}; run it again") from error
-    other = [name for name in _SAME if found and found[name] != made_with[name]]
-    if other:
+    if other := [name for name in _SAME if there and there[name] != made_with[name]]:
         raise SceneError(
             f"{path}: cannot go on from the checkpoint beside it: the file has another {' and '.join(other)}"
         )
@@ -242,13 +240,13 @@ def check_same(
     ]
     if changed and not force:
         raise SceneError(
-            f"another version would go on than began: {', '.join(changed)}; --force (force=True) goes on all "
-            "the same, to other numbers"
+            f"another version would go on than began: {', '.join(changed)}; --force (force=True) "
+            "goes on all the same, to other numbers"
         )
 
 
 def _dependencies(scene: Scene, objects: Mapping[str, Any]) -> dict[str, str]:
-    """Versions of all on which the bits of a run depend beside its scene, by name."""
+    """Return the versions of all that the bits of a run depend on beside its scene, by name."""
     code = code_of(scene, objects.get("contact"), objects.get("shape"))
     return {**code, "python": platform.python_version(), "processor": str(get_host_cpu_name())}
 

@@ -7,15 +7,15 @@ import os
 import signal
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from typing import TYPE_CHECKING, Any
 
 from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError, SimulationError
-from mpmfw.results import RunWriter
+from mpmfw.results import Frame, RunWriter
 from mpmfw.results.memory import peak_memory, restart_peak_memory
 from mpmfw.results.replacing import check_replaceable
-from mpmfw.runs.interruption import interruptible
-from mpmfw.runs.limits import check_length, remark_on_size, remark_on_threads
+from mpmfw.runs.interruption import interruptible, unbroken
+from mpmfw.runs.limits import check_length, remarks_on
 from mpmfw.runs.restart import Checkpoints, check_same, checkpoint_path, read_checkpoint, rewritten
 from mpmfw.runs.simulation import Simulation, chosen_methods
 from mpmfw.scene import load_scene, located
@@ -79,37 +79,27 @@ def run(
         Ctrl-C or SIGTERM; the outputs before are in the file, whose status is ``interrupted``, and a
         checkpoint beside it.
     """
-    if checkpoint is not None and output is None:
-        raise SceneError("checkpoint: has no effect on results that are kept in memory; give an output")
-    with _begun(scene, contact, shape, output, set, force, checkpoint, threads) as checkpoints:
+    with begun(scene, contact, shape, output, set, force, checkpoint, threads) as checkpoints:
         run_on(checkpoints, progress)
         return checkpoints.writer.results()
 
 
-def run_to_file(
+@contextmanager
+def begun(
     scene: Any,
-    output: str | os.PathLike[str],
-    progress: Callable[[float, int], None] | None = None,
+    contact: Any = None,
+    shape: Any = None,
+    output: str | os.PathLike[str] | None = None,
+    set: Mapping[str, Any] | None = None,
     force: bool = False,
     checkpoint: float | str | None = None,
-) -> None:
-    """Run a scene and leave its results in the file; the rest is as :func:`run` says."""
-    with _begun(scene, None, None, output, None, force, checkpoint, None) as checkpoints:
-        run_on(checkpoints, progress)
-
-
-@contextmanager
-def _begun(
-    scene: Any,
-    contact: Any,
-    shape: Any,
-    output: str | os.PathLike[str] | None,
-    set: Mapping[str, Any] | None,
-    force: bool,
-    checkpoint: float | str | None,
-    threads: int | None,
+    threads: int | None = None,
 ) -> Iterator[Checkpoints]:
-    """Yield the checkpoints of a run before its first step, with its simulation and its writer."""
+    """Yield the checkpoints of a run before its first step, with its simulation and its writer; the rest is
+    as :func:`run` says.
+    """
+    if checkpoint is not None and output is None:
+        raise SceneError("checkpoint: has no effect on results that are kept in memory; give an output")
     restart_peak_memory()
     every = EVERY if checkpoint is None else seconds_between(checkpoint)
     path = None if output is None else os.path.abspath(output)  # a plug-in may change the working folder
@@ -123,15 +113,10 @@ def _begun(
     except SceneError as error:
         raise located(error, loaded) from error
     header = simulation.header()
-    if path is not None and (text := remark_on_size(simulation, header)):
+    for text in remarks_on(simulation, None if path is None else header):
         warnings.warn(text, ResultsWarning, stacklevel=4)
-    if text := remark_on_threads(simulation.threads):
-        warnings.warn(text, ResultsWarning, stacklevel=4)
-    objects = {
-        kind: method
-        for kind, method in (("contact", contact), ("shape", shape))
-        if method is not None and not isinstance(method, str)
-    }
+    methods = {"contact": contact, "shape": shape}
+    objects = {kind: one for kind, one in methods.items() if not isinstance(one, str | None)}
     with interruptible() as signals, RunWriter(path, header) as writer:
         checkpoints = Checkpoints(simulation, writer, signals, every, objects)
         checkpoints.forget()  # of a run that was here before
@@ -168,16 +153,12 @@ def resume(
         The run's file; the outputs after the checkpoint are written again.
     contact, shape
         The strategy objects that the run was given, as they were then; not those that the scene names.
-    progress
-        Called now and then with the simulated time [s] and the number of steps.
     force
         Go on with another version of the code, a library or the interpreter, or on another processor.
-    checkpoint
-        Wall time, [s] or as ``"10 min"``, between two checkpoints; as before by default.
-    threads
-        That share the work of each step, in place of the scene's; the results are the same to the bit.
     trust
         Whether the run may name ``module:Class``, whose code is imported; a checkpoint may be a stranger's.
+    progress, checkpoint, threads
+        As of :func:`mpmfw.run`; the time between two checkpoints is as before by default.
 
     Returns
     -------
@@ -218,16 +199,13 @@ def resumed(
     scene = scene_from(last.facts.scene, {})
     objects = {kind: one for kind, one in (("contact", contact), ("shape", shape)) if one is not None}
     simulation = Simulation(scene, contact=contact, shape=shape, threads=threads)
-    header = simulation.header(
-        {"resumed": json.dumps(last.facts.times)}
-    )  # names the pairs of its first output
+    header = simulation.header({"resumed": json.dumps(last.facts.times)})  # names the pairs of its start
     check_same(last, header, scene, objects, force)
     try:
         simulation.restore(last.saved)
     except NotSaved as error:
-        raise SceneError(
-            f"{checkpoint_path(path)}: does not fit what is built from its scene: {error}"
-        ) from error
+        text = f"{checkpoint_path(path)}: does not fit what is built from its scene: {error}"
+        raise SceneError(text) from error
     every = last.facts.every if every is None else every
     with interruptible() as signals, rewritten(path, last, header) as writer:
         yield Checkpoints(simulation, writer, signals, every, objects, last.facts.times)
@@ -236,10 +214,17 @@ def resumed(
 def run_on(checkpoints: Checkpoints, progress: Callable[[float, int], None] | None) -> None:
     """Run a simulation, from where it is, to its end, or to the end of the step in which a signal comes."""
     simulation, writer, signals = checkpoints.simulation, checkpoints.writer, checkpoints.signals
+
+    def write(frame: Frame) -> None:
+        with unbroken():
+            writer.write(frame)
+
     try:
         with signals.deferred():
-            simulation.run(signals.whole(writer.write), progress, checkpoints)
-            signals.whole(writer.finish)(_end(simulation, simulation.status))
+            simulation.run(write, progress, checkpoints)
+            attributes = _end(simulation, simulation.status)
+            with unbroken():
+                writer.finish(attributes)
     except SimulationError as error:
         writer.finish(_end(simulation, f"failed: {error}"))
         error.results = writer.results()
@@ -261,24 +246,21 @@ def _how_to_go_on(checkpoints: Checkpoints) -> str:
     """Return the message of an interrupted run: the outputs that it left, and how to go on."""
     simulation, writer = checkpoints.simulation, checkpoints.writer
     text = f"interrupted at {simulation.state.time:.6g} s of {simulation.scene.time.end:g} s"
+    how = "run it again for the rest"
     if checkpoints.path is not None and os.path.isfile(checkpoints.path):
-        python = ", contact= or shape= as before" if checkpoints.objects else ""
-        how = f"mpmfw.resume({writer.path!r}{python})" if python else f"mpmfw resume {writer.path}"
-        return f"{text}: {writer.path} keeps the {writer.frames} outputs that it reached; {how} goes on"
-    if writer.path is None or not writer.frames:
+        objects = f"mpmfw.resume({writer.path!r}, contact= or shape= as before)"
+        how = f"{objects if checkpoints.objects else f'mpmfw resume {writer.path}'} goes on"
+    elif writer.path is None or not writer.frames:
         return f"{text}: nothing is kept; run it again"
-    return (
-        f"{text}: {writer.path} keeps the {writer.frames} outputs that it reached; run it again for the rest"
-    )
+    return f"{text}: {writer.path} keeps the {writer.frames} outputs that it reached; {how}"
 
 
 def _end(simulation: Simulation, status: str) -> dict[str, Any]:
-    """The attributes that are known at the end; of a run that failed, without remarks that cannot be made."""
-    try:
+    """Return the attributes that are known at the end; of a run that failed, without remarks that cannot be
+    made.
+    """
+    remarks = {}
+    with suppress(MpmfwError) if status.startswith("failed") else nullcontext():
         remarks = simulation.remarks()
-    except MpmfwError:
-        if not status.startswith("failed"):
-            raise
-        remarks = {}
     text = {name: json.dumps(words) for name, words in remarks.items() if words}
     return {**simulation.costs(), **text, "peak_memory": peak_memory(), "status": status}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import math
-import os
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
@@ -20,8 +19,7 @@ from mpmfw.runs.build import build, strategy
 from mpmfw.runs.compilation import CompileTimer, import_numba_without_scipy
 from mpmfw.runs.effects import decide
 from mpmfw.runs.frames import Recorder, check_state_finite
-from mpmfw.runs.restart import read_snapshot, write_snapshot
-from mpmfw.runs.sizing import warnings_about
+from mpmfw.runs.limits import warnings_about
 from mpmfw.state.fields import STAGES, STEP_STAGES, AnyArray, Field
 from mpmfw.state.history import NotSaved, put, take
 from mpmfw.state.pairs import update_pairs
@@ -73,11 +71,18 @@ class Simulation:
         loads: Mapping[str, Any] | None = None,
         threads: int | None = None,
     ) -> None:
+        if threads is not None and (type(threads) is not int or threads < 1):
+            raise SceneError(f"threads: found {threads!r}; expected an integer of at least 1")
         import_numba_without_scipy()
         contact, shape = strategy("contact", contact), strategy("shape", shape)
-        objects = [None if isinstance(each, str) else each for each in (contact, shape)]
-        setup = build(_with_methods(scene, contact, shape), *objects, loads)
-        self._assemble(setup, Clock(), setup.scene.threads if threads is None else checked_threads(threads))
+        by_name = isinstance(contact, str), isinstance(shape, str)
+        setup = build(
+            _with_methods(scene, contact, shape),
+            contact=None if by_name[0] else contact,
+            shape=None if by_name[1] else shape,
+            loads=loads,
+        )
+        self._assemble(setup, Clock(), threads or setup.scene.threads)
 
     @classmethod
     def of(cls, setup: Setup, clock: Clock, threads: int) -> Simulation:
@@ -322,7 +327,7 @@ class Simulation:
         """Time of the next output [s]."""
         time = self.scene.time
         last = self._next_output == _outputs(self.scene)
-        return time.end if last else self._next_output * time.output_interval
+        return float(time.end if last else self._next_output * time.output_interval)
 
     def frame(self) -> Frame:
         """Return the arrays of this moment, as an output would have them."""
@@ -379,17 +384,6 @@ class Simulation:
             check_state_finite(state)
         except SimulationError as error:
             raise NotSaved(str(error)) from error
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write :meth:`snapshot` to a file, whole or not at all; raise MpmfwError if that fails."""
-        write_snapshot(os.fspath(path), self.snapshot())
-
-    def load(self, path: str | os.PathLike[str]) -> None:
-        """Take the values that :meth:`save` wrote, of a simulation of the same scene and methods; this one is
-        new.
-
-        Raise MpmfwError if the file is damaged, and NotSaved if its values do not fit."""
-        self.restore(read_snapshot(os.fspath(path))[0])
 
     def _parts(self) -> dict[str, Any]:
         """Everything that has values, by its name in messages: the plug-ins and what is between them."""
@@ -461,14 +455,7 @@ class Simulation:
 
 def _outputs(scene: Scene) -> int:
     """Number of the outputs after time zero."""
-    return max(1, math.ceil(scene.time.end / scene.time.output_interval - 1e-9))
-
-
-def checked_threads(threads: Any) -> int:
-    """Return a number of threads; raise SceneError unless it is an integer of at least 1."""
-    if type(threads) is not int or threads < 1:
-        raise SceneError(f"threads: found {threads!r}; expected an integer of at least 1")
-    return threads
+    return int(max(1, math.ceil(scene.time.end / scene.time.output_interval - 1e-9)))
 
 
 def chosen_methods(contact: Any, shape: Any) -> dict[str, str]:

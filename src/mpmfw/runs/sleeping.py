@@ -1,17 +1,17 @@
-"""Bodies at rest sleep: the steps are those of the active simulation, which has the other bodies, until
-something disturbs the inactive ones.
+"""Sleep of bodies at rest: the active simulation, which has the other bodies, takes the steps.
 
 Bodies that are near each other sleep and wake together, so that inactive bodies act on none of the others.
 Near are bodies whose windows of the grid share a node: until windows are laid anew, no body leaves its own.
-An inactive body keeps its velocity and its springs and goes on from there: nothing is lost when it wakes."""
+An inactive body keeps its velocity and its springs, and goes on from there when something disturbs it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from mpmfw.errors import SceneError
 from mpmfw.plugin.checks import bundled, described
@@ -22,8 +22,8 @@ from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 from mpmfw.state.history import NotSaved
 from mpmfw.state.index_map import IndexMap, copy_history
 from mpmfw.state.pairs import overlapping, update_pairs
-from mpmfw.state.structs import Body, State
-from mpmfw.state.windows import fit_windows, fitted_windows, set_windows
+from mpmfw.state.structs import State
+from mpmfw.state.windows import fitted_windows, set_windows
 from mpmfw.step.schemes import SCHEMES
 from mpmfw.step.timestep import Clock
 from mpmfw.step.transfer import Transfer
@@ -50,9 +50,7 @@ def from_setup(setup: Setup) -> Acts:
     measured = [key for key in ("ledger", "stability", "contact_moment") if getattr(output, key)]
     foreign = [plugin for plugin in setup.plugins if not bundled(type(plugin))]
     if contact is None or contact.velocity_fields != "per_body":
-        problem = (
-            "expected a contact with a velocity field for each body, in which one of them can be left out"
-        )
+        problem = "expected a contact with a velocity field for each body, which can leave one of them out"
     elif not contact.leaves_bodies_out:
         problem = (
             f"contact '{contact.label}' cannot leave bodies out; expected one that can, such as bardenhagen, "
@@ -98,11 +96,8 @@ class Sleep:
         self.windows: dict[str, IntArray] = {k: np.zeros((0, dim), np.int64) for k in ("lower", "shape")}
         self.frame = -1  #: of the windows that were compared last
         self._records = {name: f"{setup.contact.name}/{name}" for name in IMPULSES}
-        plugins = [plugin for _, plugin in full.manager.list_name_plugin()]
-        self._loads = [plugin for plugin in plugins if isinstance(plugin, BodyLoad | SurfaceLoad)]
-        self._gravity = full.manager.get_plugin("gravity")
-        #: Forces on a body when it fell asleep, which stay: they are computed once.
-        self._forces_then = lru_cache(len(bodies))(lambda body, slept: self._forces(body, slept)[0])
+        self._loads = [each for each in setup.plugins if isinstance(each, BodyLoad | SurfaceLoad)]
+        self._gravity = setup.plugin("gravity")
         steady = self._gravity is None or len(self._gravity.table.times) == 1
         self._forces_change = bool(self._loads) or not steady
 
@@ -114,8 +109,7 @@ class Sleep:
     def step(
         self, state: State, hook: Any, transfer: Transfer, clock: Clock, length: Callable[[], float]
     ) -> float:
-        """Take one time step of the active bodies, of all while the scene settles; called as those of
-        :data:`mpmfw.step.schemes.SCHEMES`."""
+        """Take one time step of the active bodies, of all while the scene settles."""
         if not self.full.started:
             return self.scheme(state, hook, transfer, clock, length)
         if self.inactive.any():
@@ -131,8 +125,8 @@ class Sleep:
 
     def _look(self, time: float) -> None:
         """Put bodies to sleep that have been at rest for long enough and are near none that has not."""
-        running = self.running
-        state, awake = running.state, np.flatnonzero(~self.inactive)
+        running, awake = self.running, np.flatnonzero(~self.inactive)
+        state = running.state
         v = state.particles.velocity
         square = np.maximum.reduceat(np.einsum("pd,pd->p", v, v), state.particles.first[:-1])
         self.moved[awake[square > self.bound[awake] ** 2]] = time
@@ -170,7 +164,7 @@ class Sleep:
         """Wake bodies that are disturbed, and all that are near them."""
         woken, sleepers = np.zeros_like(self.inactive), np.flatnonzero(self.inactive)
         for body in sleepers.tolist() if self._forces_change else ():
-            then, now = self._forces_then(body, float(self.slept[body])), self._forces(body, time)[0]
+            then, now = (self._forces(body, at)[0] for at in (float(self.slept[body]), time))
             woken[body] = not all(np.array_equal(*each) for each in zip(then, now, strict=True))
         grid = self.running.state.grid
         if self.active is not None and grid.frame != self.frame:
@@ -189,16 +183,20 @@ class Sleep:
         """Gravity [m/s²] and every load's forces [N] or tractions [Pa] on a body, and the acceleration of all
         of them [m/s²].
         """
-        state = self.full.state
-        own = state.bodies[body]
+        state, own = self.full.state, self.full.state.bodies[body]
         mass = float(state.particles.mass[own.particles].sum())
         values: list[AnyArray] = [] if self._gravity is None else [self._gravity.at(time)]
         total = mass * sum(values, np.zeros(state.grid.dim))
-        for load in self._loads:
-            if own in load.bodies:
-                value, force = _force_of(load, state, own, time)
-                values.append(value)
-                total += force
+        for load in (load for load in self._loads if own in load.bodies):
+            if isinstance(load, BodyLoad):
+                values.append(load.forces(state.particles, own.particles, time))
+                total += values[-1].sum(axis=0)
+            else:
+                on = state.tracked_surface.facets_of(body)
+                which = load.facets[(load.facets >= on.start) & (load.facets < on.stop)]
+                facets = LoadedFacets(state, which)
+                values.append(load.traction(facets, time))
+                total += facets.area @ values[-1]
         return values, float(np.linalg.norm(total)) / mass
 
     def gather(self, time: float) -> None:
@@ -241,12 +239,11 @@ class Sleep:
             _hand_over(full, self.active)
         state, hook = self.running.state, self.running.hook
         reach = hook.particle_reach(particles=state.particles)
-        if windows is None:
-            fit_windows(state.grid, state.particles, reach, state.surface)
-        elif self.active is not None:
-            _, shape = fitted_windows(state.grid, state.particles, reach, state.surface)
-            most = SPARE * float(np.prod(shape, axis=1).sum())
-            set_windows(state.grid, windows["lower"], windows["shape"], most)
+        lower, shape = fitted_windows(state.grid, state.particles, reach, state.surface)
+        most = SPARE * float(np.prod(shape, axis=1).sum())
+        if windows is not None:
+            lower, shape = windows["lower"], windows["shape"]
+        set_windows(state.grid, lower, shape, most)
         update_pairs(state, hook)
         if self.active is not None:
             _hand_over(full, self.active)  # once more: now it lists the pairs
@@ -261,23 +258,9 @@ class Sleep:
 
 def _reached(start: AnyArray, first: IntArray, second: IntArray) -> AnyArray:
     """Return ``start`` (n,), extended by all that pairs of ``first`` and ``second`` join to it."""
-    found = np.array(start, dtype=bool)
-    while True:
-        either = found[first] | found[second]
-        if (found[first] == either).all() and (found[second] == either).all():
-            return found
-        found[first[either]] = found[second[either]] = True
-
-
-def _force_of(load: Any, state: State, body: Body, time: float) -> tuple[AnyArray, FloatArray]:
-    """A load's forces on a body's points [N], or tractions on its facets [Pa], and their sum [N]."""
-    if isinstance(load, BodyLoad):
-        force = load.forces(state.particles, body.particles, time)
-        return force, force.sum(axis=0)
-    own = state.tracked_surface.facets_of(body.index)
-    facets = LoadedFacets(state, load.facets[(load.facets >= own.start) & (load.facets < own.stop)])
-    traction = load.traction(facets, time)
-    return traction, facets.area @ traction
+    joined = coo_array((np.ones(len(first)), (first, second)), shape=(len(start), len(start)))
+    group = connected_components(joined, directed=False)[1]
+    return np.isin(group, group[start])
 
 
 def _hand_over(giver: Any, taker: Any) -> None:

@@ -7,7 +7,7 @@ import pytest
 
 import mpmfw
 from mpmfw.errors import SceneError
-from mpmfw.runs import sizing
+from mpmfw.runs import limits
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
 
@@ -66,13 +66,13 @@ def test_the_estimate_covers_what_is_allocated(name):
         tracemalloc.stop()
     state, sizes = (
         simulation.state,
-        [sizing.size_of(body, scene.grid.cell_size) for body in scene.bodies.values()],
+        [limits.size_of(body, scene.grid.cell_size) for body in scene.bodies.values()],
     )
     for body, size in zip(state.bodies, sizes, strict=True):
         assert body.particles.stop - body.particles.start <= size.points
         own = state.surface.of(body.index)
         assert own.stop - own.start <= size.surface_nodes
-    assert allocated <= sizing.most_memory(scene)
+    assert allocated <= limits.most_memory(scene)
 
 
 def test_a_forced_run_begins_whatever_its_length(monkeypatch):

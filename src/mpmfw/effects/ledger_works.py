@@ -1,4 +1,4 @@
-"""Work that forces do half a step apart from the velocity, where velocities are half a step behind positions.
+"""Works of the ledger: of impulses on the grid, and of forces half a step apart from the velocity.
 
 With update stress last a step is a leapfrog: a force f^n at the positions x^n takes the velocity from half a
 step before to half a step after, and the positions move with the latter. Over the displacement Δt v^n of a
@@ -9,20 +9,57 @@ the grid's kinetic energy, does not. Summed over the steps they differ by
     Σ Δt f^n·(v0^n − v^(n−1)) / 2 − Δt f^N·v^(N−1) / 2.
 
 The last term is of the half step that positions are ahead. The sum is of what the transfer took from the
-velocity between two steps: as the transfer loses kinetic energy, so it loses this work, and both are
-dissipation and no error in time. What is left of a residual is of the step's second order, and of steps that
-change their length.
+velocity between two steps: dissipation, and no error in time. What is left of a residual is of the step's
+second order, and of steps that change their length.
 
-v^(n−1) is the field with which the material moved, where that is now. The nodes of the grid stay behind, and
-their velocities of the last step, taken at the nodes of this one, would be off by Δt v·∇v, which the transfer
-did not take. Of strain it is the points' gradient, whose field moved with them has L (1 + Δt L)⁻¹; of
-contact, how far the rows came."""
+v^(n−1) is the field with which the material moved, where that is now. The nodes of the grid stay behind:
+their velocities of the last step would be off by Δt v·∇v. Of strain it is the points' gradient, whose field
+moved with them has L (1 + Δt L)⁻¹; of contact, how far the rows came."""
 
 from __future__ import annotations
 
 from mpmfw.kernels import kernel
 from mpmfw.kernels.types import Floats, Points
 from mpmfw.state.structs import Grid, Particles
+
+
+@kernel
+def grid_energy(mass: Floats, momentum: Floats) -> float:
+    """Σ |(m v)_i|² / (2 m_i) over nodes with mass."""
+    total = 0.0
+    for i in range(len(mass)):
+        if mass[i] > 0.0:
+            square = 0.0
+            for d in range(momentum.shape[1]):
+                square += momentum[i, d] * momentum[i, d]
+            total += 0.5 * square / mass[i]
+    return total
+
+
+@kernel
+def add_change(momentum: Floats, last: Floats, impulse: Floats) -> bool:
+    """I_i += m v − ``last``, the change of the momenta since the last look, which is now; whether there is
+    one.
+    """
+    changed = False
+    for i in range(len(momentum)):
+        for d in range(momentum.shape[1]):
+            if momentum[i, d] != last[i, d]:
+                impulse[i, d] += momentum[i, d] - last[i, d]
+                last[i, d] = momentum[i, d]
+                changed = True
+    return changed
+
+
+@kernel
+def impulse_work(impulse: Floats, mass: Floats, start_velocity: Floats, momentum: Floats) -> float:
+    """Σ I_i·(v_i⁰ + v_i¹) / 2 over nodes with mass; ``momentum`` is m v¹."""
+    total = 0.0
+    for i in range(len(mass)):
+        if mass[i] > 0.0:
+            for d in range(momentum.shape[1]):
+                total += 0.5 * impulse[i, d] * (start_velocity[i, d] + momentum[i, d] / mass[i])
+    return total
 
 
 @kernel
