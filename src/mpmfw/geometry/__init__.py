@@ -3,6 +3,7 @@
 from mpmfw.geometry.base import BodyGeometry
 from mpmfw.geometry.disc import Disc, Ring
 from mpmfw.geometry.discretise import Geometry, Particles, discretise
+from mpmfw.geometry.extrusion import Cylinder, Extrusion, Revolution, Torus
 from mpmfw.geometry.layout import Layout
 from mpmfw.geometry.mesh_file import MeshFile
 from mpmfw.geometry.plane import PlaneGeometry
@@ -15,7 +16,9 @@ __all__ = [
     "Ball",
     "BodyGeometry",
     "Box",
+    "Cylinder",
     "Disc",
+    "Extrusion",
     "Geometry",
     "Layout",
     "MeshFile",
@@ -23,8 +26,10 @@ __all__ = [
     "PlaneGeometry",
     "Polygon",
     "Rectangle",
+    "Revolution",
     "Ring",
     "SolidGeometry",
     "SurfaceMesh",
+    "Torus",
     "discretise",
 ]
