@@ -82,9 +82,9 @@ def prune(
     folders: Annotated[list[Path], Argument(metavar="FOLDER", help="Folders such as FILE.nc.runs.")],
     days: Annotated[float | None, Option(metavar="N", min=0.0, help="Forget older runs as well.")] = None,
 ) -> None:
-    """Forget runs of other code or other versions of the libraries, which no campaign would take.
+    """Forget runs of other code or other versions of the libraries.
 
-    Unfinished files of killed processes go as well. Other files stay, results such as FILE.nc included.
+    Unfinished files of killed processes go as well; other files stay.
     """
     from mpmfw.campaigns.store import Store
     from mpmfw.runs.identity import is_current

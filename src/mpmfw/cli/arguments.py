@@ -20,48 +20,44 @@ SceneName: TypeAlias = Annotated[
     str, Argument(metavar="SCENE", help="A TOML file, or the name of a shipped scene.")
 ]
 Contact: TypeAlias = Annotated[
-    str | None, Option(metavar="NAME", help="Contact instead of the scene's, such as 'penalty(kappa=2)'.")
+    str | None, Option(metavar="NAME", help="Contact, such as 'penalty(kappa=2)'.")
 ]
-Shape: TypeAlias = Annotated[
-    str | None, Option(metavar="NAME", help="Shape function instead of the scene's.")
-]
+Shape: TypeAlias = Annotated[str | None, Option(metavar="NAME", help="Shape function.")]
 Contacts: TypeAlias = Annotated[
     str | None, Option("--contact", metavar="A,B,…", help="Contacts, such as 'none,penalty(kappa=2)'.")
 ]
 Shapes: TypeAlias = Annotated[str | None, Option("--shape", metavar="A,B,…", help="Shape functions.")]
 Set: TypeAlias = Annotated[
     list[str] | None,
-    Option("--set", metavar="KEY=VALUE", help="Set a key, such as grid.cell_size=0.2; repeatable."),
+    Option("--set", metavar="KEY=VALUE", help="Set a key; repeatable."),
 ]
 Trust: TypeAlias = Annotated[
-    bool, Option("--trust", help="Import code that a file names as module:Class, if you trust its author.")
+    bool, Option("--trust", help="Import code of files that you trust (module:Class).")
 ]
 Output: TypeAlias = Annotated[Path | None, Option("-o", "--output", metavar="FILE", help="File to write.")]
 Force: TypeAlias = Annotated[
     bool,
-    Option("--force", help="Replace a result of the same kind; run past the limits of steps and frames."),
+    Option("--force", help="Replace a result; run past the limits of steps."),
 ]
 Replace: TypeAlias = Annotated[bool, Option("--force", help="Replace files that exist.")]
 Checkpoint: TypeAlias = Annotated[
     str | None,
-    Option(
-        metavar="TIME", help="Wall time between checkpoints for 'mpmfw resume'; 10 min by default, or inf."
-    ),
+    Option(metavar="TIME", help="Wall time between checkpoints; 10 min by default."),
 ]
 Jobs: TypeAlias = Annotated[
     int | None, Option("-j", "--jobs", min=1, help="Processes at a time, one thread each.")
 ]
 Body: TypeAlias = Annotated[
-    str | None, Option(metavar="NAME", help="Body that is measured; by default the motion decides.")
+    str | None, Option(metavar="NAME", help="Measured body; by default from the motion.")
 ]
 Pair: TypeAlias = Annotated[
-    str | None, Option(metavar="A-B", help="Pair that is measured; by default the motion decides.")
+    str | None, Option(metavar="A-B", help="Measured pair; by default from the motion.")
 ]
 Axis: TypeAlias = Annotated[
-    str | None, Option(metavar="NAME", help="Axis of the measure; by default the motion decides.")
+    str | None, Option(metavar="NAME", help="Measured axis; by default from the motion.")
 ]
 Repeats: TypeAlias = Annotated[
-    int | None, Option(min=1, help="Runs of each combination, whose cheapest counts; 1 by default.")
+    int | None, Option(min=1, help="Runs of each combination; the cheapest counts.")
 ]
 Scheduler: TypeAlias = Annotated[
     str | None, Option(metavar="ADDRESS", help="Dask scheduler whose workers run it.")
@@ -71,7 +67,7 @@ Bodies: TypeAlias = Annotated[
 ]
 Every: TypeAlias = Annotated[int, Option(metavar="N", min=1, help="Only each N-th output.")]
 Field: TypeAlias = Annotated[
-    str | None, Option(metavar="NAME", help="Field: von_mises, velocity, stress_xy … A wrong name lists all.")
+    str | None, Option(metavar="NAME", help="Field, such as von_mises; a wrong name lists all.")
 ]
 Limits: TypeAlias = Annotated[
     str | None, Option(metavar="LOW,HIGH", help="Ends of the colour scale, in SI units.")
@@ -145,7 +141,7 @@ def names(text: str | None, kind: Kind) -> list[str] | None:
 
 
 def variations(texts: list[str] | None) -> dict[str, list[Any]]:
-    """Return ``KEY=A,B,…`` as values by key; commas within brackets and quotes belong to a value."""
+    """Return ``KEY=A,B,…`` as values by key."""
     from mpmfw.campaigns.grid import given_twice
     from mpmfw.scene.override import parse_value
 

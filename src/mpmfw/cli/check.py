@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 def check(
     plugin: Annotated[
         str,
-        Argument(metavar="PLUGIN", help="An installed plug-in, or module:Class; as in 'penalty(kappa=2)'."),
+        Argument(metavar="PLUGIN", help="Plug-in, or module:Class, such as 'penalty(kappa=2)'."),
     ],
     kind: Annotated[
         str | None,
@@ -44,20 +44,16 @@ def check(
     ] = None,
     only: Annotated[list[str] | None, Option(metavar="CHECK", help="Run this check; repeatable.")] = None,
     expected_failures: Annotated[
-        Path | None, Option(metavar="FILE.toml", help="Names of checks that must fail, and the reasons.")
+        Path | None, Option(metavar="FILE.toml", help="Checks that must fail, and why.")
     ] = None,
     pictures: Annotated[Path, Option(metavar="DIR", help="Folder for pictures.")] = Path("mpmfw-check"),
-    save: Annotated[
-        Path | None, Option(metavar="DIR", help="Folder for scenes of counterexamples, each with a program.")
-    ] = None,
-    bounds: Annotated[
-        bool, Option("--bounds", help="Check every index of the kernels; takes minutes the first time.")
-    ] = False,
+    save: Annotated[Path | None, Option(metavar="DIR", help="Folder for scenes of counterexamples.")] = None,
+    bounds: Annotated[bool, Option("--bounds", help="Check every index of the kernels.")] = False,
     list_: Annotated[bool, Option("--list", help="Print the checks and their bounds, run none.")] = False,
 ) -> None:
     """Run the conformance kit on PLUGIN; exit status 1 if a check fails unexpectedly.
 
-    Each failure says which property is broken, the smallest counterexample, and where its picture is.
+    Each failure names the property and the smallest counterexample.
     """
     asked = _kind_of(plugin, kind)
     if list_:
@@ -103,7 +99,7 @@ def check(
 
 
 def _run_with_bounds(arguments: list[str]) -> None:
-    """Run the command in another process, whose kernels check every index and have another cache."""
+    """Run the command in another process, whose kernels check every index."""
     import platformdirs
 
     root = os.environ.get("NUMBA_CACHE_DIR") or str(platformdirs.user_cache_path("mpmfw") / "kernels")

@@ -25,7 +25,7 @@ def explain(
     set_: args.Set = None,
     trust: args.Trust = False,
     everything: Annotated[
-        bool, Option("--all", help="Print reasons of effects, hooks, arrays, limits and stages, too.")
+        bool, Option("--all", help="Print reasons, hooks, arrays, limits and stages, too.")
     ] = False,
 ) -> None:
     """Print what SCENE would run: effects, the time step, its cost, and facts that are not used."""
@@ -172,7 +172,7 @@ def unused_facts(simulation: Simulation) -> list[str]:
 
 
 def _alternatives(simulation: Simulation) -> Iterator[str]:
-    """Yield options of methods that do not run here; a comparison of several methods may use them."""
+    """Yield options of methods that do not run here."""
     from mpmfw.scene.options import CORE_KEYS
 
     scene = simulation.scene

@@ -1,4 +1,4 @@
-"""``mpmfw plot``, ``animate`` and ``export``: figures, moving pictures and ParaView's files of results."""
+"""``mpmfw plot``, ``animate`` and ``export``."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ def plot(
     arrows: args.Arrows = False,
     plane: Annotated[
         str | None,
-        Option(metavar="AXIS[=AT]", help="Plane of a field in 3D [m]; by default the middle of z."),
+        Option(metavar="AXIS[=AT]", help="Plane in 3D [m]; by default the middle of z."),
     ] = None,
     against: Annotated[
-        str | None, Option(metavar="CONTACT", help="Of a comparison: draw the difference from it as well.")
+        str | None, Option(metavar="CONTACT", help="Draw the difference from this contact as well.")
     ] = None,
     force: args.Replace = False,
 ) -> None:
@@ -125,7 +125,7 @@ def animate(
     arrows: args.Arrows = False,
     force: args.Replace = False,
 ) -> None:
-    """Write a moving picture of a field (default von_mises) of the run in FILE, a frame for each output.
+    """Write a moving picture of a field, by default von_mises, of the run in FILE.
 
     Several FILEs, or the runs of a comparison, stand side by side, at the times of the first. The output is
     a .gif, or an .mp4, which needs ffmpeg.

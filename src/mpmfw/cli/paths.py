@@ -18,7 +18,7 @@ _ENDINGS = {"run": "", "compare": "-compare", "choice": "-choose", "stability": 
 def check_result(path: Path, kind: str, force: bool = False) -> Path:
     """Return the path; raise a SceneError if results of a ``kind`` would replace a file.
 
-    With ``force`` a result of the kind is replaced. A campaign goes on from finished runs beside its result.
+    With ``force`` it is replaced. A campaign goes on from finished runs.
     """
     from mpmfw.campaigns.store import own_files
     from mpmfw.results.replacing import check_replaceable
@@ -51,7 +51,7 @@ def _check_checkpoint(checkpoint: Path, path: Path, may_replace: bool) -> None:
 
 
 def result_path(output: Path | None, scene: Scene, kind: str, force: bool, **others: Path | None) -> Path:
-    """Return the path of a scene's results, by default named as the scene; ``others`` must be other files."""
+    """Return the path of a scene's results; ``others`` must be other files."""
     path = Path(f"{scene.name}{_ENDINGS[kind]}.nc") if output is None else output
     taken = {}
     if scene.source.name is not None and scene.source.directory is not None:

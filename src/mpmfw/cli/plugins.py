@@ -1,4 +1,4 @@
-"""``mpmfw plugins``, ``schema`` and ``new``: plug-ins that are installed, and the start of one."""
+"""``mpmfw plugins``, ``schema`` and ``new``."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def new(
     name: Annotated[str, Argument(metavar="NAME", help="Name in scenes, such as soft_wall.")],
     into: Annotated[Path, Option(metavar="DIR", help="Folder to write it in.")] = Path(),
 ) -> None:
-    """Write a distribution with a plug-in of KIND called NAME that passes its tests, for your method."""
+    """Write a distribution with a plug-in of KIND called NAME."""
     from mpmfw_testing.templates import write_package
 
     place = write_package(kind, name, into)

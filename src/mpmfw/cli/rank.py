@@ -26,7 +26,7 @@ def rank(
     form: FormatOption = Format.table,
     force: args.Replace = False,
 ) -> None:
-    """Rank the methods of studies by the problems that they solve, and by what that costs over the cheapest.
+    """Rank the methods of studies by the problems that they solve, and by their cost.
 
     Of every method the cheapest run counts that reaches a level. With --output a figure (PNG, PDF or SVG):
     the share of problems and levels that each method solves within a cost.

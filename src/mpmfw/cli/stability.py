@@ -23,7 +23,7 @@ def stability(
     shape: args.Shape = None,
     kappa: Annotated[str | None, Option(metavar="A,B,…", help="Stiffness factors of the contact.")] = None,
     ratio: Annotated[
-        str | None, Option(metavar="A,B,…", help="Stiffnesses of the second body over the first instead.")
+        str | None, Option(metavar="A,B,…", help="Stiffnesses of the second body over the first.")
     ] = None,
     cfl: Annotated[
         str | None, Option(metavar="A,B,…", help="Courant numbers of the step; by default 0.1 to 1.2.")
@@ -35,7 +35,7 @@ def stability(
     scheduler: args.Scheduler = None,
     force: args.Replace = False,
 ) -> None:
-    """Run SCENE at many stiffnesses and time steps, past the limit too, and map where it stays stable.
+    """Run SCENE at many stiffnesses and time steps, and map where it is stable.
 
     The map is written to a file, by default named as the scene, with the figure beside it.
     """
@@ -59,7 +59,7 @@ def stability(
 
 
 def _print(dataset: xr.Dataset) -> None:
-    """Print the largest stable Courant numbers, those of the theory, and a letter for every point."""
+    """Print the largest stable Courant numbers, and a letter for every point."""
     from mpmfw.stability.chart import largest_stable
 
     axis, cfl = str(dataset["class"].dims[0]), dataset["cfl"].values

@@ -42,7 +42,7 @@ def print_table(
     words: Collection[str] = (),
     title: str = "",
 ) -> None:
-    """Print rows as a table; columns that find no room go to a further table with the same ``labels``.
+    """Print rows as a table, or as several where columns find no room.
 
     ``rows`` are cells by column, and rich's ``style``; ``heads`` gives columns in order. Columns without any
     value are left out. ``words`` are wrapped, as labels are; all other columns are numbers.

@@ -1,4 +1,4 @@
-"""Results for ParaView: material points and surfaces of every output as VTK XML, the series as a table."""
+"""Results for ParaView: points and surfaces as VTK XML, series as a table."""
 
 from mpmfw.paraview.exporting import export
 

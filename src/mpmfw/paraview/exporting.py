@@ -33,7 +33,7 @@ def export(
     progress: Callable[[int, int], None] | None = None,
     force: bool = False,
 ) -> list[Path]:
-    """Write a run for ParaView: VTK XML files of every output, and collections with their times.
+    """Write a run for ParaView: VTK XML files, and collections with their times.
 
     Parameters
     ----------

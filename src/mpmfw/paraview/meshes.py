@@ -1,4 +1,4 @@
-"""One output as meshes: material points as vertices or domains, surfaces as closed lines or triangles."""
+"""One output as meshes of material points and of surfaces."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def points_mesh(
 ) -> Mesh:
     """Return material points of the ``bodies``, with their indices, at one output.
 
-    With ``corners`` a point is a quadrilateral with cell data; without them it is a vertex with point data.
+    With ``corners`` a point is a quadrilateral, without them a vertex.
     """
     frames = {body: frame_of(tree, f"particles/{body}", frame) for body in bodies}
     points = _joined(frames, bodies, "particle")

@@ -1,4 +1,4 @@
-"""Figures of runs, comparisons and studies, as matplotlib figures that touch no global state."""
+"""Figures of runs, comparisons and studies, for matplotlib."""
 
 from mpmfw.plots.animation import animate
 from mpmfw.plots.costs import cost_bars, stages

@@ -24,7 +24,7 @@ _DPI = 150
 
 
 class Movie:
-    """A figure of runs by label, and the outputs that it goes through, under one colour scale."""
+    """A figure of runs by label, and the outputs that it goes through."""
 
     def __init__(
         self,
@@ -91,7 +91,7 @@ def animate(
     Raises
     ------
     SceneError
-        There is no such field, body or contact, the ending is another, or ffmpeg is needed and not there.
+        There is no such field, body, contact or ending, or no ffmpeg.
     MpmfwError
         A file cannot be read or written.
     """

@@ -24,7 +24,7 @@ from mpmfw.state.fields import FloatArray
 
 #: Drawings wider than this, in heights, stand one above the other; narrower ones two in a row.
 _WIDE = 2.5
-#: Room beside a drawing for its labels, above and below it, and for a colour bar beside it [mm].
+#: Room for labels beside a drawing and above it, and for a colour bar [mm].
 _BESIDE, _ABOVE, _BAR = 15.0, 18.0, 14.0
 
 
@@ -39,9 +39,9 @@ def field(
     plane: tuple[str, float | None] | None = None,
     against: str | None = None,
 ) -> Figure:
-    """Draw a field at one output of a run, in 3D by :func:`plane_cut`, or of a comparison's runs.
+    """Draw a field at one output of a run or of a comparison's runs.
 
-    Domains of CPDI and CPDI2 are coloured patches, other points discs of their area; surfaces are lines.
+    Domains of CPDI are patches, other points discs; 3D is drawn by :func:`plane_cut`.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""One panel with a field on the material points of a run, which can be moved from output to output."""
+"""One panel with a field on the material points of a run."""
 
 from __future__ import annotations
 

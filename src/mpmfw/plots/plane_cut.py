@@ -33,7 +33,7 @@ def plane_cut(
     bodies: Sequence[str] | None = None,
     limits: tuple[float, float] | None = None,
 ) -> Figure:
-    """Draw a field of a run in space on a plane across the axis ``normal``, at a place on it [m].
+    """Draw a field of a run on a plane across the axis ``normal``, at a place [m].
 
     Points nearer to the plane than half their size are discs; stored surfaces are lines. By default the plane
     is in the middle of the points; the rest is as of :func:`field`. A SceneError says what the run lacks.

@@ -15,7 +15,7 @@ from mpmfw.state.fields import FloatArray
 
 @journal_style()
 def profiles(ranking: xr.Dataset) -> Figure:
-    """Draw data profiles of a ranking, a panel for each quantity: share of problems over the cost."""
+    """Draw the share of problems over the cost, a panel for each quantity."""
     quantities = [
         name
         for name in ranking["quantity"].values.tolist()
@@ -50,7 +50,7 @@ def profiles(ranking: xr.Dataset) -> Figure:
 
 
 def profile(ranking: xr.Dataset, quantity: str, method: str) -> tuple[FloatArray, FloatArray]:
-    """Return costs over the best, rising (n,), and the share of problems that a method solves within each.
+    """Return rising costs over the best (n,), and the share of problems solved within each.
 
     Source: E. D. Dolan, J. J. Moré (2002), Benchmarking optimization software with performance profiles,
     *Mathematical Programming* 91, 201-213.

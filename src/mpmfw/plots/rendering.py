@@ -37,7 +37,7 @@ def rendered(
 ) -> Figure:
     """Render the bodies of a run in space, their surfaces in the colours of a field.
 
-    A surface node has the value of the nearest point of its body; a body without surface is drawn as spheres.
+    A surface node has the value of the nearest point; other bodies are spheres.
     ``towards`` is the direction of the view, with the z axis up; the rest is as of :func:`field`. A
     SceneError says that pyvista is missing, or what the run lacks.
     """

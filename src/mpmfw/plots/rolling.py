@@ -19,9 +19,9 @@ WINDOW = 100e-6
 
 
 def motion(datasets: Sequence[xr.Dataset]) -> Figure:
-    """Draw displacement, velocity and spin of the cylinder, and its displacement less the closed form.
+    """Draw displacement, velocity, spin and error of the cylinder's displacement.
 
-    Runs whose cylinder hardly moves are left out of the last panel. A ValueError refuses other scenes.
+    The last panel leaves out cylinders that stick. A ValueError refuses other scenes.
     """
     comparisons = []
     for dataset in datasets:
@@ -51,7 +51,7 @@ def motion(datasets: Sequence[xr.Dataset]) -> Figure:
 
 
 def contact_force(dataset: xr.Dataset) -> Figure:
-    """Draw contact force of the rings as stored and averaged over 100 µs, and impulse ([H17] figure 4)."""
+    """Draw force of the rings, its mean and its impulse ([H17] figure 4)."""
     time, table = dataset["time"].values, rings_table("force")
     force = -dataset["contact_force"].isel(pair=0).sel(axis="x")  # on the pair's second body
 

@@ -1,4 +1,4 @@
-"""The map of stability: classes of runs over stiffness and time step, with the theoretical limit."""
+"""The map of stability: classes of runs over stiffness and time step."""
 
 from __future__ import annotations
 

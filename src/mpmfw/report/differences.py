@@ -1,4 +1,4 @@
-"""Differences between the methods of a comparison: one number for each body and pair, the largest first."""
+"""Differences between the methods of a comparison, the largest first."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def differences(dataset: xr.Dataset) -> list[Difference]:
 
 
 def refinement(dataset: xr.Dataset) -> dict[tuple[str, str], tuple[str, float]]:
-    """Return the quantity that changed most at the finest cells, and its change over its scale, by method."""
+    """Return by method the quantity that changed most at the finest cells."""
     if dataset.sizes.get("cell_size", 0) < 2:
         return {}
     by_size = dataset.sortby("cell_size", ascending=False)

@@ -1,4 +1,4 @@
-"""One self-contained page of a comparison: table, figures, costs and the conditions they hold under."""
+"""One self-contained page of a comparison."""
 
 from __future__ import annotations
 

@@ -172,7 +172,7 @@ def _costs(run: xr.Dataset) -> dict[str, float]:
 
 
 def shown(value: Any, column: Column | None = None) -> str:
-    """Format a cell: three significant digits, errors with their sign, a dash for missing values."""
+    """Format a cell to three significant digits."""
     if isinstance(value, str):
         return value
     number = float(value)

@@ -1,4 +1,4 @@
-"""Measures of a motion: accelerations, errors against closed forms, impulses and averages of forces.
+"""Measures of a motion: accelerations, closed forms, impulses and averages of forces.
 
 A quantity that cannot be measured, because a run failed or a series is too short, is NaN.
 """
@@ -73,7 +73,7 @@ def value_at(time: FloatArray, values: FloatArray, at: float) -> float:
 def fitted_acceleration(time: FloatArray, displacement: FloatArray, start: float, end: float) -> float:
     """Return a [m/s²] of the least-squares fit d0 + v0 t + a t²/2 between ``start`` and ``end`` [s].
 
-    NaN if the series (time,) [s], [m] ends before, or has fewer than four outputs in the window.
+    NaN if the series (time,) ends before, or has fewer than four outputs there.
     """
     slack = 1e-9 * abs(end)
     known = np.isfinite(displacement)
@@ -110,7 +110,7 @@ NOISE_WINDOW = 20
 
 
 def force_noise(time: FloatArray, force: FloatArray, window: float | None = None) -> float:
-    """Return the noise of a force: rms of the force less its running mean, over the rms of that mean.
+    """Return the rms of a force less its running mean, over the rms of that mean.
 
     The force (time,) or (time, axis) [N/m] holds means over the output intervals. The ``window`` of the mean
     [s] is :data:`NOISE_WINDOW` intervals by default. NaN without a force, or twice the window of it.
@@ -167,15 +167,15 @@ def energy_sums(series: xr.Dataset) -> dict[str, xr.DataArray]:
     return sums
 
 
-#: Series that make up the energy, per body and per pair; friction and damping are work that is gone.
+#: Series that make up the energy, by body and by pair.
 _ENERGIES = ("kinetic_energy", "strain_energy", "affine_energy")
 _WORKS = ("contact_energy", "frictional_work", "damping_work")
 
 
 def energy_kept(run: xr.Dataset) -> FloatArray:
-    """Return energy and the work of friction and contact damping (time,), over the energy at the start.
+    """Return energy, with friction and damping, over the energy at the start (time,).
 
-    A series that is absent or NaN throughout counts as nothing, and so does a pair before it is listed.
+    A series that is absent counts as nothing, and so does a pair before it is listed.
     """
     total = np.zeros(run.sizes["time"])
     for names, dim in ((_ENERGIES, "body"), (_WORKS, "pair")):

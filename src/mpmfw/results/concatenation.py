@@ -131,7 +131,7 @@ def union_of_times(times: Sequence[FloatArray]) -> FloatArray:
 
 
 def series_at_outputs(tree: xr.DataTree) -> xr.Dataset:
-    """Return the series of a run at the multiples of its output interval; exact outputs stay as they are.
+    """Return the series of a run at the multiples of its output interval.
 
     Between two records, the ends of steps, a series is linear; one of means over the time since the last
     record is constant, so that its integral stays; whole numbers are those of the nearest record.

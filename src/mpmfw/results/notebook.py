@@ -1,6 +1,6 @@
-"""Histories, gaps, fields, tables and Pareto fronts for notebooks, of trees, datasets and files.
+"""Histories, gaps, fields, tables and Pareto fronts for notebooks.
 
-Each is a plain function, and a method of the accessor ``.mpmfw`` of xarray's trees and datasets.
+Each is a function, and a method of the accessor ``.mpmfw`` of xarray.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Scalar fields of material points: those stored, sizes, components, and a few that follow from them."""
+"""Scalar fields of material points: stored ones, sizes and components."""
 
 from __future__ import annotations
 

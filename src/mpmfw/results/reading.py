@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 #: Message on an HDF5 file that the library cannot read.
 _DAMAGED = "the file was cut short or is damaged"
 
-#: Largest size in memory over the length of a file, and bytes beside; numbers may never have been written.
+#: Largest size in memory over the length of a file, and bytes beside.
 LARGER, SPARE = 100, 100_000_000
 
 #: Files that are open until their tree is closed: HDF5 fails if a file is freed before its groups.

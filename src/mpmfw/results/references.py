@@ -1,4 +1,4 @@
-"""The exact motions of the bundled kinds of scenes, which a scene declares by ``[reference] kind``."""
+"""Exact motions that a scene declares by ``[reference] kind``."""
 
 from __future__ import annotations
 
@@ -180,7 +180,7 @@ def _loaded(text: str) -> Scene | None:
 
 
 def declared(scene: Scene) -> Reference | None:
-    """Return the bundled reference that a scene declares; None where it declares another or none.
+    """Return the bundled reference that a scene declares, or None.
 
     A SceneError says why the scene is not of the kind that it declares.
     """
@@ -292,7 +292,7 @@ def _rings(scene: Scene) -> RingsReference:
     assert shipped is not None
     _need(scene.gravity is None, "the scene has gravity")
     _need(len(scene.bodies) == 2, "expected two bodies")
-    # contact_force is on the pair's first body: only with the left one first does the reference's sign hold
+    # contact_force is on the pair's first body, the left one of the reference
     for name, known in zip(scene.bodies, shipped.bodies, strict=True):
         _need(isinstance(scene.bodies[name].geometry, Ring), f"'{name}' is no ring")
         found, expected = _ring_facts(scene, name), _ring_facts(shipped, known)

@@ -1,4 +1,4 @@
-"""Write a file whole or not at all; results and checkpoints replace files of their own kind alone."""
+"""Write a file whole or not at all; results replace files of their own kind alone."""
 
 from __future__ import annotations
 

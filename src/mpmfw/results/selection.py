@@ -1,4 +1,4 @@
-"""Select from stored results: a run of a comparison, an output, a body; and the difference of two runs."""
+"""Select from stored results: a run, an output, a body, the difference of two runs."""
 
 from __future__ import annotations
 
@@ -174,9 +174,9 @@ def _tree(run: xr.Dataset) -> xr.DataTree:
 def runs_of(
     comparison: xr.Dataset, against: str | None = None, name: str = "", *, contact: str | None = None
 ) -> dict[str, xr.DataTree]:
-    """Return the runs of a comparison that keep material points, or those with a ``contact``, by labels.
+    """Return the runs of a comparison with material points, all or of a ``contact``.
 
-    With ``against`` every other run gets the field ``NAME_difference`` against the run with that contact.
+    With ``against`` every other run gets the field ``NAME_difference``.
     """
     if "particle_position" not in comparison:
         why = "the comparison keeps no fields; run it with --set output.particles=true"
@@ -203,7 +203,7 @@ def runs_of(
 
 
 def difference(run: xr.DataTree, reference: xr.DataTree, name: str = "von_mises") -> xr.DataTree:
-    """Return a run with the field ``NAME_difference``: a scalar field less that of the ``reference``.
+    """Return a run with the field ``NAME_difference`` against the ``reference``.
 
     A SceneError says if there is no such field, or the material points or their times differ.
     """

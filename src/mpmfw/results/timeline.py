@@ -1,4 +1,4 @@
-"""A group of a results' file whose variables share their times; frames wait, and are written together."""
+"""A group of a results' file, whose variables share their times."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class _Column:
 
 
 class Timeline:
-    """The times of a group of the file, along a dimension ``along``, and the variables that have them.
+    """The times of a group, along a dimension ``along``, and the variables that have them.
 
     ``times`` [s] are those of earlier frames, in which the group has nothing. A group that has times already
     is continued.

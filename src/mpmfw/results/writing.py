@@ -55,7 +55,7 @@ class RunWriter:
 
     ``content`` are the bytes of a file of the same run, whose outputs the new file begins with.
 
-    Raise MpmfwError if the file cannot be created, another run is writing it, or the content is damaged.
+    Raise MpmfwError if the file cannot be written, or the content is damaged.
     """
 
     def __init__(
@@ -120,7 +120,7 @@ class RunWriter:
                 for timeline in self._groups.values():
                     timeline.write()
                 self._dataset.sync()
-                # HDF5 flushes in any order: an output is complete once its time follows in a second sync
+                # HDF5 flushes in any order: times follow in a second sync
                 self._outputs.write()
                 self._dataset.sync()
         finally:
