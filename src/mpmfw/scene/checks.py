@@ -56,9 +56,8 @@ def check(scene: Tables, plugins: Mapping[Path, type[Any]], options: Mapping[Pat
 def _reference(scene: Tables) -> Iterator[Problem]:
     """Refuse an unknown kind of reference; its scene is checked where it is judged."""
     if scene.reference is not None:
-        installed = available("reference")
-        if scene.reference.kind not in REFERENCES and scene.reference.kind not in installed:
-            known = sorted({*REFERENCES, *installed})
+        known = sorted({*REFERENCES, *available("reference")})
+        if scene.reference.kind not in known:
             yield unknown_name(("reference", "kind"), scene.reference.kind, known)
 
 
@@ -166,12 +165,9 @@ def _loads(scene: Tables) -> Iterator[Problem]:
         return
     if scene.settle.gravity is not None:
         yield from _gravity(scene.settle.gravity, ("settle", "gravity"), scene.grid.dim)
-    elif not (
-        scene.gravity
-        or scene.loads
-        or scene.allow_overlap
-        or any(s.is_loaded for body in scene.bodies.values() for s in body.sides)
-    ):
+        return
+    loaded = any(side.is_loaded for body in scene.bodies.values() for side in body.sides)
+    if not (scene.gravity or scene.loads or scene.allow_overlap or loaded):
         yield Problem(("settle",), "has no effect: the scene has no gravity, load or overlap to settle under")
 
 

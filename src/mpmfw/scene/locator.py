@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 import re
+import tomllib
 
 Path = tuple[str | int, ...]
 
@@ -137,8 +138,6 @@ class Locator:
 
 def _unquoted(key: str) -> str:
     """A quoted key without quotes; escapes are resolved as TOML does."""
-    import tomllib
-
     return key if key[0] not in "\"'" else str(tomllib.loads(f"key = {key}")["key"])
 
 

@@ -9,7 +9,8 @@ from typing import Any
 from mpmfw.errors import SceneError
 from mpmfw.geometry.discretise import geometry_class
 from mpmfw.plugin.discovery import Kind, available, load, only_bundled
-from mpmfw.scene.tables import Tables
+from mpmfw.scene.options import NAMED
+from mpmfw.scene.tables import Boundary, Load, Material, Series, Tables
 
 _OPEN = "additionalProperties"
 _LIMITS = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum"}
@@ -25,17 +26,10 @@ def json_schema() -> dict[str, Any]:
         table["properties"]["method"]["enum"] = list(available(kind))
         for name in available(kind):
             table["properties"][name] = _options(schema, kind, name)
-    models: dict[str, Kind] = {
-        "Material": "material",
-        "Load": "load",
-        "Boundary": "boundary",
-        "Series": "output",
-    }
-    for table, named in models.items():
-        _add_models(schema, table, named)
-    schema = with_geometries(
-        schema, [name for name in available("geometry") if not only_bundled("geometry", name)]
-    )
+    for table, named in zip((Material, Load, Boundary, Series), NAMED.values(), strict=True):
+        _add_models(schema, table.__name__, named)
+    strangers = [name for name in available("geometry") if not only_bundled("geometry", name)]
+    schema = with_geometries(schema, strangers)
     _allow_units(schema)
     return schema
 

@@ -65,8 +65,7 @@ def split_specifications(text: str) -> list[str]:
 def checked_specification(kind: Kind, text: str) -> Specification:
     """Read the specification of an installed plug-in, with options that its model takes one by one.
 
-    A SceneError refuses a wrong form, a plug-in that is not installed, and an option or value that it has
-    not.
+    A SceneError refuses a wrong form, a plug-in that is not installed, and options that its model refuses.
     """
     asked = parse_specification(text)
     if asked.name not in choices(kind):

@@ -34,15 +34,9 @@ _PLACES: set[str] = set()
 
 
 def _fits(name: str, patterns: Iterable[str], known: Iterable[str]) -> bool:
-    """Return whether a pattern fits a name.
-
-    Raises
-    ------
-    ValueError
-        A pattern fits none of the known names: it is misspelt, and its gate would be lost.
-    """
+    """Return whether a pattern fits a name; a ValueError refuses one that fits none of the known names."""
     for pattern in patterns:
-        if not fnmatch.filter(known, pattern):
+        if not fnmatch.filter(known, pattern):  # it is misspelt, and its gate would be lost
             raise ValueError(f"'{pattern}' fits no name of the full version: {', '.join(sorted(known))}")
     return any(fnmatch.fnmatchcase(name, pattern) for pattern in patterns)
 
@@ -69,13 +63,7 @@ class Method:
         )
 
     def matches(self, *patterns: str) -> bool:
-        """Return whether a pattern, such as ``penalty, cpdi*``, fits its name.
-
-        Raises
-        ------
-        ValueError
-            A pattern fits no method of the full version of any runs.
-        """
+        """Return whether a pattern such as ``penalty, cpdi*`` fits its name; it must fit one of all runs."""
         return _fits(str(self), patterns, _METHODS)
 
     def __str__(self) -> str:
@@ -99,22 +87,16 @@ def methods(
 class Place:
     """One variant of the scene that all methods run, such as a cell size.
 
-    ``make`` are arguments of a scene's function. ``within`` are limits that hold here, by ``key`` of a gate.
     ``open`` are gates that do not bind here, by key: the reason, or reasons by patterns of methods; ``run``
     is the run itself."""
 
     at: str = ""
     set: Mapping[str, Any] = field(default_factory=dict)
-    scene: str | Callable[..., Any] | None = None
-    make: Mapping[str, Any] = field(default_factory=dict)
-    within: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    scene: str | Mapping[str, Any] | Callable[..., Any] | None = None
+    make: Mapping[str, Any] = field(default_factory=dict)  #: arguments of a scene's function
+    within: Mapping[str, tuple[float, float]] = field(default_factory=dict)  #: limits, by ``key`` of a gate
     open: Mapping[str, str | Mapping[str, str]] = field(default_factory=dict)
     when: str = ""
-
-    @property
-    def open_methods(self) -> list[str]:
-        """Return the patterns of methods in ``open``."""
-        return [pattern for reason in self.open.values() if not isinstance(reason, str) for pattern in reason]
 
     def is_open(self, key: str, method: Method) -> bool:
         """Return whether a method is known to miss the limit of this key here."""
@@ -136,9 +118,7 @@ class Version:
 class Runs:
     """A scene at places, in versions, with methods; as a decorator it makes a test of each run.
 
-    ``by`` takes the scene instead of a run. ``binds`` are patterns of methods whose failure is red,
-    besides the recommended.
-    """
+    ``by`` takes the scene instead of a run. ``binds``: patterns of methods whose failure is red as well."""
 
     name: str
     scene: str | Callable[..., Any] = "scene.toml"
@@ -159,16 +139,20 @@ class Runs:
         names = [str(method) for method in self.methods if method.when != "quick"]
         _METHODS.update(names)
         _PLACES.update(place.at for place in self.places if place.when != "quick")
-        for patterns in (self.binds, *(place.open_methods for place in self.places)):
+        reasons = [reason for place in self.places for reason in place.open.values()]
+        for patterns in (self.binds, *(reason for reason in reasons if not isinstance(reason, str))):
             _fits("", patterns, names)
 
     def __call__(self, function: Callable[..., Any]) -> Any:
         return each(self)(function)
 
+    def points(self) -> Iterator[tuple[Runs, Place, Version, Method]]:
+        """Yield these runs with every combination of place, version and method."""
+        return itertools.product([self], self.places, self.versions, self.methods)
+
     def count(self, now: str) -> int:
         """Return how many run in the ``full`` or ``quick`` version of the case."""
-        product = itertools.product([self], self.places, self.versions, self.methods)
-        return sum(all(one.when in ("", now) for one in point) for point in product)
+        return sum(all(one.when in ("", now) for one in point) for point in self.points())
 
     def scene_at(self, case: Case, place: Place, version: Version, method: Method | None) -> Scene:
         """Return the scene of a place in a version, with the method."""
@@ -180,13 +164,7 @@ class Runs:
         return case.scene(made, method, values)
 
     def start(self, case: Case, place: Place, version: Version, method: Method) -> CaseRun:
-        """Run one point.
-
-        Raises
-        ------
-        SimulationError, SceneError
-            As :func:`mpmfw.run`.
-        """
+        """Run one point; errors are those of :func:`mpmfw.run`."""
         self.started += 1
         scene = self.scene_at(case, place, version, method)
         if self.by is None:
@@ -201,12 +179,11 @@ class Runs:
 def each(*runs: Runs) -> Any:
     """Decorate a test that takes each run of these as ``run``."""
     params = []
-    for one in runs:
-        for point in itertools.product([one], one.places, one.versions, one.methods):
-            _, place, version, method = point
-            name = " | ".join(filter(None, (one.name, place.at, version.at, str(method))))
-            marks = [getattr(pytest.mark, part.when) for part in point if part.when]
-            params.append(pytest.param(point, id=name, marks=marks))
+    for point in (point for one in runs for point in one.points()):
+        every, place, version, method = point
+        name = " | ".join(filter(None, (every.name, place.at, version.at, str(method))))
+        marks = [getattr(pytest.mark, part.when) for part in point if part.when]
+        params.append(pytest.param(point, id=name, marks=marks))
     return pytest.mark.parametrize("run", params, indirect=True)
 
 
@@ -230,8 +207,7 @@ class CaseRun:
     _measured: dict[str, Any] = field(default_factory=dict)
 
     def at(self, *patterns: str) -> bool:
-        """Return whether a pattern fits the name of its place; ValueError if one fits no place of the full
-        version."""
+        """Return whether a pattern fits the name of its place; it must fit a place of all runs."""
         return _fits(self.place.at, patterns, _PLACES)
 
     def of(
@@ -244,13 +220,12 @@ class CaseRun:
     ) -> float | None:
         """Return what a function of the results, or a campaign's measure, gives: a number, or None.
 
-        ``key`` takes one of several values by name; ``relative`` is the departure from the closed form.
-        """
+        ``key`` takes one of several; ``relative`` is the departure from the closed form."""
         name = f"{measure} {args} {relative}"
-        if name not in self._measured:
-            self._measured[name] = (
-                measure(self.results, **args) if callable(measure) else self._measure(measure, relative, args)
-            )
+        if name not in self._measured and callable(measure):
+            self._measured[name] = measure(self.results, **args)
+        elif name not in self._measured:
+            self._measured[name] = self._measure(str(measure), relative, args)
         return _number(self._measured[name], key, scale)
 
     def _measure(self, name: str, relative: bool, args: Mapping[str, Any]) -> float:
@@ -293,12 +268,10 @@ class CaseRun:
     ) -> None:
         """Record several values of one measure; ``args`` as :meth:`of` takes them.
 
-        A row has the quantity, in which ``{at}`` is the place, the key, and what :meth:`gate` takes next.
-        """
+        A row has the quantity, in which ``{at}`` is the place, the key, and what :meth:`gate` takes next."""
         for quantity, key, *rest in rows:
             named = dict(zip(("reference", "tolerance", "unit"), rest, strict=False))
-            value = self.of(measure, key, **args)
-            self.gate(quantity.format(at=self.place.at), value, binds=binds, **named)
+            self.gate(quantity.format(at=self.place.at), self.of(measure, key, **args), binds=binds, **named)
 
 
 class RunSet(list[CaseRun]):

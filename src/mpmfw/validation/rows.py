@@ -102,13 +102,7 @@ class Case:
     def run(
         self, scene: str | Scene, method: Any = None, set: Mapping[str, Any] | None = None
     ) -> xr.DataTree:
-        """Run a scene; settling that ends with a warning is in the rows.
-
-        Raises
-        ------
-        SimulationError, SceneError
-            As :func:`mpmfw.run`.
-        """
+        """Run a scene, as ``mpmfw.run``; settling that ends with a warning is in the rows."""
         loaded = scene if isinstance(scene, Scene) else self.scene(scene, method, set or {})
         self._seconds = math.nan
         with warnings.catch_warnings():
@@ -143,12 +137,8 @@ class Case:
     ) -> None:
         """Record a value beside its reference; None has no row.
 
-        Parameters
-        ----------
-        tolerance
-            Limits of the value; without them it is shown.
-        binds
-            Whether the suite fails if the value is outside; left out, of the recommended methods and of none.
+        Without a ``tolerance`` the value is shown. If it ``binds``, the suite fails where the value is
+        outside; left out, it does for recommended methods and for none.
         """
         if value is None:
             return
@@ -157,7 +147,7 @@ class Case:
         binds = binds and tolerance is not None
         name = self.folder.name
         self.rows.append(
-            Row(name, str(method), quantity, value, reference, unit, least, most, binds, self._seconds)
+            Row(name, str(method), quantity, float(value), reference, unit, least, most, binds, self._seconds)
         )
 
     def failed(self, method: Any, why: str, binds: bool | None = None, at: str = "") -> None:

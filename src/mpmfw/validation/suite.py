@@ -117,15 +117,10 @@ def suite_of(given: Path | None) -> Path:
 def find_cases(suite: Path, names: Sequence[str] = ()) -> list[Path]:
     """Return the folders of the suite with a ``test_*.py``: all, or the named ones.
 
-    Raises
-    ------
-    SceneError
-        There is no such suite, or no such case.
+    A SceneError says that there is no such suite, or no such case.
     """
     if not suite.is_dir():
-        raise SceneError(
-            f"--suite {suite}: there is no such folder; expected one with a folder for each case"
-        )
+        raise SceneError(f"--suite {suite}: is no folder; expected one with a folder for each case")
     known = {file.parent.name: file.parent for file in sorted(suite.glob("*/test_*.py"))}
     if not known:
         raise SceneError(f"--suite {suite}: no folder in it has a test_*.py")
@@ -150,16 +145,9 @@ def run_cases(
 ) -> list[CaseResult]:
     """Run cases, longest first, and save their figures; those that today's code has done are not run again.
 
-    Parameters
-    ----------
-    cases, output
-        Folders of cases, and the one for the figures; results are kept in its folder ``runs``.
-    jobs, executor, progress
-        As :func:`mpmfw.campaign` takes them; each case has a process of its own.
-    command
-        The command that the results name.
-    force
-        Run cases again that are done.
+    ``output`` is the folder for the figures; results are kept in its folder ``runs``. ``jobs``, ``executor``
+    and ``progress`` are as :func:`mpmfw.campaign` takes them; each case has a process of its own. ``command``
+    is the one that the results name. ``force`` runs cases again that are done.
     """
     output.mkdir(parents=True, exist_ok=True)
     runner = executor_of(executor, jobs) if executor is not None else Pool(jobs, fresh=True)
@@ -195,7 +183,8 @@ def _key(folder: Path, quick: bool) -> str:
     """Return a key that changes with the files of the case and its suite, the code and libraries."""
     inner = [path for path in folder.rglob("*") if path.is_file() and "__pycache__" not in path.parts]
     parts = [f"{name} {version}" for name, version in sorted(code_of_plugins().items())]
-    files = sources([*inner, *folder.parent.glob("*.py")])
+    shared = [*folder.parent.glob("*.py"), *folder.parent.glob("*/*_fem/*.py")]  # several cases import these
+    files = sources([*inner, *shared])
     return digest(folder.name, str(quick), files, package("mpmfw"), *parts)
 
 
