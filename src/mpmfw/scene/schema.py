@@ -10,7 +10,7 @@ from mpmfw.errors import SceneError
 from mpmfw.geometry.discretise import geometry_class
 from mpmfw.plugin.discovery import Kind, available, load, only_bundled
 from mpmfw.scene.options import NAMED
-from mpmfw.scene.tables import Boundary, Load, Material, Series, Tables
+from mpmfw.scene.tables import Tables
 
 _OPEN = "additionalProperties"
 _LIMITS = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum"}
@@ -26,8 +26,8 @@ def json_schema() -> dict[str, Any]:
         table["properties"]["method"]["enum"] = list(available(kind))
         for name in available(kind):
             table["properties"][name] = _options(schema, kind, name)
-    for table, named in zip((Material, Load, Boundary, Series), NAMED.values(), strict=True):
-        _add_models(schema, table.__name__, named)
+    for table, kind_of_model in zip(("Material", "Load", "Boundary", "Series"), NAMED.values(), strict=True):
+        _add_models(schema, table, kind_of_model)
     strangers = [name for name in available("geometry") if not only_bundled("geometry", name)]
     schema = with_geometries(schema, strangers)
     _allow_units(schema)
