@@ -203,14 +203,6 @@ def test_any_path_stays_on_the_surface_dissipates_and_turns_with_its_observer(
         np.testing.assert_allclose(turned.stress(q @ f), q @ tau @ q.T, atol=1e-9 * material.bulk_modulus)
 
 
-@pytest.mark.parametrize("model", [MohrCoulomb, DruckerPrager], ids=lambda m: m.name)
-def test_plane_strain_is_the_plane_of_three_dimensions(model: type[Frictional]) -> None:
-    plane, space = Point(model(**SAND), dim=2), Point(model(**SAND))
-    for k in range(20):
-        f = deformation([-1e-3 * k, 2e-4 * k, 0.0], 1e-3 * k)
-        np.testing.assert_allclose(plane.stress(f), space.stress(f)[:2, :2], rtol=1e-12, atol=1e-3)
-
-
 @pytest.mark.parametrize(
     ("options", "message"),
     [
