@@ -23,22 +23,18 @@ from mpmfw.scene.base import Axis, Table
 from mpmfw.state.fields import FloatArray
 from mpmfw.units import Number
 
-#: Share of a motion below which its part along an axis counts as nothing: a relative error of it says
-#: nothing.
+#: Share of a motion below which its part along an axis counts as nothing.
 NEAR_ZERO = 1e-3
 
 #: Results of a combination; None where there are none.
 Results = Callable[[Index], xr.DataTree | None]
-
 
 #: An error about a key of the table ``error``, by its path.
 At = Callable[[tuple[str, ...], str], SceneError]
 
 
 class ErrorTable(Table):
-    """Which error is measured, and against what: a closed form, a reference, or the study's finest run.
-
-    A reference is a file, a value, or the solution that ships with mpmfw for the scene."""
+    """Error that is measured: against a closed form, a reference, or the study's finest run."""
 
     quantity: str  #: name of a measure, see :data:`mpmfw.campaigns.measures.MEASURES`
     kind: Literal["closed-form", "reference", "finest"] = "closed-form"
@@ -64,10 +60,7 @@ class Judgement:
 
 
 class Judge:
-    """Judges the runs of a campaign.
-
-    ``at`` makes an error about a key of the table, ``beside`` the path of a file that the table names.
-    """
+    """Judges runs; ``at`` makes an error about a key, ``beside`` the path of a file that the table names."""
 
     def __init__(
         self,
@@ -127,9 +120,9 @@ class Judge:
             advice = f"leave {' and '.join(guilty)} out, or take kind = 'finest'"
             raise self.at(("error", guilty[0]), f"{text}; {advice}")
         others = [f"kind = '{known.kind}'"] if known is not None else []
-        others += ["kind = 'finest'"] if self.measure.kind != "field" else []
-        own = {"curve": ["a file with kind = 'reference'"], "number": ["a value with kind = 'reference'"]}
-        others += own.get(self.measure.kind, [])
+        if self.measure.kind != "field":
+            given_by = "a file" if self.measure.kind == "curve" else "a value"
+            others += ["kind = 'finest'", f"{given_by} with kind = 'reference'"]
         text = f"the scene '{scene.name}' has no {what} for {error.quantity}"
         raise self.at(("error", "kind"), f"{text}; expected {' or '.join(others) or 'another quantity'}")
 
@@ -251,10 +244,8 @@ def said(measure: str, about: About) -> str:
 
 
 def interpolated(reference: Measured, at: Measured) -> FloatArray:
-    """The reference's values at another run's times; a number as it is."""
-    if not reference.time.size:
-        return reference.values
-    return _within(at.time, reference.time, reference.values)
+    """Return the reference's values at another run's times; a number as it is."""
+    return _within(at.time, reference.time, reference.values) if reference.time.size else reference.values
 
 
 def judge_all(
