@@ -63,7 +63,7 @@ def _section(name: str) -> str:
     first = " *First answer counts.*" if _first_result(name) else ""
     head, *rest = _lines(name)
     code = f"```python\n{name}({signature}) -> {returned}\n```"
-    return "\n".join([f"## {name}", "", code, "", _markdown(head) + first, *_body(rest), ""])
+    return "\n".join([f"## {name}", "", code, "", _markdown(head) + first, *map(_markdown, rest), ""])
 
 
 def _first_result(name: str) -> bool:
@@ -76,22 +76,6 @@ def _lines(name: str) -> list[str]:
     if not text:
         raise SystemExit(f"the hook '{name}' has no docstring")
     return text.splitlines()
-
-
-def _body(lines: list[str]) -> list[str]:
-    """NumPy sections become bold words, the indented text below a name an item of a list."""
-    made: list[str] = []
-    for index, line in enumerate(lines):
-        below = lines[index + 1] if index + 1 < len(lines) else ""
-        if re.fullmatch(r"-{3,}", line):
-            made.append("")
-        elif re.fullmatch(r"-{3,}", below):
-            made.append(f"**{line}**")
-        elif below.startswith("    ") and not line.startswith("    "):
-            made.append(f"- `{line}`:")
-        else:
-            made.append(_markdown(f"  {line.strip()}" if line.startswith("    ") else line))
-    return made
 
 
 def _markdown(text: str) -> str:
