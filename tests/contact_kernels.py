@@ -94,23 +94,24 @@ def flat(x0, x1, y0, y1, n):
 
 
 class Found(Candidates):
-    """Candidates of the search, (n, slots), and how many there are."""
+    """Candidates of the search, (n, slots), how many there are, and where they lie."""
 
     count = 0
+
+    def locate(self, loops):
+        """Write body, barycentric coordinates and normal of every candidate."""
+        n, slots = self.facet.shape
+        self.master = np.where(self.facet >= 0, loops.body[self.facet], -1)
+        self.share, self.normal = np.zeros((n, slots, 2)), np.zeros((n, slots, 2))
+        for s, j in zip(*np.nonzero(self.facet >= 0), strict=True):
+            place = self.share[s, j], self.normal[s, j]
+            signed_distance(loops.position[s], self.facet[s, j], loops.outline, *place, PLANE)
+        return self
 
 
 def empty_candidates(n, slots):
     """No candidate at all."""
-    whole, real = np.full((n, slots), -1), np.zeros((n, slots))
-    return Found(
-        master=whole.copy(),
-        facet=whole.copy(),
-        share=np.zeros((n, slots, 2)),
-        gap=real.copy(),
-        normal=np.zeros((n, slots, 2)),
-        inside=whole[:0],
-        inside_facet=whole[:0],
-    )
+    return Found(facet=np.full((n, slots), -1), gap=np.full((n, slots), np.inf))
 
 
 def lists_of(loops, radius):
@@ -128,9 +129,13 @@ def find(loops, *, h=0.25, radius=None, literal=False, slots=3):
     found, radius = empty_candidates(len(loops.body), slots), h if radius is None else radius
     lists = lists_of(loops, radius)
     if lists.update():
-        search_for = find_penetrated if literal else search.find_candidates
-        found.count = search_for(radius, loops.outline, lists.near, found, (h, h))
-    return found
+        if literal:
+            found.count = find_penetrated(radius, loops.outline, lists.near, found, (h, h))
+        else:
+            found.count = search.find_candidates(
+                radius, loops.outline, lists.near, found, np.zeros(3), (h, h)
+            )
+    return found.locate(loops)
 
 
 @dataclass
@@ -253,8 +258,8 @@ class OneNode:
             gap = signed_distance(loops.position[0], m, loops.outline, share, normal, PLANE)
             if abs(gap) < best:
                 best = abs(gap)
-                found.master[0, 0], found.facet[0, 0], found.share[0, 0] = 1, m, share
-                found.gap[0, 0], found.normal[0, 0] = gap, normal
+                found.facet[0, 0], found.gap[0, 0] = m, gap
+        found.locate(loops)
         force, tangential, work = forces(loops, found, self.law, self.old_master, self.old_tangential)
         self.old_master, self.old_tangential = found.master, tangential
         self.work += work[0]

@@ -100,7 +100,7 @@ EFFECTS = {
         modules="contact.bardenhagen contact.impulse ~nodes ~shared_nodes",
         series=_CONTACT,
     ),
-    "averaged normals": brings("leaning_normals", arrays="leaning_normals", modules="~normal_bias"),
+    "averaged normals": brings(modules="~normal_bias"),
     "penalty": brings(
         "penalty",
         arrays="penalty",

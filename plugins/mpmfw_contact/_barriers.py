@@ -55,24 +55,16 @@ def barrier_curvature(s: Float) -> Float:
 
 
 @kernel
-def least_gaps(rows: Rows, count: int, out: Floats) -> None:
-    """Least gap of every pair, into ``out`` (pair,) where it is less than what stands there."""
-    for c in range(count):
-        out[rows.pair[c]] = min(out[rows.pair[c]], rows.gap[c])
-
-
-@kernel
 def set_barriers(
     rows: Rows, count: int, own: BarrierArrays, modulus: Floats, offset: Floats, reach: float,
-    cell_size: float,
-    stiffest: float,
+    cell_size: float, stiffest: float,
 ) -> int:  # fmt: skip
-    """Distance of every row and the greatest stiffness that it may come to in the step; the first row whose
-    distance is used up, or −1.
+    """Write distance and greatest stiffness in the step of every row; return the first row whose distance is
+    used up, or −1.
 
-    ``modulus`` is κ M / h of each pair, ``offset`` what is added to its gaps, ``reach`` the distance from
-    which barriers act, ``stiffest`` that of the tangential springs over κ M A / reach. The end of the step is
-    foreseen from the motion over the last one.
+    ``modulus`` is κ M / h of each pair, ``offset`` is added to its gaps, barriers act from the distance
+    ``reach``, and ``stiffest`` is k_t over κ M A / reach. The end of the step is foreseen from the motion
+    over the last one.
     """
     for c in range(count):
         p = rows.pair[c]
@@ -92,13 +84,10 @@ def set_barriers(
 @kernel
 def barrier_forces(
     rows: Rows, count: int, own: BarrierArrays, old_own: BarrierArrays, modulus: Floats, reach: float,
-    cell_size: float,
-    tangential_ratio: float, records: Records,
+    cell_size: float, tangential_ratio: float, records: Records,
 ) -> None:  # fmt: skip
-    """N = −κ M A b'(d / reach) of every row nearer than ``reach``.
-
-    Where a place comes within reach, only the part of the step counts for friction that it spent there.
-    """
+    """Write N = −κ M A b'(d / reach) of every row nearer than ``reach``; in the step in which it comes so
+    near, the part ``entered`` counts for friction."""
     for c in range(count):
         s, o, k = own.distance[c] / reach, rows.previous[c], modulus[rows.pair[c]] * own.effective_area[c]
         if s >= 1.0:
@@ -126,14 +115,13 @@ def add_velocity(
 @device
 def time_to_reach(
     s: int, m: int, share: Floats, normal: Floats, offset: Float, reach: Float, outline: Outline,
-    table: Table,
-    mass: Floats, momentum: Floats, spacing: tuple[float, ...],
+    table: Table, mass: Floats, momentum: Floats, spacing: tuple[float, ...],
 ) -> Float:  # fmt: skip
     """Time in which node s and facet m, if both go on as they move, use up :data:`USED` of their distance, or
     of the reach once they are within it [s], along ``normal``, from the facet to the node.
 
-    No corner of the facet comes past the node sooner: that is a lower bound. With an ``offset`` surfaces may
-    overlap, and what counts is the point of the facet whose coordinates are ``share``, as it is closest now.
+    No corner of the facet comes past the node sooner: that is a lower bound. With an ``offset`` surfaces
+    may overlap, and the point of the facet counts whose coordinates are ``share``.
     """
     dim, least = len(spacing), math.inf
     own, motion = scratch.vector(spacing), scratch.vector(spacing)
@@ -160,16 +148,11 @@ def time_to_reach(
 
 @kernel
 def time_to_touch(
-    rows: Rows, count: int, places: Places, outline: Outline, table: Table, offset: Floats,
-    reach: float, mass: Floats,
-    momentum: Floats, spacing: tuple[float, ...],
+    rows: Rows, count: int, places: Places, outline: Outline, table: Table, offset: Floats, reach: float,
+    mass: Floats, momentum: Floats, spacing: tuple[float, ...],
 ) -> float:  # fmt: skip
-    """Time in which no node of a row uses up more than a part of the distance from its facet, nor from one
-    beside it [s].
-
-    Conservative advancement, a lower bound of the time of impact: :func:`time_to_reach`. Facets beside it
-    count where surfaces may not overlap.
-    """
+    """Time in which no node of a row uses up more than a part of the distance from its facet, nor, where
+    surfaces may not overlap, from one beside it [s]: conservative advancement, by :func:`time_to_reach`."""
     least, dim = math.inf, len(spacing)
     x, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
     for c in range(count):

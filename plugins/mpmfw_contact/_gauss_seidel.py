@@ -1,13 +1,13 @@
 """Kernels of the complementarity problem of all rows: projected Gauss-Seidel, without a matrix.
 
 J are impulses on rows, v = v* + M⁻¹ Bᵀ J the nodal velocities, kept up to date, u_c = B_c v those of the
-rows. Signs and B are those of :mod:`mpmfw.kernels.contact`.
+rows.
 """
 
 from __future__ import annotations
 
 from mpmfw.kernels import Struct, device, kernel, scratch
-from mpmfw.kernels.contact import Rows, row_velocity, slip_limit
+from mpmfw.kernels.contact import Rows, acts, add_force, row_velocity, slip_limit
 from mpmfw.kernels.types import Float, Floats
 
 #: Changes of a row, over the largest velocity of its nodes, that are rounding.
@@ -25,39 +25,17 @@ class LcpArrays(Struct):
     direction: Floats  #: (n, dim) in which impulses go on after a sweep [N s/m]
 
 
-@device
-def add_change(
-    c: int, change: Floats, rows: Rows, mass: Floats, velocity: Floats, spacing: tuple[float, ...]
-) -> None:
-    """v += M⁻¹ B_cᵀ ΔJ, ``change`` ΔJ (dim,) [N s/m]; nodes without mass stand still."""
-    dim, along = len(spacing), 0.0
-    for d in range(dim):
-        along += change[d] * rows.normal[c, d]
-    for k in range(rows.start[c], rows.start[c + 1]):
-        i, turned = rows.dof[k], 0.0
-        if mass[i] <= 0.0:
-            continue
-        if len(rows.couple) > 0:
-            for d in range(dim):
-                turned += rows.couple[k, d] * change[d]
-        for d in range(dim):
-            impulse = rows.weight[k] * change[d] + turned * rows.normal[c, d]
-            if len(rows.tilt) > 0:
-                impulse += along * rows.tilt[k, d]
-            velocity[i, d] += impulse / mass[i]
-
-
 @kernel
 def state_problem(
     rows: Rows, count: int, own: LcpArrays, mass: Floats, momentum: Floats, velocity: Floats, per_step: float,
-    recovery: float,
-    facing: float, spacing: tuple[float, ...],
+    recovery: float, facing: float, spacing: tuple[float, ...],
 ) -> float:  # fmt: skip
-    """Velocities of the rows' nodes and of the rows, their compliance, and b; then the impulses act that
-    ``rows.force`` begins with. The largest component of the nodes' velocities before [m/s].
+    """Set velocities of nodes and rows, compliance and b, and let the impulses act that ``rows.force`` begins
+    with; return the largest component of the nodes' velocities before [m/s].
 
-    ``per_step`` is 1 / Δt [1/s]: a row that is open by g > 0 has b = g / Δt, one that overlaps ``recovery`` g
-    / Δt. Open rows take part of whose area at least the part ``facing`` lies across the normal.
+    A row that is open by g > 0 has b = g ``per_step``, which is 1 / Δt [1/s]; one that overlaps
+    ``recovery`` times that. Open rows take part of whose area at least the part ``facing`` lies across the
+    normal.
     """
     dim, fastest = len(spacing), 0.0
     u = scratch.vector(spacing)
@@ -88,23 +66,21 @@ def state_problem(
         for d in range(dim):
             rows.force[c, d] = rows.force[c, d] if own.compliance[c] > 0.0 else 0.0
             u[d] = rows.force[c, d]
-        add_change(c, u, rows, mass, velocity, spacing)
+        add_force(c, u, rows, mass, velocity, spacing)
     return fastest
 
 
 @device
 def meet_row(
     c: int, rows: Rows, own: LcpArrays, mass: Floats, velocity: Floats, touching: Float, u: Floats,
-    change: Floats,
-    spacing: tuple[float, ...],
+    change: Floats, spacing: tuple[float, ...],
 ) -> Float:  # fmt: skip
     """Replace J_c by what meets its own conditions as the others stand; w |ΔJ_c|, the velocity that this took
     [m/s].
 
-    J_n ← max(0, J_n − (u_n + b) / w), and J_t ← J_t − u_t / w shortened to μ J_n + a (Alart & Curnier 1991);
-    a, of cohesion, acts where the row ends the step closed, u_n + b ≤ ``touching`` [m/s]: of rows that say
-    the same few have a J_n > 0. What this leaves as it is has 0 ≤ u_n + b ⊥ J_n ≥ 0 and |J_t| ≤ μ J_n + a
-    with slip against J_t, whatever w > 0.
+    J_n ← max(0, J_n − (u_n + b) / w), and J_t ← J_t − u_t / w shortened to μ J_n + a (Alart & Curnier
+    1991); a acts where the row ends the step closed, u_n + b ≤ ``touching`` [m/s]. What this leaves as it
+    is has 0 ≤ u_n + b ⊥ J_n ≥ 0 and |J_t| ≤ μ J_n + a with slip against J_t, whatever w > 0.
     """
     dim, w = len(spacing), own.compliance[c]
     if w <= 0.0:
@@ -130,37 +106,26 @@ def meet_row(
         rows.force[c, d] = impulse
         square += change[d] * change[d]
     if square > 0.0:
-        add_change(c, change, rows, mass, velocity, spacing)
+        add_force(c, change, rows, mass, velocity, spacing)
     return w * square**0.5
 
 
 @device
 def go_on(
-    count: int,
-    share: Float,
-    rows: Rows,
-    own: LcpArrays,
-    mass: Floats,
-    velocity: Floats,
-    change: Floats,
+    count: int, share: Float, rows: Rows, own: LcpArrays, mass: Floats, velocity: Floats, change: Floats,
     spacing: tuple[float, ...],
-) -> None:
-    """Add ``share`` of the last direction to the impulses, and make the new one, p ← share p + (J − J before
-    the sweep).
-
-    Rows that ended the sweep without an impulse stay as they are, and so do all where the share is 0.
-    """
+) -> None:  # fmt: skip
+    """Add ``share`` of the last direction to the impulses, and make the new one, p ← share p + ΔJ of the
+    sweep; rows without an impulse stay as they are."""
     dim = len(spacing)
     for c in range(count):
-        bears = False
-        for d in range(dim):
-            bears = bears or rows.force[c, d] != 0.0
+        bears = acts(c, rows)
         for d in range(dim):
             change[d] = share * own.direction[c, d] if bears else 0.0
             own.direction[c, d] = change[d] + rows.force[c, d] - own.before[c, d] if bears else 0.0
             rows.force[c, d] += change[d]
         if bears and share > 0.0:
-            add_change(c, change, rows, mass, velocity, spacing)
+            add_force(c, change, rows, mass, velocity, spacing)
 
 
 @kernel
@@ -173,9 +138,8 @@ def solve(
 
     After each sweep the impulses go on as by conjugate gradients, with |ΔJ|² over the last sweep's as share,
     unless that is more than 1 (Silcowitz-Hansen, Niebe & Erleben 2010): where rows say nearly the same,
-    sweeps alone need thousands. Of those that do not get there this way the second half are sweeps alone,
-    which end within the cone. Rows without an impulse are left out until those that have one agree, and then
-    asked again.
+    sweeps alone need thousands. The second half are sweeps alone, which end within the cone. Rows without an
+    impulse are left out until those that have one agree.
 
     Returns
     -------
@@ -197,10 +161,7 @@ def solve(
                 own.before[c, d] = rows.force[c, d]
         for e in range(2 * count):
             c = e if e < count else 2 * count - 1 - e
-            bears = every
-            for d in range(len(spacing)):
-                bears = bears or rows.force[c, d] != 0.0
-            if bears:
+            if every or acts(c, rows):
                 took = meet_row(c, rows, own, mass, velocity, tolerance * fastest, u, change, spacing)
                 last = max(last, took)
         largest = max(largest, last)
@@ -224,9 +185,9 @@ def add_friction_work(
     rows: Rows, count: int, own: LcpArrays, velocity: Floats, projected: bool, work: Floats,
     spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
-    """Add −J_t·u_t to the ``work`` of every pair [J/m]: of the mean of before and after where the momentum is
-    as ``projected``, else of what is left at the end of the step. Less than nothing, which the tolerance
-    leaves of rows that stick, is none."""
+    """Add −J_t·u_t to the ``work`` of every pair [J/m]: of the mean of before and after where the momentum
+    is as ``projected``, else of the end of the step. Negative work, which the tolerance leaves of rows
+    that stick, does not count."""
     dim = len(spacing)
     u = scratch.vector(spacing)
     for c in range(count):

@@ -63,8 +63,8 @@ def tangent_stiffness(k: Float, depth: Float, limit: Float) -> Float:
 def new_rest(gap: Float, approached: Float) -> Float:
     """Rest gap of a new spring, whose node ``approached`` so much in the last step [m].
 
-    A node that is deeper than it came in by the face has come in by a side, where no facet faced it; a spring
-    loaded to that depth at once would make energy of nothing. It has the force of its approach.
+    A node deeper than that has come in by a side that faced it not: a spring loaded to its depth at once
+    would make energy of nothing. It has the force of its approach.
     """
     return min(gap + max(approached, 0.0), 0.0)
 
@@ -75,12 +75,12 @@ def changed_spring(
 ) -> tuple[Float, Float]:
     """Share and rest gap of a loaded spring whose share was ``old_part`` and would be ``part``.
 
-    Where corners meet the normal jumps, and a spring that became stiffer while it is loaded would make energy
-    of nothing. One that grows keeps its force, and so loses energy; one that shrinks keeps its rest, and
-    loses some too. Small changes are let be, so that noise does not let bodies at rest creep into one
-    another. A rest fades over a cell of sliding: nodes that come in by a corner would hold less than others
-    for good. A node that came in by the side, with next to no share, and is shallow when a face takes it, has
-    half of its length under that face: half of its force acts at once.
+    Where corners meet the normal jumps, and a spring that became stiffer while it is loaded would make
+    energy of nothing. One that grows keeps its force, one that shrinks its rest: both lose energy. Small
+    changes are let be, so that noise does not let bodies at rest creep into one another. A rest fades over
+    a cell of sliding: nodes that come in by a corner would hold less than others for good. A node that
+    came in by the side, with next to no share, and is shallow when a face takes it, has half of its length
+    under that face: half of its force acts at once.
     """
     share, left = old_part, max(max(1.0 - abs(slid) / cell_size, 0.0) * rest, gap)
     if old_part < WEAK < part and gap > -SHALLOW * cell_size:
@@ -95,13 +95,12 @@ def changed_spring(
 @kernel
 def set_springs(
     rows: Rows, count: int, own: ChangingSprings, old: Rows, old_count: int, old_own: ChangingSprings,
-    modulus: Floats,
-    stiffest: float, cell_size: float, linear_to: float, begins: bool,
+    modulus: Floats, stiffest: float, cell_size: float, linear_to: float, begins: bool,
 ) -> None:  # fmt: skip
     """Area that bears, rest gap and stiffness of every row; ``modulus`` is κ M / h of each pair.
 
-    A place keeps what it bore, as :func:`changed_spring` says, shared by its rows as their areas are. In the
-    step that ``begins`` the run bodies overlap as the scene has them.
+    A place keeps what it bore, as :func:`changed_spring` says, shared by its rows as their areas are. In
+    the step that ``begins`` the run bodies overlap as the scene has them.
     """
     c = 0
     while c < count:
@@ -142,10 +141,10 @@ def add_losses(
     """Add to every pair's ``work`` [J/m] the energy of the last step's springs, where they are now, less that
     of today's.
 
-    A spring whose row moved by Δu has the gap g + n·Δu; what it is now beyond that is a change of the spring:
-    of its area, its rest, its facet, or its end. A tangential spring did the work f_t·Δu meanwhile. A new
-    normal spring changes nothing, since its gap was zero. Friction and the energy of today's tangential
-    springs are not losses: :func:`mpmfw.contact.springs.add_friction` subtracts them.
+    A spring whose row moved by Δu has the gap g + n·Δu; what it is now beyond that is a change of the
+    spring: of its area, rest or facet, or its end. A tangential spring did the work f_t·Δu meanwhile.
+    Friction and the energy of today's tangential springs are not losses:
+    :func:`mpmfw.contact.springs.add_friction` subtracts them.
     """
     c = 0
     for o in range(old_count):

@@ -2,14 +2,13 @@
 
 Source: D. Maugis (1992), Adhesion of spheres: the JKR-DMT transition using a Dugdale model, J. Colloid
 Interface Sci. 150, 243-269: the traction between surfaces is constant, σ_0, up to a distance δ, and none
-beyond; the work of adhesion is σ_0 δ. What surfaces attract each other by adds to the load of friction, T = μ
-(N + σ_0 A): B. Derjaguin (1934), Molekulartheorie der äußeren Reibung, Z. Physik 88, 661-675. Neither paper
-was at hand; both laws are textbooks'.
+beyond; the work of adhesion is σ_0 δ. The attraction adds to the load of friction, T = μ (N + σ_0 A): B.
+Derjaguin (1934), Molekulartheorie der äußeren Reibung, Z. Physik 88, 661-675. Neither paper was at hand; both
+laws are textbooks'.
 
-Assumed here: a spring of k = κ M A / h leads from pressure to σ_0, since a force that jumps at contact has no
-stable step. The force is a function of the gap alone, so that bodies attract each other when they approach as
-when they part, and nothing is lost. Gaps that jump would make energy of nothing, as at grid nodes, which come
-in deep: such detections are refused.
+Assumed here: a spring of k = κ M A / h leads from pressure to σ_0, since a force that jumps at contact has
+no stable step. The force is a function of the gap alone, and nothing is lost. Gaps that jump, as at grid
+nodes, would make energy of nothing: such detections are refused.
 """
 
 from __future__ import annotations

@@ -2,10 +2,10 @@
 
 S. G. Bardenhagen, J. E. Guilkey, K. M. Roessig, J. U. Brackbill, W. M. Witzel, J. C. Foster (2001), An
 improved contact algorithm for the material point method and application to stress propagation in granular
-material, CMES 2, 509-522, adds two things to the contact of 2000. The normal traction decides on free
-separation: a node is in contact where the surface is compressed, or where it is free of stress and the bodies
-approach. And impulses are scaled down where they would strain a body too much in a step. The paper was not at
-hand; both are known here by its abstract and Uintah's public code (FrictionContactBard.cc).
+material, CMES 2, 509-522 (not at hand; known by its abstract and Uintah's FrictionContactBard.cc), adds two
+things to the contact of 2000. A node is in contact where the surface is compressed, or where it is free of
+stress and the bodies approach. And impulses are scaled down where they would strain a body too much in a
+step.
 
 Assumed here. The traction is that of the pair, n·σ·n of both bodies' stress weighted by volume along the
 pair's normal; in Uintah each body has a traction and a normal. The strain is J_n Δt / (m h) of the lighter
@@ -24,24 +24,24 @@ from mpmfw.contact.nodes import Nodes
 from mpmfw.contact.shared_nodes import all_entries, point_of
 from mpmfw.kernels import kernel
 from mpmfw.kernels.contact import Rows
-from mpmfw.kernels.types import Flags, Floats, Indices, Ints
+from mpmfw.kernels.types import Flags, Floats, Points, Table
 from mpmfw_contact.impulse import Impulse
 
 
 @kernel
 def project_stress(
-    row: Ints, nodes: Indices, weight: Floats, volume: Floats, stress: Floats, shared: Flags, out: Floats,
-    spacing: tuple[float, ...],
-) -> None:  # fmt: skip
+    table: Table, points: Points, shared: Flags, out: Floats, spacing: tuple[float, ...]
+) -> None:
     """Σ_p φ_ip V_p σ_p at ``shared`` nodes into ``out`` (n_nodes, dim, dim) [Pa m^dim]; 0 at others."""
     dim, p = len(spacing), 0
     out[:] = 0.0
-    for k in all_entries(row):
-        if shared[nodes[k]]:
-            p = point_of(row, k, p)
+    for k in all_entries(table.row):
+        i = table.nodes[k]
+        if shared[i]:
+            p = point_of(table.row, k, p)
             for d in range(dim):
                 for e in range(dim):
-                    out[nodes[k], d, e] += weight[k] * volume[p] * stress[p, d, e]
+                    out[i, d, e] += table.weight[k] * points.volume[p] * points.stress[p, d, e]
 
 
 @kernel
@@ -56,13 +56,6 @@ def mark_compressed(
             for e in range(dim):
                 traction += rows.normal[c, d] * (stress[i, d, e] + stress[j, d, e]) * rows.normal[c, e]
         compressed[c] = 1.0 if traction < 0.0 else 0.0
-
-
-@kernel
-def limit_impulses(rows: Rows, count: int, mass: Floats, scale: float, limit: Floats) -> None:
-    """Write ``scale`` times the lighter body's nodal mass into ``limit`` (n,) [N s/m]."""
-    for c in range(count):
-        limit[c] = scale * min(mass[rows.dof[2 * c]], mass[rows.dof[2 * c + 1]])
 
 
 class TractionOptions(BaseModel):
@@ -90,12 +83,10 @@ class TractionImpulse(Impulse):
     options: TractionOptions
 
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:
-        """Arrays of impulses, rows that are compressed, and the bound."""
+        """Return the arrays of impulses, and rows that are compressed."""
         arrays = super().row_arrays(friction=friction)
         if self.options.traction:
             arrays["compressed"] = 0
-        if self.options.largest_strain is not None:
-            arrays["limit"] = 0
         return arrays
 
     def prepare(self, setup: Setup, owner: str) -> None:  # noqa: ARG002
@@ -109,9 +100,7 @@ class TractionImpulse(Impulse):
         stress = np.zeros((*grid.momentum.shape, grid.dim))
         shared = np.zeros(len(grid.mass), dtype=bool)
         shared[rows.dof[: rows.start[rows.count]]] = True
-        project_stress(
-            phi.row, phi.nodes, phi.weight, particles.volume, particles.stress, shared, stress, grid.spacing
-        )
+        project_stress(phi, particles, shared, stress, grid.spacing)
         mark_compressed(rows, rows.count, stress, rows.own.compressed, grid.spacing)
 
     def activate(self, rows: ContactRows, grid: Grid, *, moves: bool) -> None:
@@ -126,16 +115,15 @@ class TractionImpulse(Impulse):
         if self.options.largest_strain is None:
             return super().limit(rows, grid)
         largest = self.options.largest_strain * self.cell_size / self.dt
-        limit_impulses(rows, rows.count, grid.mass, largest, rows.own.limit)
-        return rows.own.limit  # type: ignore[no-any-return]
+        first, second = grid.mass[rows.dof[: 2 * rows.count].reshape(-1, 2)].T
+        return largest * np.minimum(first, second)
 
 
 class Bardenhagen(ImpulseContact):
     """Momentum exchange at grid nodes that two bodies share, with Coulomb friction.
 
     At a shared node with approaching bodies the relative velocity along the normal is taken away, and the
-    tangential one as far as Coulomb's cone lets it. Both the projected and the updated momentum are
-    corrected.
+    tangential one as far as Coulomb's cone lets it; of the projected and of the updated momentum.
     """
 
     name = "bardenhagen"

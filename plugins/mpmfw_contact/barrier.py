@@ -1,19 +1,19 @@
 """Logarithmic barriers between surfaces, in explicit steps and therefore without IPC's guarantee.
 
-Sources: M. Li, Z. Ferguson, T. Schneider, T. Langlois, D. Zorin, D. Panozzo, C. Jiang, D. M. Kaufman (2020),
-Incremental potential contact: intersection- and inversion-free, large-deformation dynamics, ACM Trans. Graph.
-39 (4), 49; with material points X. Li, Y. Fang, M. Li, C. Jiang (2022), BFEMP: Interpenetration-free MPM-FEM
-coupling with barrier contact, CMAME 390, 114350. Known here by their abstracts and the public code of the IPC
-Toolkit. Published are the barrier −(d − d̂)² ln(d / d̂) of the distance d < d̂, friction lagged by a step, and
-implicit steps whose line search ends before continuous collision detection finds a contact.
+Sources: M. Li et al. (2020), Incremental potential contact: intersection- and inversion-free,
+large-deformation dynamics, ACM Trans. Graph. 39 (4), 49; with material points X. Li, Y. Fang, M. Li, C. Jiang
+(2022), BFEMP: Interpenetration-free MPM-FEM coupling with barrier contact, CMAME 390, 114350. Known here by
+their abstracts and the public code of the IPC Toolkit. Published are the barrier −(d − d̂)² ln(d / d̂) of the
+distance d < d̂, friction lagged by a step, and implicit steps whose line search ends before collision
+detection finds a contact.
 
 Assumed here is all that explicit steps need. The barrier's stiffness limits the step. So does collision
-detection: as all move at the step's beginning, a node uses up at most half of its distance from the facet and
-from those beside it. Forces of the step are not foreseen; a run in which they carry a node past a barrier
-ends and says where. Friction is a spring with a history within Coulomb's cone; on the published dashpot of
-slow slip a body would creep. A place weighs by its area: the energy per area is κ M d̂ b(d / d̂). Bodies that
-begin closer than d̂ begin without a force: their distances count from there, by one offset for all that are so
-joined. A node meets one facet of a body, the closest that faces it; published are all.
+detection: as all move at the step's beginning, a node uses up at most half of its distance from the facet
+and from those beside it. A run in which forces carry a node past a barrier ends and says where. Friction
+is a spring with a history; on the published dashpot of slow slip a body would creep. A place weighs by its
+area: the energy per area is κ M d̂ b(d / d̂). Bodies that begin closer than d̂ begin without a force:
+their distances count from there, by one offset for all that are so joined. A node meets one facet of a
+body, the closest that faces it; published are all.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from mpmfw.api import ContactRows, FloatArray, ForceContact, Grid, PairRecords, 
 from mpmfw.contact.springs import SpringLaw, SpringOptions
 from mpmfw.contact.surfaces import Surfaces
 from mpmfw.contact.surfaces.outline import node_error, outline_of, tracked_surface
-from mpmfw_contact._barriers import barrier_forces, least_gaps, set_barriers, time_to_touch
+from mpmfw_contact._barriers import barrier_forces, set_barriers, time_to_touch
 
 #: b'' where −b' is a thousandth.
 FIRST = 0.11
@@ -61,11 +61,11 @@ class BarrierLaw(SpringLaw):
     )
 
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:
-        """Return the arrays of :class:`BarrierArrays`, and the motion over the step."""
-        return {**super().row_arrays(friction=friction), "distance": 0, "moved": 1}
+        """Return the arrays of :class:`BarrierArrays`."""
+        return {**super().row_arrays(friction=friction), "distance": 0}
 
     def prepare(self, setup: Setup, owner: str) -> None:
-        """As of springs, and the surfaces that the collision detection follows."""
+        """Prepare as springs, and take the surfaces that the collision detection follows."""
         self.surface = tracked_surface(setup, owner)
         self.outline = outline_of(self.surface)
         self.reach = self.options.reach * setup.cell_size
@@ -76,25 +76,25 @@ class BarrierLaw(SpringLaw):
         super().prepare(setup, owner)
 
     def range(self) -> float:
-        """The distance from which barriers act."""
+        """Return the distance from which barriers act."""
         return self.reach
 
     def compliance(self) -> None:
-        """None: barriers give by no more than their reach."""
+        """Return None: barriers give by no more than their reach."""
 
     def estimate_frequency(self, bulk_frequency: float) -> float:
-        """That of a place where barriers bear a thousandth of κ M."""
+        """Return that of a place where barriers bear a thousandth of κ M."""
         return FIRST / self.options.reach * super().estimate_frequency(bulk_frequency)
 
     def list_pairs(self, state: State) -> None:
-        """Bodies that have come near were farther apart than a barrier reaches, unless others join them."""
+        """List the pairs, with the offsets of bodies that others join."""
         super().list_pairs(state)
         first, second = state.pair_bodies.T
         together = self.group[first] == self.group[second]
         self.offset = np.where(together, self.group_offset[self.group[first]], 0.0)
 
     def stiffness(self, rows: ContactRows, old: ContactRows) -> FloatArray:  # noqa: ARG002
-        """κ M A b'' / r where the row may come to in the step."""
+        """Return κ M A b'' / r where the row may come to in the step."""
         if self.state.steps == 0 and not self.placed:
             self._join_bodies(rows)
         worst = set_barriers(
@@ -109,10 +109,9 @@ class BarrierLaw(SpringLaw):
         return rows.own.limit_k  # type: ignore[no-any-return]
 
     def _join_bodies(self, rows: ContactRows) -> None:
-        """Number the groups of bodies that are closer than barriers reach, and count their distances from
-        there."""
+        """Number the groups of bodies closer than barriers reach, and count their distances from there."""
         gaps, n_bodies = np.full(len(self.offset), self.reach), len(self.group)
-        least_gaps(rows, rows.count, gaps)
+        np.minimum.at(gaps, rows.pair[: rows.count], rows.gap[: rows.count])
         first, second = self.state.pair_bodies.T
         near = gaps < self.reach
         graph = coo_matrix((near[near], (first[near], second[near])), shape=(n_bodies, n_bodies))
@@ -121,7 +120,7 @@ class BarrierLaw(SpringLaw):
         self.list_pairs(self.state)
 
     def longest_step(self, rows: Any, grid: Grid) -> float:
-        """Time in which no node uses up half of its distance, as all move now [s]."""
+        """Return the time in which no node uses up half of its distance, as all move now [s]."""
         return time_to_touch(
             rows, rows.count, rows.places, self.outline, self.surface.table, self.offset, self.reach,
             grid.mass, grid.momentum, grid.spacing,
@@ -132,18 +131,13 @@ class BarrierLaw(SpringLaw):
         self.placed = True
         barrier_forces(
             rows, rows.count, rows.own, old.own, self.modulus, self.reach, self.cell_size,
-            self.options.tangential_ratio,
-            records,
+            self.options.tangential_ratio, records,
         )  # fmt: skip
 
 
 class Barrier(ForceContact):
-    """Barriers between surfaces, without a guarantee against penetration: an explicit step can carry a node
-    past one.
-
-    Such a run ends and says where. Both bodies are slaves to the closest facing facet, and friction has a
-    history.
-    """
+    """Barriers between surfaces, without a guarantee: a run in which a step carries a node past one ends
+    and says where."""
 
     name = "barrier"
     Detection = Surfaces

@@ -9,45 +9,28 @@ from typing import ClassVar
 
 from mpmfw.contact.surfaces import FacetOptions, Surfaces
 from mpmfw.contact.surfaces.near_facets import NearFacets
-from mpmfw.contact.surfaces.outline import Candidates, Outline, hidden, put
+from mpmfw.contact.surfaces.outline import Candidates, Outline, clear, hidden
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.facets import project, read_corners, read_point
 from mpmfw.kernels.types import Float
 
 
 @device
-def keep_penetrated(
-    s: int, m: int, other: int, radius: Float, outline: Outline, candidates: Candidates, spacing: tuple[float,
-    ...]
-) -> None:  # fmt: skip
-    """Eq. 10: g_n < 0 and the foot on the facet, with a corner of it within the radius; each facet once."""
-    dim = len(spacing)
+def is_behind(s: int, m: int, radius: Float, outline: Outline, spacing: tuple[float, ...]) -> Float:
+    """Gap by eq. 10: g_n < 0 with the foot of node s on facet m, a corner of which is within the radius; else
+    0."""
+    dim, near, on_it = len(spacing), False, True
     x, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
     corners = scratch.matrix(spacing, spacing)
     read_point(s, outline.position, x, spacing)
     read_corners(m, outline.position, outline.facets, corners, spacing)
-    near = False
-    if hidden(m, outline.body[s], outline):
-        return
+    gap = project(x, corners, share, normal, spacing)
     for a in range(dim):
         square = 0.0
         for d in range(dim):
             square += (x[d] - corners[a, d]) ** 2
-        near = near or square < radius * radius
-    if not near:
-        return
-    gap = project(x, corners, share, normal, spacing)
-    on_it = gap < 0.0
-    for a in range(dim):
-        on_it = on_it and share[a] >= 0.0
-    if not on_it:
-        return
-    for j in range(candidates.facet.shape[1]):
-        if candidates.facet[s, j] == m:
-            return
-        if candidates.facet[s, j] < 0:
-            put(s, j, other, m, gap, share, normal, candidates, spacing)
-            return
+        near, on_it = near or square < radius * radius, on_it and share[a] >= 0.0
+    return min(gap, 0.0) if near and on_it else 0.0
 
 
 @kernel
@@ -55,16 +38,18 @@ def find_penetrated(
     radius: float, outline: Outline, near: NearFacets, candidates: Candidates, spacing: tuple[float, ...]
 ) -> int:
     """List for every node the facets that it penetrates, up to the number of slots; return their number."""
-    count = 0
+    count, slots = 0, candidates.facet.shape[1]
     for s in range(len(outline.body)):
-        for j in range(candidates.facet.shape[1]):
-            candidates.facet[s, j] = -1
+        clear(s, candidates)
+        j = 0
         for k in range(near.first[s], near.first[s + 1]):
-            m = near.facet[k]
-            keep_penetrated(s, m, outline.body[outline.facets[m, 0]], radius, outline, candidates, spacing)
-        for j in range(candidates.facet.shape[1]):
-            if candidates.facet[s, j] >= 0:
-                count += 1
+            m, gap = near.facet[k], 0.0
+            if j < slots and not hidden(m, outline.body[s], outline):
+                gap = is_behind(s, m, radius, outline, spacing)
+            if gap < 0.0:
+                candidates.facet[s, j], candidates.gap[s, j] = m, gap
+                j += 1
+        count += j
     return count
 
 
@@ -79,7 +64,9 @@ class EveryFacet(Surfaces):
     dimensions = (2,)
 
     def search(self) -> int:
-        """List the penetrated facets."""
+        """List the penetrated facets; return their number."""
+        if not self.near.update():
+            return 0
         return find_penetrated(
             self.radius, self.outline, self.near.near, self.candidates, self.state.grid.spacing
         )

@@ -1,10 +1,9 @@
 """[H17] by its equations: springs between surface nodes and every facet that they penetrate.
 
 Source: F. Hamad, S. Giridharan, C. Moormann (2017), A penalty function method for modelling frictional
-contact in MPM, Procedia Engineering 175, 116-123. What it leaves open is friction: μ is in none of its
-equations, and the tangential gap of eq. 3 counts from the previous step. Here those gaps are read as
-increments, as explicit finite-element codes have them, to whose practice [H17] refers: they add up while the
-contact lasts, and |f_t| ≤ μ f_n. That is an assumption of this module.
+contact in MPM, Procedia Engineering 175, 116-123. It leaves friction open: μ is in none of its equations,
+and the tangential gap of eq. 3 counts from the previous step. Assumed here, as in explicit finite-element
+codes, to whose practice [H17] refers: those gaps add up while the contact lasts, and |f_t| ≤ μ f_n.
 """
 
 from __future__ import annotations
@@ -119,7 +118,7 @@ class Hamad2017(ForceContact):
     """One body of a pair is master; its facets repel every node that they find behind them (eq. 10), by eq.
     7-11.
 
-    The layer of the surface has the mass of [H17] 3.1, where the stiffness "can be the same as the elastic
+    The surface layer has the mass of [H17] 3.1, where the stiffness "can be the same as the elastic
     stiffness": κ = 1.
     """
 

@@ -1,18 +1,17 @@
 """Impulses that a spring bounds: overlapping bodies exchange no more than a penalty force gives in the step.
 
 Source: J. E. Guilkey, R. Lander, L. Bonnell (2021), A hybrid penalty and grid based contact method for the
-material point method, CMAME 379, 113739, as far as the public code of Uintah tells (branch yoyodyne,
-Materials/Contact/PenaltyContact.cc and LineSegment/LSTasks.cc); the paper itself was not at hand. There the
-penalty force of surface points is mapped to the nodes, its direction is the normal, and the velocity of a
-body at a node changes by the lesser of what the force would give and of what takes it to the velocity of the
-centre of mass; friction is the lesser of μ times that and of what stops the slip. The stiffness is 10 K_1 K_2
-/ (K_1 + K_2) of the bulk moduli, times a segment's length in a cell as deep as it is wide.
+material point method, CMAME 379, 113739 (not at hand), as far as the public code of Uintah tells (branch
+yoyodyne, Materials/Contact/PenaltyContact.cc and LineSegment/LSTasks.cc). There the penalty force of surface
+points is mapped to the nodes, its direction is the normal, and the velocity of a body at a node changes by
+the lesser of what the force would give and of what takes it to the velocity of the centre of mass; friction
+is the lesser of μ times that and of what stops the slip. The stiffness is 10 K_1 K_2 / (K_1 + K_2) of the
+bulk moduli, times a segment's length in a cell as deep as it is wide. Bodies that overlap and separate are
+pushed as well, since the lesser is that of sizes.
 
-Bodies that overlap and separate are pushed as well, since the lesser is that of sizes.
-
-Assumed here. The cap is that of a row, so that impulses are equal and opposite; there it is that of a body at
-a node, each by itself. All that overlaps bears; there only overlaps below 0.1 cells do. The limit of 0.1 on
-the strain of a step is left out.
+Assumed here. The cap is that of a row, so that impulses are equal and opposite; there it is that of a body
+at a node. All that overlaps bears; there only overlaps below 0.1 cells do. The limit of 0.1 on the strain
+of a step is left out.
 """
 
 from __future__ import annotations
@@ -87,14 +86,12 @@ class Hybrid(Impulse):
         limit[n] = self.modulus[rows.pair[n]] * rows.area[n] * np.maximum(-rows.gap[n], 0.0) * self.dt
         return limit  # type: ignore[no-any-return]
 
-    def impulses(
-        self, rows: ContactRows, grid: Grid, scratch: FloatArray, work: FloatArray | None, *, projected: bool
-    ) -> None:
+    def impulses(self, rows: ContactRows, grid: Grid, work: FloatArray | None, *, projected: bool) -> None:
         """Leave the projected momentum as it is, unless the strain is taken from it."""
         if projected and not self.strain_first:
             rows.force[: rows.count] = 0.0
         else:
-            super().impulses(rows, grid, scratch, work, projected=projected)
+            super().impulses(rows, grid, work, projected=projected)
 
 
 class HybridContact(ImpulseContact):

@@ -31,22 +31,16 @@ def find_approach(rows: Rows, count: int, own: ImpulseArrays, spacing: tuple[flo
 
 @kernel
 def stop(
-    rows: Rows,
-    count: int,
-    own: ImpulseArrays,
-    limit: Floats,
-    projected: bool,
-    work: Floats,
-    repels: bool,
+    rows: Rows, count: int, own: ImpulseArrays, limit: Floats, projected: bool, work: Floats, repels: bool,
     spacing: tuple[float, ...],
-) -> None:
+) -> None:  # fmt: skip
     """J_n = m approach, J_t = min(μ |J_n| + a, m |Δv_t|), with m the inverse of the row's compliance.
 
-    The size of J_n is at most the row's ``limit`` [N s/m], which has no rows where there is none. Where sides
-    separate J_n holds them back, or pushes them as much if contact ``repels``. The work of J_t is its product
-    with the slip. That is the mean of before and after where the momentum is as ``projected``. Where it is
-    updated, the slip is that left at the end of the step, since J_t then acts beside the forces of the step.
-    Bodies that stick have no slip left, and friction does no work. A ``work`` without pairs is not written.
+    The size of J_n is at most the row's ``limit`` [N s/m], without rows where there is none. Where sides
+    separate J_n holds them back, or pushes them as much if contact ``repels``. The work of J_t is its
+    product with the slip: the mean of before and after where the momentum is as ``projected``, else that
+    left at the end of the step, since J_t then acts beside its forces. A ``work`` without pairs is not
+    written.
     """
     dim = len(spacing)
     slip = scratch.vector(spacing)
@@ -77,12 +71,11 @@ def stop(
 
 
 class Impulse(ImpulseLaw):
-    """Every row by itself; nodes that several rows share are shared out between those that approach.
+    """Every row by itself; the mass of nodes that several rows share is divided between those that approach.
 
-    The mass of row c is 1 / Σ_i |b_ci| (Σ_d |b_di|) / m_i over the rows d that approach: of two bodies at a
-    shared node it is m_a m_b / (m_a + m_b), and where one body touches several others its mass is divided
-    between them. All impulses are taken from the same velocities, so that the order of the bodies does not
-    matter.
+    The mass of row c is 1 / Σ_i |b_ci| (Σ_d |b_di|) / m_i over the rows d that approach: of two bodies at
+    a shared node m_a m_b / (m_a + m_b). All impulses are taken from the same velocities: the order of the
+    bodies does not matter.
     """
 
     name = "impulse"
@@ -103,13 +96,11 @@ class Impulse(ImpulseLaw):
         """Return the largest normal impulse of every row (n,) [N s/m]; no rows where there is none."""
         return np.zeros(0)
 
-    def impulses(
-        self, rows: ContactRows, grid: Grid, scratch: FloatArray, work: FloatArray | None, *, projected: bool
-    ) -> None:
+    def impulses(self, rows: ContactRows, grid: Grid, work: FloatArray | None, *, projected: bool) -> None:
         """Stop what approaches, and slip within the cone."""
         own = rows.own
         rows.momentary_velocity(grid, own.velocity)
         self.activate(rows, grid, moves=work is not None)
-        rows.couplings(own.active, grid, scratch, own.compliance)
+        rows.couplings(own.active, grid, own.compliance)
         limit, gained = self.limit(rows, grid), np.zeros(0) if work is None else work
         stop(rows, rows.count, own, limit, projected, gained, self.repels, grid.spacing)

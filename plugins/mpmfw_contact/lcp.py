@@ -3,14 +3,14 @@
 Source: the time stepping is that of J. J. Moreau (1988), Unilateral contact and dry friction in finite
 freedom dynamics, and M. Jean (1999), The non-smooth contact dynamics method; the projections are those of P.
 Alart & A. Curnier (1991), A mixed formulation for frictional contact problems prone to Newton like solution
-methods. With friction it is no linear complementarity problem, from which such laws have their name: the cone
-is round and not a pyramid.
+methods. The cone is round and not the pyramid of linear complementarity problems, from which such laws have
+their name.
 
 Assumed here is its place in a step of MPM. The whole impulse is that of the updated momentum, where all
-forces have acted; with USF, whose strain comes from the projected momentum, that one is met as well, and with
-MUSL the second. What is open by g may close by g and no more, so that a first touch leaves no overlap. An
-overlap that there is, from the scene or by a turn of the surface, is not taken back, unless ``recovery``
-names the share of it that a step takes: that makes energy of nothing.
+forces have acted; with USF the projected momentum is met as well, and with MUSL the second. What is open
+by g may close by g and no more, so that a first touch leaves no overlap. An overlap, from the scene or by
+a turn of the surface, is not taken back, unless ``recovery`` names the share of it that a step takes: that
+makes energy of nothing.
 """
 
 from __future__ import annotations
@@ -46,8 +46,8 @@ class LcpOptions(BaseModel):
 class Lcp(ImpulseLaw):
     """0 ≤ g / Δt + u_n ⊥ J_n ≥ 0 and Coulomb's cone in all rows at once, by projected Gauss-Seidel.
 
-    Sweeps run to and fro in the rows' order, from the forces of the last step: bitwise repeatable. Rows that
-    say nearly the same share a force in a way that is not the only one, and the tolerance leaves which.
+    Sweeps run to and fro in the rows' order, from the forces of the last step: bitwise repeatable. Rows
+    that say nearly the same share a force in a way that the tolerance leaves open.
     """
 
     name = "lcp"
@@ -67,15 +67,7 @@ class Lcp(ImpulseLaw):
         self.identity, self.force = np.zeros(0, dtype=np.int64), np.zeros((0, setup.dim))
         self.solutions, self.unfinished, self.worst = 0, 0, 0.0
 
-    def impulses(
-        self,
-        rows: ContactRows,
-        grid: Grid,
-        scratch: FloatArray,  # noqa: ARG002
-        work: FloatArray | None,
-        *,
-        projected: bool,
-    ) -> None:
+    def impulses(self, rows: ContactRows, grid: Grid, work: FloatArray | None, *, projected: bool) -> None:
         """Solve for all rows; the projected momentum is left as it is unless the strain is taken from it."""
         if projected and not self.strain_first:
             rows.force[: rows.count] = 0.0

@@ -3,17 +3,16 @@ a 3D method.
 
 Source: I. Sahu, N. Petrinic (2025), Midplane based 3D single pass unbiased segment-to-segment contact
 interaction using penalty method, CMAME 447, 118335, arXiv 2506.04841, of which the abstract alone was at
-hand: tractions between two segments are evaluated with respect to a midplane, in a single pass, so that they
-are in equilibrium by themselves; they penalise the true interpenetration, and are integrated over the common
-part of two segments. The published method is for facets of finite elements in space. Its integral over the
-polygon that two facets share on the midplane is not built here.
+hand: tractions between two segments are evaluated with respect to a midplane, in a single pass; they penalise
+the true interpenetration, and are integrated over the common part of two segments. The published integral in
+space, over the polygon that two facets share, is not built here.
 
 Assumed here, for segments of the plane: the midline's normal is the difference of the segments' outward
-normals; both are projected onto it along that; the gap is their distance along it, linear over their common
-part, of which what overlaps bears; two Gauss points on that are exact. Tangential forces act on the midline,
-half of the gap from either segment. Segments face each other where their normals are less than 84° from
-opposite. A place is two segments' Gauss point: friction begins anew where segments slide past each other.
-Springs are linear, and their areas are those of the overlap, so that they have an energy.
+normals, along which both are projected; the gap is their distance along it, linear over their common part,
+of which the overlap bears; two Gauss points on that are exact. Tangential forces act on the midline, half
+of the gap from either segment. A place is two segments' Gauss point: friction begins anew where segments
+slide past each other. Springs are linear, and their areas are those of the overlap, so that they have an
+energy.
 """
 
 from __future__ import annotations
@@ -32,11 +31,11 @@ from mpmfw.api import (
     Stencil,
 )
 from mpmfw.contact.surfaces.near_facets import NearFacets, TravelLimit, VerletList
-from mpmfw.contact.surfaces.outline import Outline, area_of, hidden, outline_of, tracked_surface
-from mpmfw.contact.surfaces.search import opposition
+from mpmfw.contact.surfaces.outline import Outline, hidden, opposition, outline_of, tracked_surface
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.contact import Rows, pair_index
 from mpmfw.kernels.facets import length_of, read_corners, write_gradients
+from mpmfw.kernels.surfaces import area_of
 from mpmfw.kernels.types import Float, Floats, Ints, Table
 from mpmfw_contact.hamad2017 import Hamad2017Law
 
@@ -57,8 +56,8 @@ GAUSS = 3.0**-0.5
 
 @device
 def set_midline(m: int, other: int, outline: Outline, normal: Floats, spacing: tuple[float, ...]) -> bool:
-    """Unit normal of the line between two segments, out of the second, into ``normal``: along the difference
-    of theirs. Return false if they do not face each other."""
+    """Write the unit normal of the line between two segments, out of the second, into ``normal``: along
+    the difference of theirs. Return false if they do not face each other."""
     a, b = scratch.vector(spacing), scratch.vector(spacing)
     area_of(m, outline, a, spacing)
     if not opposition(a, other, outline, spacing) > LEAST_COSINE:  # a segment without length has none
@@ -97,11 +96,8 @@ def gap_at(s: Float, ends: Floats, other_ends: Floats) -> Float:
 
 @device
 def common_part(ends: Floats, other_ends: Floats) -> tuple[Float, Float]:
-    """Where two segments lie over each other and overlap, else where they lie over each other; nothing if the
-    first is larger.
-
-    The gap is linear there: what is behind its zero bears nothing.
-    """
+    """Where two segments lie over each other and overlap, else where they lie over each other; nothing if
+    the first is larger. The gap is linear: behind its zero nothing bears."""
     low = max(min(ends[0], ends[1]), min(other_ends[0], other_ends[1]))
     high = min(max(ends[0], ends[1]), max(other_ends[0], other_ends[1]))
     least = min(abs(ends[1] - ends[0]), abs(other_ends[1] - other_ends[0]))
@@ -116,9 +112,8 @@ def common_part(ends: Floats, other_ends: Floats) -> tuple[Float, Float]:
 
 @device
 def add_side(
-    c: int, m: int, sign: Float, xi: Float, half_gap: Float, outline: Outline, table: Table,
-    rows: Rows, top: int,
-    spacing: tuple[float, ...],
+    c: int, m: int, sign: Float, xi: Float, half_gap: Float, outline: Outline, table: Table, rows: Rows,
+    top: int, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """Entries and motion of the place ξ of segment m in row c, times ``sign``; the new top.
 
@@ -149,27 +144,17 @@ def add_side(
     return top
 
 
-@device
-def width_of(m: int, outline: Outline, table: Table) -> int:
-    """Entries that a segment may take."""
-    width: int = 0
-    for a in range(2):
-        p = outline.facets[m, a]
-        width += table.row[p + 1] - table.row[p]
-    return width
-
-
 @kernel
 def write_midlines(
     near: NearFacets, reach: float, outline: Outline, pair_of: Ints, pair_first: Ints, table: Table,
     rows: Rows, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """Two rows for each two segments that face each other, at the Gauss points of what they have in common;
-    their number, or −1 if they do not all fit.
-
-    ``near`` lists for every segment those of bodies with a higher index.
-    """
-    c, top, n_facets = 0, 0, len(outline.facets)
+    """Two rows for each two segments that face each other, at the Gauss points of their common part; their
+    number, or −1 if they do not all fit. ``near`` lists for every segment those of bodies with a higher
+    index."""
+    c, top, n_facets, widest = 0, 0, len(outline.facets), 0
+    for p in range(len(table.row) - 1):
+        widest = max(widest, table.row[p + 1] - table.row[p])
     normal = scratch.vector(spacing)
     ends, other_ends = scratch.vector((0.0, 0.0, 0.0, 0.0)), scratch.vector((0.0, 0.0, 0.0, 0.0))
     rows.start[0] = 0
@@ -188,8 +173,7 @@ def write_midlines(
             middle = gap_at(0.5 * (low + high), ends, other_ends)
             if low > high or middle > reach or middle < -DEEPEST * reach:
                 continue
-            width = width_of(m, outline, table) + width_of(other, outline, table)
-            if c + 2 > len(rows.pair) or top + 2 * width > len(rows.dof):
+            if c + 2 > len(rows.pair) or top + 8 * widest > len(rows.dof):
                 return -1
             p = pair_index(pair_of, body, theirs)
             for point in range(2):
@@ -233,16 +217,16 @@ class Midplane(Detection):
     dimensions = (2,)
     dimensions_note = "the plane form of a method for space: polygons that two facets share are not built"
 
-    def parts(self, contact: object) -> list[TravelLimit]:  # noqa: ARG002
-        """The limit of travel."""
+    def parts(self) -> list[TravelLimit]:
+        """Return the limit of travel."""
         return [TravelLimit(self)]
 
     def reach(self, cell_size: float) -> float:
-        """The search radius."""
+        """Return the search radius."""
         return self.options.search_radius * cell_size
 
     def prepare(self, setup: Setup, owner: str) -> None:
-        """Arrays of the search."""
+        """Allocate the arrays of the search."""
         self.state, self.has_friction = setup.state, setup.has_friction
         self.surface = tracked_surface(setup, owner)
         self.outline = outline_of(self.surface)
@@ -253,7 +237,7 @@ class Midplane(Detection):
         self.list_pairs(setup.state)
 
     def new_rows(self, own: dict[str, int | None]) -> ContactRows:
-        """Rows with a couple on both sides where there is friction."""
+        """Return rows with a couple on both sides where there is friction."""
         return ContactRows(self.state.grid.dim, couples=self.has_friction, own=own)
 
     def list_pairs(self, state: State) -> None:

@@ -2,18 +2,18 @@
 2021).
 
 Source: A. de Vaucorbeil, V. P. Nguyen (2021), Modelling contacts with a total Lagrangian material point
-method, CMAME 373, 113503; known here by the public code of its author (Karamelo,
-fix_contact_min_penetration.cpp). A point is a sphere with half the edge of a cube of its volume as radius R.
-Two points of different bodies whose spheres overlap push each other along the line of their centres by
+method, CMAME 373, 113503; known here by its author's public code (Karamelo, fix_contact_min_penetration.cpp).
+A point is a sphere with half the edge of a cube of its volume as radius R. Two points of different bodies
+whose spheres overlap push each other along the line of their centres by
 
     f_n = m_p m_q / ((m_p + m_q) Δt²) (R_p + R_q − |x_p − x_q|),
 
 which takes two free points to the distance at which they touch. Friction is μ f_n against the tangential
 velocity of the moment, also where it turns the slip round. Forces act on the points, and go to the nodes with
-their weights. The time step is a part of the law: it has no stiffness, no limit of its own, and no energy.
+their weights. The law has no stiffness, no limit of the step, and no energy.
 
-Assumed here. The tangential velocity is that of the points' place on the grid after the other forces of the
-step.
+Assumed here. The tangential velocity is that of the points' place on the grid after the other forces of
+the step.
 """
 
 from __future__ import annotations
@@ -33,19 +33,11 @@ class ParticleArrays(Struct):
 
 @kernel
 def push_apart(
-    rows: Rows,
-    count: int,
-    own: ParticleArrays,
-    mass: Floats,
-    dt: float,
-    work: Floats,
+    rows: Rows, count: int, own: ParticleArrays, mass: Floats, dt: float, work: Floats,
     spacing: tuple[float, ...],
-) -> None:
-    """J_n = m_p m_q / (m_p + m_q) overlap / Δt, and J_t = μ J_n against the slip, whose product with J_t is
-    added to ``work``.
-
-    ``mass`` (n_p,) [kg/m] is that of the points, which the row's identity tells.
-    """
+) -> None:  # fmt: skip
+    """J_n = m_p m_q / (m_p + m_q) overlap / Δt, and J_t = μ J_n against the slip, whose product with J_t
+    is added to ``work``. ``mass`` (n_p,) [kg/m] is that of the points."""
     dim, points = len(spacing), len(mass)
     slip = scratch.vector(spacing)
     for c in range(count):
@@ -80,15 +72,7 @@ class LeastPenetration(ImpulseLaw):
         """The points, whose masses the law needs."""
         self.state = setup.state
 
-    def impulses(
-        self,
-        rows: ContactRows,
-        grid: Grid,
-        scratch: FloatArray,  # noqa: ARG002
-        work: FloatArray | None,
-        *,
-        projected: bool,
-    ) -> None:
+    def impulses(self, rows: ContactRows, grid: Grid, work: FloatArray | None, *, projected: bool) -> None:
         """Push once in a step, beside its other forces."""
         if projected or work is None:
             rows.force[: rows.count] = 0.0
@@ -105,10 +89,7 @@ class PointCentres(PointSpheres):
 
 class ParticleContact(ImpulseContact):
     """Points of different bodies push each other apart by their overlap in each step, with friction of the
-    moment.
-
-    Springs between the same points, with friction that has a history, are ``points+penalty``.
-    """
+    moment; springs between the same points are ``points+penalty``."""
 
     name = "particles"
     Detection = PointCentres

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from contact_scenes import impact, run
-from mpmfw.contact.parts import joined
 from mpmfw.contact.surfaces import Surfaces
 from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.plugin.discovery import available, choices
@@ -157,7 +156,7 @@ def test_a_joined_contact_goes_to_another_process():
     again = pickle.loads(pickle.dumps(scene))
     assert again.contact.options == scene.contact.options
     assert again.contact.options.model_fields_set == {"kappa"}
-    contact = joined(Surfaces, PenaltyLaw)(kappa=3.0)
+    contact = PenaltyLaw.joined_with(Surfaces)(kappa=3.0)
     assert pickle.loads(pickle.dumps(contact)).options == contact.options
 
 

@@ -123,7 +123,7 @@ def test_the_plan_is_on_where_the_scene_calls_for_it(name: str) -> None:
     assert {effect.name for effect in effects if effect.on} == ALWAYS | PLANNED[name]
     if name == "two bodies apart":
         (reason,) = [effect.reason for effect in effects if effect.name == "contact search"]
-        assert "boxes of left-right are 1 m apart" in reason
+        assert "no two bodies' boxes are within its reach" in reason
 
 
 def test_structures_of_absent_effects_are_none_and_energies_are_left_out() -> None:

@@ -48,7 +48,7 @@ def outcome(angle, body="block", **options):
     sim.run()
     p, points = sim.state.particles, sim.state.bodies[0].particles
     x, y = p.mass[points] @ p.velocity[points] / p.mass[points].sum()
-    leaning = sim.manager.get_plugin("leaning_normals")
+    leaning = sim.contact.detection.bias
     lean = 0.0 if leaning is None else float(leaning.sideways()[0])
     return y / -velocity[1], x / velocity[0] if angle else 1.0, lean, sim.concerns()
 

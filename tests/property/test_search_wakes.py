@@ -52,8 +52,7 @@ def check_step(sim: Simulation) -> tuple[float, bool]:
     """Search, and compare with brute force; return the deepest gap [m] and True if the search was awake."""
     surface, contact = sim.state.surface, sim.contact.detection
     awake = contact.near.update()
-    contact.count = contact._search()
-    contact.end_step()
+    contact.count = contact.search()
     outlines = [surface.position[surface.of(body)] for body in (0, 1)]
     deepest = np.inf
     for body, other in ((0, 1), (1, 0)):
@@ -87,8 +86,9 @@ def test_no_contact_is_missed_by_bodies_slower_than_a_segment_a_step(
     start = surface.position.copy()
     left, right = surface.of(0), surface.of(1)
     step = share * np.linalg.norm(start - start[surface.facets[:, 1]], axis=1).min()
-    sim.contact.detection.candidates.inside.fill(-1)
-    sim.contact.detection.was_inside, awake = False, False
+    sim.contact.detection.candidates.facet.fill(-1)
+    sim.contact.detection.candidates.gap.fill(np.inf)
+    sim.contact.detection.count, awake = 0, False
     turn, centre = rng.uniform(0.0, 2.0 * np.pi), start[right].mean(axis=0)
     c, s = np.cos(turn), np.sin(turn)
     shift = np.array([0.0, aside])

@@ -11,8 +11,8 @@ import pytest
 
 PACKAGES = ("mpmfw_contact", "mpmfw.contact", "mpmfw.effects", "mpmfw.kernels")
 
-#: What is no choice: an index that is none, and what kernels return in place of one.
-NO_CHOICE = {"TOO_MANY", "OUTSIDE", "FULL"}
+#: Not a choice: an index that is none.
+NO_CHOICE = {"OUTSIDE", "FULL"}
 
 
 def constants() -> list[tuple[str, str]]:

@@ -108,7 +108,7 @@ def impulse(
         momentum=np.array([[MASSES[0] * approach, MASSES[0] * slip], [0.0, 0.0]]),
         spacing=(1.0, 1.0),
     )
-    law.impulses(rows, grid, np.zeros(2), np.zeros(1) if moves else None, projected=False)
+    law.impulses(rows, grid, np.zeros(1) if moves else None, projected=False)
     return rows.force[0].copy()
 
 

@@ -193,7 +193,7 @@ def cut_short(monkeypatch, missed):
     law.prepare(SimpleNamespace(state=state, scheme="usl", dim=2), "lcp")
     law.dt = DT
     grid = SimpleNamespace(mass=p.mass, momentum=p.momentum, spacing=p.spacing)
-    law.impulses(p.rows, grid, np.zeros(len(p.mass)), None, projected=False)
+    law.impulses(p.rows, grid, None, projected=False)
     return law.remarks()
 
 

@@ -12,6 +12,7 @@ from scipy.optimize import least_squares
 from interpreted import interpreted
 from mpmfw.contact import shared_nodes as shared
 from mpmfw.contact.rows import ContactRows
+from mpmfw.kernels import struct
 from mpmfw_contact import logistic as regression
 from mpmfw_contact.impulse import Impulse
 
@@ -62,6 +63,21 @@ def dim(request):
     return request.param
 
 
+def empty_clouds(nodes, entries):
+    """Room for the points of nodes, without a point."""
+    sizes = {"head": nodes, "after": entries, "point": entries}
+    return regression.Clouds(**{name: np.zeros(size, dtype=np.int64) for name, size in sizes.items()})
+
+
+def clouds_of(split, count):
+    """Points 0 to ``split`` at node 0, and those up to ``count`` at node 1."""
+    clouds = empty_clouds(2, count)
+    nodes = np.repeat([0, 1], [split, count - split]).astype(np.int32)
+    table = struct(row=np.arange(count + 1), nodes=nodes, weight=np.ones(count))
+    regression.list_points(table, np.ones(2, dtype=bool), clouds)
+    return clouds
+
+
 def detected(normal, gap=0.0, *, seed=0, turn=1e-5, strain=None):
     """Rows of two half-spaces; with F = ``strain``, by which positions are not moved."""
     rng, dim, count = np.random.default_rng(seed), len(normal), 9
@@ -83,18 +99,16 @@ def detected(normal, gap=0.0, *, seed=0, turn=1e-5, strain=None):
     names = shared.SharedNodes.member_names
     listed = shared.SharedNodes(**{name: np.zeros(size, dtype=np.int64) for name in names})
     n = shared.find_shared_nodes(pairs, grid, listed)
-    clouds = regression.Clouds(
-        slot=np.zeros(2 * size, dtype=int), start=np.zeros(2 * n + 1, dtype=int), point=np.zeros(len(nodes), dtype=int)  # noqa: E501
-    )  # fmt: skip
-    regression.list_points(n, listed, row, nodes, weight, clouds)
+    shared.mark_nodes(n, listed, grid)
+    clouds = empty_clouds(2 * size, len(nodes))
+    regression.list_points(struct(row=row, nodes=nodes, weight=weight), grid.shared, clouds)
     deformation = np.broadcast_to(np.eye(dim) if strain is None else strain, edges.shape).copy()
-    domains = regression.Domains(position=position, deformation=deformation, half_edges=edges)
+    points = struct(position=position, deformation_gradient=deformation)
     rows = ContactRows(dim, couples=False, own=Impulse().row_arrays(friction=False))
     rows.make_room(n + 1, 2 * n)
     rows.count = regression.write_regressed_rows(
-        n, listed, pairs, grid, clouds, domains, np.tile(place, (2, 1)), 1e-7, turn, 0.0, 0.0, rows,
-        (H,) * dim,
-        (1.0,) * (dim + 1),
+        n, listed, pairs, grid, np.tile(place, (2, 1)), clouds, points, edges, 1e-7, turn, 0.0, 0.0, rows,
+        (H,) * dim, (1.0,) * (dim + 1),
     )  # fmt: skip
     return SimpleNamespace(
         rows=rows, clouds=clouds, listed=listed, n=n, table=(row, nodes, weight), position=position,
@@ -159,7 +173,7 @@ def test_the_slope_is_that_of_penalised_least_squares():
     order = np.argsort(body, kind="stable")
     position, body = position[order], body[order]
     split = int((body == 0).sum())
-    clouds = regression.Clouds(slot=np.array([0, 1]), start=np.array([0, split, 40]), point=np.arange(40))
+    clouds = clouds_of(split, 40)
     normal = np.zeros(2)
     found = regression.fit_plane(
         0, 1, clouds, position, np.zeros(2), 1e-3, 1e-14, normal, (1.0, 1.0), (1.0, 1.0, 1.0)
@@ -179,9 +193,7 @@ def test_the_slope_is_that_of_penalised_least_squares():
 def plane_of(position, split, **constants):
     """Normal of the plane between the first ``split`` points and the others, or None."""
     count = len(position)
-    clouds = regression.Clouds(
-        slot=np.array([0, 1]), start=np.array([0, split, count]), point=np.arange(count)
-    )
+    clouds = clouds_of(split, count)
     normal = np.zeros(2)
     fit = interpreted(regression.fit_plane, **constants) if constants else regression.fit_plane
     found = fit(0, 1, clouds, position, np.zeros(2), 1e-7, 1e-5, normal, (1.0, 1.0), (1.0, 1.0, 1.0))

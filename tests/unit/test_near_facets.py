@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 
-from contact_kernels import empty_candidates
+from contact_kernels import empty_candidates, join
 from mpmfw.contact.surfaces import near_facets
 from mpmfw.contact.surfaces.near_facets import VerletList
 from mpmfw.contact.surfaces.search import keep_nearest
@@ -16,16 +16,20 @@ from scenes_for_tests import ball_on_a_box
 
 
 @kernel
-def offer(order, gaps, share, normal, candidates):
-    """Offer bodies 1, 2, … with the given gaps to node 0, in the given order."""
-    for body in order:
-        keep_nearest(0, body, body, gaps[body], share, normal, candidates, (1.0, 1.0))
+def offer(facets, outline, candidates):
+    """Offer facets to node 0, in their order."""
+    for m in facets:
+        keep_nearest(0, m, 0.0, 1.0, outline, candidates, (1.0, 1.0))
 
 
 def kept(order, gaps, slots):
-    candidates = empty_candidates(1, slots)
-    offer(np.array(order), np.array(gaps), np.array([0.5, 0.5]), np.array([0.0, 1.0]), candidates)
-    return {int(body): float(gap) for body, gap in zip(candidates.master[0], candidates.gap[0], strict=True)}
+    """Of bodies 1, 2, … whose tops are at the given gaps below a tip, those that are kept."""
+    tip = [[0.0, 0.0], [0.1, 1.0], [-0.1, 1.0]]
+    loops = join([tip, *([[-1.0, -1.0], [1.0, -1.0], [1.0, -gap], [-1.0, -gap]] for gap in gaps[1:])])
+    found = empty_candidates(len(loops.body), slots)
+    offer(np.array(order) * 4 + 1, loops.outline, found)
+    bodies = loops.body[found.facet[0]].tolist()
+    return dict(zip(bodies, found.gap[0].tolist(), strict=True))
 
 
 def test_the_nearest_bodies_are_kept_in_any_order():

@@ -57,14 +57,9 @@ def distance(position):
 
 def row_of(position, displacement=None, *, tilts=False):
     """The row of node 0 and facet 0; its grid's nodes are the surface's."""
-    gap, share, normal = distance(position)
     facet = np.full((5, 1), -1)
     facet[0] = 0
-    candidates = Candidates(
-        master=np.ones((5, 1), dtype=int), facet=facet, share=np.tile(share, (5, 1, 1)), gap=np.full((5, 1),
-        gap),
-        normal=np.tile(normal, (5, 1, 1)), inside=facet[:0], inside_facet=facet[:0],
-    )  # fmt: skip
+    candidates = Candidates(facet=facet, gap=np.full((5, 1), distance(position)[0]))
     moved = np.zeros_like(position) if displacement is None else displacement
     outline = outline_of(position, moved)
     rows = SurfaceRows(3, couples=True, tilts=tilts, spins=True, own={})

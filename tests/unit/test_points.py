@@ -11,8 +11,11 @@ from hypothesis import strategies as st
 
 from contact_scenes import impact, run
 from measures_for_tests import detect
+from mpmfw.contact.rows import ContactRows
+from mpmfw.kernels import struct
+from mpmfw.kernels.boxes import Boxes, bounding_boxes
 from mpmfw.runs.simulation import Simulation
-from mpmfw_contact.points import NEAR, Buckets, Neighbours, Points, enclose, find_near
+from mpmfw_contact.points import NEAR, find_near
 from scenes_for_tests import block, box
 
 Bodies = list[tuple[np.ndarray, np.ndarray]]
@@ -23,22 +26,18 @@ def listed(bodies: Bodies, dim: int, buckets: int = 16) -> list[tuple[int, int]]
     """Pairs of points of two bodies, each positions (n, dim) and volumes (n,), as the kernels list them."""
     sizes = [len(volume) for _, volume in bodies]
     end = np.cumsum(sizes)
-    points = Points(
-        begin=end - sizes,
-        end=end,
-        position=np.concatenate([position for position, _ in bodies]),
-        volume=np.concatenate([volume for _, volume in bodies]),
-        lower=np.zeros((2, dim)),
-        upper=np.zeros((2, dim)),
-        largest=np.zeros(2),
-    )
-    table = Buckets(head=np.full(buckets, -1, dtype=np.int64), after=np.zeros(end[-1], dtype=np.int64))
-    found = Neighbours(**{name: np.zeros(400, dtype=np.int64) for name in Neighbours.member_names})
-    spacing = (1.0,) * dim
-    enclose(points, spacing)
-    count = find_near(np.array([0]), np.array([1]), points, table, found, spacing)
-    assert (table.head == -1).all()  # as the next pair of bodies must find it
-    return list(zip(found.first[:count].tolist(), found.second[:count].tolist(), strict=True))
+    position = np.concatenate([position for position, _ in bodies])
+    volume = np.concatenate([volume for _, volume in bodies])
+    first, boxes = np.array([0, *end]), Boxes(lower=np.zeros((2, dim)), upper=np.zeros((2, dim)))
+    bounding_boxes(first, position, boxes.lower, boxes.upper)
+    reach = NEAR * volume.max() ** (1.0 / dim)
+    head, after = np.full(buckets, -1, dtype=np.int64), np.zeros(end[-1], dtype=np.int64)
+    rows = ContactRows(dim, couples=False)
+    rows.make_room(400, 1)
+    points = struct(position=position, volume=volume)
+    count = find_near(np.array([[0, 1]]), first, points, reach, boxes, head, after, rows)
+    assert (head == -1).all()  # as the next pair of bodies must find it
+    return [divmod(int(identity), end[-1]) for identity in rows.identity[:count]]
 
 
 @pytest.mark.parametrize("dim", [2, 3])

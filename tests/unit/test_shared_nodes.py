@@ -11,6 +11,7 @@ import pytest
 from contact_kernels import no_records
 from mpmfw.contact import shared_nodes as shared
 from mpmfw.contact.rows import ContactRows
+from mpmfw.kernels import struct
 from mpmfw.kernels.contact import add_records
 from mpmfw_contact import impulse as law
 
@@ -154,7 +155,7 @@ def correct(f, rows, friction):
     grid = SimpleNamespace(mass=f.mass, momentum=f.momentum, spacing=f.spacing)
     impulse = law.Impulse()
     rows.set(friction=friction[rows.pair])
-    impulse.impulses(rows, grid, np.zeros(len(f.mass)), records.frictional_work, projected=True)
+    impulse.impulses(rows, grid, records.frictional_work, projected=True)
     rows.add_to(f.momentum, f.spacing)
     add_records(rows, rows.count, 1.0, records, f.spacing)
     return records
@@ -223,10 +224,12 @@ def test_projections_agree_with_numpy_at_shared_nodes_and_are_zero_elsewhere(fie
         np.zeros((n_nodes, dim)),
         np.zeros((n_nodes, dim)),
     )
-    shared.project_volume_gradient(row, index, gradient, volume, nodes, f.spacing)
+    table = struct(row=row, nodes=index, weight=weight, gradient=gradient)
+    of_points = struct(mass=mass, volume=volume, position=position)
+    shared.project_volume_gradient(table, of_points, nodes, f.spacing)
     np.add.at(expected, index, volume[of, None] * gradient)
     np.testing.assert_allclose(nodes.gradient, np.where(at_both[:, None], expected, 0.0), atol=1e-13)
-    shared.project_position(row, index, weight, mass, position, nodes, f.spacing)
+    shared.project_position(table, of_points, nodes, f.spacing)
     np.add.at(moments, index, (mass[of] * weight)[:, None] * position[of])
     expected = moments[at_both] / f.mass[at_both, None]
     np.testing.assert_allclose(nodes.mean[at_both], expected, rtol=1e-12, atol=1e-13)

@@ -48,7 +48,7 @@ class Attracts(ImpulseLaw):
 
     name = "attracts"
 
-    def impulses(self, rows, grid, scratch, work, *, projected):  # noqa: ARG002
+    def impulses(self, rows, grid, work, *, projected):  # noqa: ARG002
         rows.force[: rows.count] = -1e-3 * rows.normal[: rows.count]
 
 

@@ -10,7 +10,7 @@ from mpmfw.contact.surfaces.detection import SurfaceRows
 from mpmfw.contact.surfaces.outline import Candidates, Outline
 from mpmfw.kernels import struct
 from mpmfw.kernels.contact import Records, pair_table
-from mpmfw.kernels.facets import segment_coordinate
+from mpmfw.kernels.facets import project
 from mpmfw.state.fields import FloatArray
 from mpmfw.validation import Case
 from mpmfw_contact.penalty import PenaltyLaw, spring_forces
@@ -83,7 +83,9 @@ def variations(points: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 def product_rows(points: FloatArray) -> dict[str, FloatArray]:
     """The rows (3, 2) that the product's own functions give, and the two of [H17] and of common practice."""
-    xi, gap, length, tx, ty = segment_coordinate(*points.ravel())
+    share, e_n = np.zeros((2, 2))
+    gap = project(points[0], points[1:], share, e_n, (1.0, 1.0))
+    xi, length, tx, ty = share[1], float(np.hypot(*(points[2] - points[1]))), -e_n[1], e_n[0]
     made = row_of(points, np.zeros((3, 2)), tilts=True)
     lean, made.tilt = made.tilt, made.tilt[:0]
     normal, tangential, q = np.zeros((3, 3, 2))
@@ -153,18 +155,9 @@ def kernel_force(points: FloatArray, moved: FloatArray) -> FloatArray:
 
 def row_of(points: FloatArray, moved: FloatArray, *, tilts: bool = False) -> SurfaceRows:
     """Return the row of one slave node and one segment; the grid's nodes are the three points."""
-    gap, xi = gap_and_coordinate(points)
-    along = (points[2] - points[1]) / np.hypot(*(points[2] - points[1]))
+    gap, _ = gap_and_coordinate(points)
     body, follow = np.array([0, 1, 1]), np.array([0, 2, 1])
-    facet, master = np.array([[1], [-1], [-1]]), np.array([[1], [-1], [-1]])
-    normal = np.zeros((3, 1, 2))
-    normal[0, 0] = along[1], -along[0]
-    none = np.zeros((0, 1), dtype=int)
-    candidates = Candidates(
-        master=master, facet=facet, share=np.full((3, 1, 2), [1.0 - xi, xi]), gap=np.full((3, 1), gap),
-        normal=normal,
-        inside=none, inside_facet=none,
-    )  # fmt: skip
+    candidates = Candidates(facet=np.array([[1], [-1], [-1]]), gap=np.full((3, 1), gap))
     outline = Outline(
         position=points, displacement=moved, tributary=np.ones(3), body=body, body_first=np.array([0, 1, 3]),
         facet_first=np.array([0, 1, 3]), facets=np.stack([np.arange(3), follow], axis=1),

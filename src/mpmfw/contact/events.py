@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mpmfw.kernels import kernel
-from mpmfw.kernels.contact import Rows
+from mpmfw.kernels.contact import Rows, acts
 from mpmfw.kernels.types import Floats, Ints
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup
-from mpmfw.state.fields import AnyArray, Field, FloatArray
+from mpmfw.state.fields import AnyArray, Field
 from mpmfw.state.history import NotSaved
 from mpmfw.state.structs import State
 
@@ -22,23 +22,10 @@ if TYPE_CHECKING:
 #: of two steps 55 %.
 FEWEST_STEPS = 3
 
-STEPS_PER_CONTACT = Field(
-    "steps_per_contact",
-    ("pair",),
-    "1",
-    "fewest steps that a contact of a place lasted, of those that ended since the last output",
-    "series",
-    output=True,
-    missing=True,
-)
-PENETRATION = Field(
-    "penetration",
-    ("pair",),
-    "1",
-    "deepest penetration since the last output, over the cell size",
-    "series",
-    output=True,
-)
+_STEPS = "fewest steps that a contact of a place lasted, of those that ended since the last output"
+_DEPTH = "deepest penetration since the last output, over the cell size"
+STEPS_PER_CONTACT = Field("steps_per_contact", ("pair",), "1", _STEPS, "series", output=True, missing=True)
+PENETRATION = Field("penetration", ("pair",), "1", _DEPTH, "series", output=True)
 
 
 @kernel
@@ -48,17 +35,13 @@ def follow_contacts(
     """Count the steps of every place's contact; at its end note the least, and the largest −g_n, of each
     pair.
 
-    ``age`` and ``old_age`` are the steps that contacts of the rows of this step and the last have lasted; the
-    first row of an identity has it. The last step's is used up, its rows' pairs are ``old_pair``. ``fewest``
-    and ``deepest`` are (pair,).
+    ``age`` and ``old_age`` are the steps that contacts of the rows of this step and the last have lasted;
+    the first row of an identity has it. The last step's is used up, its rows' pairs are ``old_pair``.
     """
     last = -1
     for c in range(count):
         age[c] = 0.0
-        touching = False
-        for d in range(rows.force.shape[1]):
-            touching = touching or rows.force[c, d] != 0.0
-        if touching and rows.identity[c] != last:
+        if rows.identity[c] != last and acts(c, rows):
             p, last = rows.pair[c], rows.identity[c]
             deepest[p] = max(deepest[p], -rows.gap[c])
             age[c] = 1.0
@@ -82,26 +65,24 @@ class ContactEvents:
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        """The two series."""
+        """Return the two series."""
         return [STEPS_PER_CONTACT, PENETRATION]
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        """Ages of the contacts."""
+        """Begin without a contact."""
         self.state, self.cell_size = setup.state, setup.cell_size
         self.old_age, self.old_pair = np.zeros(0), np.zeros(0, dtype=np.int64)
-        self.fewest: FloatArray = np.full(len(setup.pairs), np.inf)
-        self.deepest: FloatArray = np.zeros(len(setup.pairs))
-        self.fewest_ever = self.fewest.copy()
+        self.fewest = self.fewest_ever = self.deepest = np.zeros(0)
+        self.add_pairs(setup.state)
 
     @hookimpl
     def add_pairs(self, state: State) -> None:
-        """Nothing has happened yet between bodies that have come near."""
-        more = len(state.pairs) - len(self.fewest)
-        self.fewest, self.fewest_ever = (
-            np.append(a, np.full(more, np.inf)) for a in (self.fewest, self.fewest_ever)
-        )
-        self.deepest = np.append(self.deepest, np.zeros(more))
+        """Begin with nothing between bodies that have come near."""
+        none = np.zeros(len(state.pairs) - len(self.fewest))
+        self.fewest = np.append(self.fewest, none + np.inf)
+        self.fewest_ever = np.append(self.fewest_ever, none + np.inf)
+        self.deepest = np.append(self.deepest, none)
 
     @hookimpl
     def end_step(self) -> None:
@@ -135,8 +116,7 @@ class ContactEvents:
         """Contacts that the steps do not resolve."""
         return [
             f"{pair.label}: a contact lasted {steps:.0f} steps, fewer than {FEWEST_STEPS}, and gains energy; "
-            "try a smaller "
-            f"{' or '.join(filter(None, ('time.safety', self.contact.softer_by)))}"
+            f"try a smaller {' or '.join(filter(None, ('time.safety', self.contact.softer_by)))}"
             for pair, steps in zip(self.state.pairs, self.fewest_ever, strict=True)
             if steps < FEWEST_STEPS
         ]

@@ -28,47 +28,29 @@ class ForceLaw(ContactLaw):
     #: Normal dashpot as a fraction of critical.
     damping: float = 0.0
 
-    @classmethod
-    def strategy(cls) -> type[RowContact]:
-        """Return the base of contacts with laws of forces."""
-        return ForceContact
-
     def estimate_frequency(self, bulk_frequency: float) -> float:
-        """Return ω² of its springs [1/s²] before anything was detected, for equal bodies; ``bulk_frequency``
-        is 2 c / h [1/s]."""
+        """Return ω² of its springs [1/s²] for equal bodies, before anything is detected;
+        ``bulk_frequency`` is 2 c / h [1/s]."""
         raise NotImplementedError
 
     def stiffness(self, rows: ContactRows, old: ContactRows) -> FloatArray:
         """Return the tangent stiffness of every row (n,) [N m^(dim−4)], in contact or not: it limits the
         step.
 
-        Parameters
-        ----------
-        rows, old
-            Of this step, and of the last one, where ``rows.previous`` points.
+        ``old`` are the rows of the last step, where ``rows.previous`` points.
         """
         raise NotImplementedError
 
     def longest_step(self, rows: ContactRows, grid: Grid) -> float:  # noqa: ARG002
-        """Return the step [s] that ``rows`` allow beside their stiffness, before the safety factor; infinite
-        by default.
-
-        ``grid`` has the mass and the momentum of the projection, before forces have acted.
-        """
+        """Return the step [s] that ``rows`` allow beside their stiffness, before the safety factor;
+        infinite by default. ``grid`` has mass and momentum of the projection."""
         return math.inf
 
     def forces(self, rows: ContactRows, old: ContactRows, dashpot: float, records: PairRecords) -> None:
-        """Write ``rows.force``, and the pairs' works and energies.
+        """Write ``rows.force``, and add to the pairs' works and energies in ``records``.
 
-        Parameters
-        ----------
-        rows, old
-            As in :meth:`stiffness`, which was called before.
-        dashpot
-            c / (k Δt) [1] of the last step, with Δt [s], of a dashpot of the fraction :attr:`damping` of
-            critical.
-        records
-            Of the pairs; impulse and count are not the law's to add.
+        ``rows`` and ``old`` are as in :meth:`stiffness`, which was called before. ``dashpot`` is c / (k
+        Δt) [1] of a dashpot of the fraction :attr:`damping` of critical, Δt that of the last step [s].
         """
         raise NotImplementedError
 
@@ -96,15 +78,13 @@ class ForceContact(RowContact):
 
     @hookimpl
     def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
-        """Return series of every contact, and the detection's output fields from the rows of the last step.
-
-        ``interval`` [s] is since the last output.
-        """
+        """Return series of every contact, and the detection's output fields of the last step's rows;
+        ``interval`` [s] is since the last output."""
         return {**self.detection.outputs(self.old), **super().diagnostics(state, interval)}
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        """Prepare as every contact, with the frequency of the bulk."""
+        """Prepare as every contact, and take the frequency of the bulk."""
         super().setup(setup)
         self.bulk_frequency = setup.bulk_frequency
         #: Of the rows of this step [1/s²]; None before any was detected.
@@ -113,15 +93,14 @@ class ForceContact(RowContact):
 
     @hookimpl
     def detect(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
-        """Find the rows where the bodies are now, their stiffness, and the highest frequency that they give
-        the grid."""
+        """Find the rows where the bodies are now, and the highest frequency that they give the grid."""
         rows, old = self.rows, self.old
         self.find_rows(grid, phi, particles)
         self.omega_squared, self.longest_step = 0.0, math.inf
         if rows.count:
             match_rows(rows, rows.count, old, old.count)
             stiffness = self.law.stiffness(rows, old)
-            self.omega_squared = rows.couplings(stiffness, grid, self.scratch(grid), stiffness)
+            self.omega_squared = rows.couplings(stiffness, grid, stiffness)
             self.longest_step = self.law.longest_step(rows, grid)
             if not np.any(rows.gap[: rows.count] <= 0.0):
                 # The step in which they touch must not be longer than the next: springs begin with the depth
@@ -141,25 +120,23 @@ class ForceContact(RowContact):
         self.law.forces(rows, old, dashpot, self.records)
         rows.add_to(grid.force, grid.spacing)
         add_records(rows, rows.count, dt, self.records, grid.spacing)
+        self.detection.note_forces(rows, dt)
 
     def work_over_last_step(self) -> float:
-        """Return the work [J/m] of this step's forces on the motion of their rows over the last one, before
-        :meth:`advect`."""
+        """Return the work [J/m] of this step's forces on the motion of their rows over the last one."""
         rows, n = self.rows, slice(self.rows.count)
         return float(np.vdot(rows.force[n], rows.motion[n]))
 
     @hookimpl
     def advect(self, grid: Grid, dt: float) -> None:
-        """Note the motion of every row's sides in the step of ``dt`` [s]; its rows are the history of the
-        next."""
+        """Note the motion of every row's sides in the step of ``dt`` [s]; rows become history."""
         rows = self.rows
         if "moved" in rows.own.member_names and rows.count:
             relative_motion(rows, rows.count, grid.velocity, dt, rows.own.moved, grid.spacing)
-        self.detection.end_step()
         self.rows, self.old = self.old, rows
 
     def copy_history(self, other: RowContact, index_map: IndexMap) -> None:
-        """Copy the history of detection and law, and the rows of the last step of ``other``."""
+        """Copy the history of the detection, and the rows of the last step of ``other``."""
         super().copy_history(other, index_map)
         self.old.copy_history(other.last_rows, index_map)
 
@@ -171,10 +148,7 @@ class ForceContact(RowContact):
     @hookimpl
     def stable_timestep(self) -> tuple[float, str] | None:
         """Return 2 / sqrt(ω_bulk² + ω²) [s], or less where the law allows less: bulk and springs act
-        together.
-
-        Before the first detection, ω² is that of equal bodies.
-        """
+        together. Before the first detection, ω² is that of equal bodies."""
         omega_squared = self.omega_squared
         if omega_squared is None:
             omega_squared = self.law.estimate_frequency(self.bulk_frequency)
@@ -187,3 +161,6 @@ class ForceContact(RowContact):
         if self.longest_step < resolved:
             return self.longest_step, f"{self.law.name} at the present approach"
         return resolved, f"{self.law.name} springs and bulk"
+
+
+ForceLaw.Contact = ForceContact

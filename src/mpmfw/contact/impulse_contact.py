@@ -19,29 +19,12 @@ class ImpulseLaw(ContactLaw):
     #: Length of the step [s], known whenever impulses are asked for.
     dt: float = 0.0
 
-    @classmethod
-    def strategy(cls) -> type[RowContact]:
-        """Return the base of contacts with laws of impulses."""
-        return ImpulseContact
+    def impulses(self, rows: ContactRows, grid: Grid, work: FloatArray | None, *, projected: bool) -> None:
+        """Write ``rows.force``, the impulses [N s m^(dim−3)] that the momentum of ``grid`` asks for; the
+        caller adds them to it.
 
-    def impulses(
-        self, rows: ContactRows, grid: Grid, scratch: FloatArray, work: FloatArray | None, *, projected: bool
-    ) -> None:
-        """Write ``rows.force``, the impulses [N s m^(dim−3)] that the grid's momentum asks for.
-
-        Parameters
-        ----------
-        rows
-            Of this step.
-        grid
-            Its ``mass`` and ``momentum``; the impulses are added to it by the caller.
-        scratch
-            A number for every node, zero on entry and on return (n_nodes,).
-        work
-            Work of friction of every pair, to be added to [J m^(dim−3)]; None where the correction moves no
-            point.
-        projected
-            Whether the momentum is that of the projection, before forces have acted.
+        ``work`` of friction of every pair is to be added to [J m^(dim−3)]; it is None where the correction
+        moves no point. A ``projected`` momentum is that before forces have acted.
         """
         raise NotImplementedError
 
@@ -55,17 +38,13 @@ class ImpulseContact(RowContact):
     def detect(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
         """Find the rows where the bodies are now."""
         self.find_rows(grid, phi, particles)
-        self.scratch(grid)
         # of forces; the rows have the impulses of each correction
         self.cohesion = self.rows.cohesion.copy()
 
     @hookimpl
     def after_momentum_projection(self, grid: Grid, dt: float) -> None:
-        """Correct the projected momentum; cohesion holds against the forces of the step, which have not acted
-        yet.
-
-        ``dt`` [s] is the length of the step.
-        """
+        """Correct the projected momentum; cohesion holds against the step's forces, which have not acted
+        yet. ``dt`` [s] is the length of the step."""
         self.law.dt = dt
         self.rows.cohesion[:] = 0.0
         self._correct(grid, projected=True)
@@ -80,11 +59,11 @@ class ImpulseContact(RowContact):
     def after_second_projection(self, grid: Grid) -> None:
         """Correct MUSL's second momentum, from which the strain is taken, at the same rows.
 
-        Else bodies that no longer approach are strained as if they did, and what the strain takes up has no
-        work against it. No point moves with this momentum: its impulse and work are in no record.
+        Else bodies that no longer approach are strained as if they did. No point moves with this momentum:
+        its impulse and work are in no record.
         """
         if self.rows.count:
-            self.law.impulses(self.rows, grid, self.node_sum, None, projected=False)
+            self.law.impulses(self.rows, grid, None, projected=False)
             self.rows.add_to(grid.momentum, grid.spacing)
 
     def _correct(self, grid: Grid, *, projected: bool) -> None:
@@ -92,11 +71,10 @@ class ImpulseContact(RowContact):
         if rows.count == 0:
             records.count.fill(0.0)
             return
-        self.law.impulses(rows, grid, self.node_sum, records.frictional_work, projected=projected)
+        self.law.impulses(rows, grid, records.frictional_work, projected=projected)
         rows.add_to(grid.momentum, grid.spacing)
         add_records(rows, rows.count, 1.0, records, grid.spacing)
+        self.detection.note_forces(rows, 1.0)
 
-    @hookimpl
-    def advect(self) -> None:
-        """End the step of the detection."""
-        self.detection.end_step()
+
+ImpulseLaw.Contact = ImpulseContact

@@ -47,8 +47,8 @@ class NodesOptions(BaseModel):
     criterion: Literal["auto", "velocity", "position"] = Field(
         "auto",
         description="velocity: bodies approach at a shared node (2000, 2001); position: and their "
-        "extrapolated "
-        "positions are closer than the cut-off; auto: position where the law needs a gap, else velocity",
+        "extrapolated positions are closer than the cut-off; auto: position where the law needs a gap, else "
+        "velocity",
     )
     cut_off: float = Field(
         0.8, gt=0, description="separation in cells below which bodies touch (criterion = position)"
@@ -56,8 +56,7 @@ class NodesOptions(BaseModel):
     normal: Literal["averaged", "master", "specified"] = Field(
         "averaged",
         description="averaged of the pair, the stiffer body's (of equals the larger volume gradient at a "
-        "node), or given by "
-        "`direction`",
+        "node), or given by `direction`",
     )
     direction: tuple[float, ...] | None = Field(
         None, description="unit vector out of a pair's first body (normal = specified)"
@@ -77,10 +76,8 @@ class NodesOptions(BaseModel):
 
 
 class AtNodes(Detection):
-    """Base of detections at grid nodes with mass of both bodies of a pair; a row is v_a − v_b there.
-
-    By itself it lists all shared nodes at which there is a normal, that of the bodies' volume gradients.
-    """
+    """Base of detections at grid nodes with mass of both bodies of a pair: rows are v_a − v_b where there
+    is a normal, by default that of the volume gradients."""
 
     history = ("seams",)
     #: Whether three bodies have filled a node.
@@ -94,7 +91,7 @@ class AtNodes(Detection):
     cut_off: float = np.inf
 
     def prepare(self, setup: Setup, owner: str) -> None:
-        """The bodies of the pairs, and the least mass of a node."""
+        """Take the bodies of the pairs, and the least mass of a node."""
         self.state, self.owner = setup.state, owner
         self.given = np.zeros(setup.dim)  #: direction that takes the normals' place, if it is one
         #: (body,) mass of a node that a body fills [kg/m]
@@ -105,17 +102,17 @@ class AtNodes(Detection):
         self.list_pairs(setup.state)
 
     def make_room(self, nodes: int) -> None:
-        """Room for so many shared nodes."""
+        """Make room for so many shared nodes."""
         names = SharedNodes.member_names
         self.shared = SharedNodes(**{name: np.zeros(nodes, dtype=np.int64) for name in names})
 
     def weights(self, state: State) -> tuple[FloatArray, FloatArray]:
-        """What the volume gradients of every pair's bodies weigh in its normal, (pair,) each."""
+        """Return what the volume gradients of every pair's bodies weigh in its normal, (pair,) each."""
         ones = np.ones(len(state.pairs))
         return ones, ones
 
     def list_pairs(self, state: State) -> None:
-        """Bodies of all pairs, and which of their gradients make up the normal."""
+        """List the bodies of all pairs, and which of their gradients make up the normal."""
         first, second = np.ascontiguousarray(state.pair_bodies.T)
         weight_first, weight_second = self.weights(state)
         self.pairs = NodePairs(
@@ -123,14 +120,14 @@ class AtNodes(Detection):
         )
 
     def nodes_of(self, grid: Grid) -> GridNodes:
-        """The grid's arrays and those projected on it, made anew whenever its windows were laid anew."""
+        """Return the grid's arrays and those projected on it, made anew whenever its windows were."""
         if self.grid is not None and self.grid.mass is grid.mass:
             return self.grid
         empty = np.zeros((0, grid.dim))
         self.grid = GridNodes(
             window_lower=grid.window_lower, window_shape=grid.window_shape, offset=grid.offset,
-            nodes=grid.nodes,
-            mass=grid.mass, start_velocity=grid.start_velocity, shared=np.zeros(len(grid.mass), dtype=bool),
+            nodes=grid.nodes, mass=grid.mass, start_velocity=grid.start_velocity,
+            shared=np.zeros(len(grid.mass), dtype=bool),
             gradient=np.zeros_like(grid.momentum) if self.projects_gradient else empty,
             mean=np.zeros_like(grid.momentum) if self.projects_mean else empty,
         )  # fmt: skip
@@ -158,11 +155,9 @@ class AtNodes(Detection):
             self.seams = self._fill_a_node(listed, grid)
         mark_nodes(listed, self.shared, nodes)
         if len(nodes.gradient):
-            project_volume_gradient(phi.row, phi.nodes, phi.gradient, particles.volume, nodes, grid.spacing)
+            project_volume_gradient(phi, particles, nodes, grid.spacing)
         if len(nodes.mean):
-            project_position(
-                phi.row, phi.nodes, phi.weight, particles.mass, particles.position, nodes, grid.spacing
-            )
+            project_position(phi, particles, nodes, grid.spacing)
         if len(rows.pair) < listed:
             rows.make_room(2 * listed, 4 * listed)
         rows.count = self.write(listed, grid, phi, particles, rows)
@@ -189,15 +184,8 @@ class AtNodes(Detection):
         """Copy whether three bodies have filled a node."""
         self.seams = self.seams or other.seams
 
-    def write(
-        self,
-        listed: int,
-        grid: Grid,
-        phi: Stencil,  # noqa: ARG002
-        particles: Particles,  # noqa: ARG002
-        rows: ContactRows,
-    ) -> int:
-        """Write rows of the ``listed`` shared nodes with a normal where bodies are near; their number."""
+    def write(self, listed: int, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> int:  # noqa: ARG002
+        """Write rows of ``listed`` shared nodes with a normal where bodies are near; return their number."""
         return write_rows(
             listed, self.shared, self.pairs, self.nodes_of(grid), self.given, self.cut_off, self.least_mass,
             self.state.dt, rows, grid.spacing,
@@ -210,6 +198,8 @@ class Nodes(AtNodes):
     name = "nodes"
     Options = NodesOptions
     options: NodesOptions
+    #: Bias of averaged normals; None where normals are of one body alone.
+    bias: Any = None
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
@@ -217,7 +207,7 @@ class Nodes(AtNodes):
         self.measures_area = self.options.normal != "specified"
 
     def configure(self, needs: frozenset[str], *, forces: bool) -> None:
-        """Measure the gap by positions where the law needs one; forces need an area, and nodes that have some
+        """Measure the gap by positions where the law needs one; forces need an area, and nodes with some
         mass.
 
         Raises
@@ -234,28 +224,18 @@ class Nodes(AtNodes):
         if forces and not self.measures_area:
             raise SceneError(
                 "detection 'nodes' with normal = \"specified\" measures no area, which the law needs; "
-                "expected "
-                '"averaged" or "master"'
+                'expected "averaged" or "master"'
             )
         self.by_position = self.by_position or "gap" in needs
         if "cut_off" in self.options.model_fields_set and not self.by_position:
             raise SceneError(
                 "detection 'nodes': 'cut_off' has no effect with the criterion of velocity, which auto is "
-                "with this law; "
-                'expected criterion = "position"'
+                'with this law; expected criterion = "position"'
             )
 
     def range(self, cell_size: float) -> float | None:  # noqa: ARG002
         """Return 0 beyond the cut-off, which gaps count from; None where none is measured."""
         return 0.0 if self.by_position else None
-
-    def parts(self, contact: Any) -> list[Any]:
-        """Return what follows the bias of averaged normals; the other kinds are of one body alone."""
-        if self.options.normal != "averaged":
-            return []
-        from mpmfw.contact.normal_bias import NormalBias
-
-        return [NormalBias(contact, self)]
 
     def prepare(self, setup: Setup, owner: str) -> None:
         """Take the direction, which has a component for each axis, the cut-off, and the pairs' bodies."""
@@ -271,10 +251,37 @@ class Nodes(AtNodes):
             self.cut_off = self.options.cut_off * setup.cell_size
         self.projects_gradient = self.options.normal != "specified"
         self.projects_mean = self.by_position
+        if self.options.normal == "averaged":  # the other kinds are of one body alone
+            from mpmfw.contact.normal_bias import NormalBias
+
+            self.bias = NormalBias(setup, owner)
+
+    def list_pairs(self, state: State) -> None:
+        """List the bodies of all pairs."""
+        super().list_pairs(state)
+        if self.bias:
+            self.bias.add_pairs(state)
+
+    def note_forces(self, rows: ContactRows, scale: float) -> None:
+        """Add to the bias of averaged normals."""
+        if self.bias and rows.count:
+            self.bias.add(rows, scale, self.gradient, self.state.grid.spacing)
+
+    def restart(self) -> None:
+        """Forget the bias of the settling."""
+        if self.bias:
+            self.bias.restart()
+
+    def remarks(self) -> list[str]:
+        """Return the warnings of seams, and of averaged normals that lean."""
+        advice = 'normal = "master" or "specified" for faces'
+        if not self.by_position:
+            advice += ', criterion = "position" for round bodies'
+        return [*super().remarks(), *(self.bias.remarks(self.state.pairs, advice) if self.bias else [])]
 
     def weights(self, state: State) -> tuple[FloatArray, FloatArray]:
-        """Both gradients where normals are averaged, or the stiffer body's alone; 0 and 0 of equals: the
-        larger one."""
+        """Return 1 for both gradients where normals are averaged, or the stiffer body's alone; of equals
+        0: the larger one."""
         if self.options.normal != "master":
             return super().weights(state)
         ranks, (first, second) = stiffness_ranks(state.bodies), state.pair_bodies.T

@@ -27,11 +27,8 @@ EQUAL = 1e-6
 
 
 class Detection(PlugIn):
-    """Base of detections, announced as entry points of the group ``mpmfw.detection``.
-
-    It fills the rows of a step from where the bodies are, after the projection and before the step's length
-    is chosen, and keeps it until :meth:`end_step`.
-    """
+    """Base of detections, announced as entry points of the group ``mpmfw.detection``: it fills the rows of
+    a step from where the bodies are, after the projection and before the step's length is chosen."""
 
     #: What laws may need of its rows: ``facets`` where they lie on facets of surfaces, which are then
     #: tracked, ``nodes`` where a node meets each, ``steady gap`` where gaps do not jump as rows come and go.
@@ -50,18 +47,18 @@ class Detection(PlugIn):
 
     state: State  #: to be taken by :meth:`prepare`
 
-    def parts(self, contact: Any) -> list[Any]:  # noqa: ARG002
-        """Return the plug-ins that it brings along, beside the strategy ``contact`` that it belongs to."""
+    def parts(self) -> list[Any]:
+        """Return the plug-ins that it brings along."""
         return []
 
     def reach(self, cell_size: float) -> float | None:  # noqa: ARG002
-        """Return the distance of bounding boxes [m] beyond which nothing is searched; None without a search.
-        ``cell_size`` is h [m]."""
+        """Return the distance of bounding boxes [m] beyond which nothing is searched, with the cell size h
+        [m]; None without a search."""
         return None
 
     def range(self, cell_size: float) -> float | None:
-        """Return the gap [m] up to which rows are sure to be listed, after :meth:`prepare`; by default
-        :meth:`reach`, None if that is not known. ``cell_size`` is h [m]."""
+        """Return the gap [m] up to which rows are sure to be listed, after :meth:`prepare`, with the cell
+        size h [m]; by default :meth:`reach`, None if not known."""
         return self.reach(cell_size)
 
     def configure(self, needs: frozenset[str], *, forces: bool) -> None:
@@ -85,8 +82,8 @@ class Detection(PlugIn):
     def new_rows(self, own: dict[str, int | None]) -> ContactRows:
         """Return rows without content, with the ``own`` arrays of a law (see :class:`ContactRows`).
 
-        By default both sides of a row are at one place, so that it has no couple, and it tells no spin: where
-        bodies turn about the normal, the stored friction stays as it is in space.
+        By default both sides of a row are at one place, so that it has no couple, and it has no spin:
+        where bodies turn about the normal, the stored friction stays as it is in space.
         """
         return ContactRows(self.state.grid.dim, couples=False, own=own)
 
@@ -95,14 +92,16 @@ class Detection(PlugIn):
         raise NotImplementedError
 
     def find(self, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> None:
-        """Fill the ``rows`` of this step, all arrays but ``previous``, ``force`` and the law's own.
-
-        ``phi`` is the material points' table of interpolation.
-        """
+        """Fill the ``rows`` of this step, all arrays but ``previous``, ``force`` and the law's own;
+        ``phi`` is the points' table of interpolation."""
         raise NotImplementedError
 
-    def end_step(self) -> None:
-        """Note what the next step needs of this one; nothing by default."""
+    def note_forces(self, rows: ContactRows, scale: float) -> None:
+        """Note the forces of the ``rows``, or impulses, which the law has just written; times ``scale`` they
+        are impulses."""
+
+    def restart(self) -> None:
+        """Forget accumulated sums at time zero, after settling."""
 
     def copy_history(self, other: Any, index_map: IndexMap) -> None:
         """Copy the history of ``other``, of the same class, renumbered by ``index_map``; none by default."""
@@ -117,10 +116,7 @@ class Detection(PlugIn):
 
 
 def stiffness_ranks(bodies: Sequence[Body]) -> IntArray:
-    """Rank every body by its wave modulus, (body,): 0 for the softest, the same for equally stiff ones.
-
-    The order of the bodies does not matter.
-    """
+    """Rank every body by its wave modulus (body,): 0 for the softest, the same for equally stiff ones."""
     return ranks_of(np.array([body.p_wave_modulus for body in bodies]))
 
 
@@ -142,12 +138,14 @@ NEEDS = {
 
 
 class ContactLaw(PlugIn):
-    """Base of laws, announced as entry points of the group ``mpmfw.law``; a law is a :class:`ForceLaw` or an
-    :class:`ImpulseLaw`."""
+    """Base of laws, announced as entry points of the group ``mpmfw.law``: a law is a :class:`ForceLaw` or
+    an :class:`ImpulseLaw`."""
 
     #: What it needs of the rows: ``gap`` for a signed gap, ``steady gap`` for one that does not jump as rows
     #: come and go, ``facets``, ``nodes`` for nodes against facets.
     needs: ClassVar[frozenset[str]] = frozenset()
+    #: Base of contacts with this law.
+    Contact: ClassVar[type[Any]]
     #: Whether it gives forces, and not impulses.
     gives_forces: ClassVar[bool] = False
     #: Whether the law uses the pairs' friction.
@@ -158,14 +156,26 @@ class ContactLaw(PlugIn):
     leaves_bodies_out: ClassVar[bool] = False
 
     @classmethod
-    def strategy(cls) -> type[Any]:
-        """Return the base of contacts with this law."""
-        raise NotImplementedError
-
-    @classmethod
     def joined_with(cls, detection: type[Any]) -> type[Any]:
-        """Return the contact strategy of a class ``detection`` and this law, by ``joined``."""
-        return joined(detection, cls)
+        """Return the contact strategy of a class ``detection`` and this law, called ``DETECTION+LAW``.
+
+        Raises
+        ------
+        SceneError
+            The law cannot act on what the detection lists, or both have an option of one name.
+        """
+        if (detection, cls) in _JOINED:
+            return _JOINED[detection, cls]
+        for need in sorted((cls.needs & NEEDS.keys()) - detection.provides):
+            raise SceneError(
+                f"law '{cls.name}' acts on {NEEDS[need]}, and detection '{detection.name}' lists none"
+            )
+        twice = sorted(set(detection.Options.model_fields) & set(cls.Options.model_fields))
+        if twice:
+            raise SceneError(
+                f"detection '{detection.name}' and law '{cls.name}' both have an option '{twice[0]}'"
+            )
+        return _JOINED.setdefault((detection, cls), _joined(detection, cls))
 
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:  # noqa: ARG002
         """Return the law's own arrays of the rows, by name: the number of further dimensions, or None for an
@@ -188,18 +198,12 @@ class ContactLaw(PlugIn):
         """Take facts of the scene from ``setup``, and list arrays under ``owner``."""
 
     def measure(self, rows: ContactRows, grid: Grid, phi: Stencil, particles: Particles) -> None:
-        """Take what the law needs of the material points, once the rows of the step are there; nothing by
-        default.
-
-        ``phi`` is the table of interpolation of the points.
-        """
+        """Take what the law needs of the material points, once the rows of the step are there; ``phi`` is
+        their table of interpolation."""
 
     def range(self) -> float:
-        """Return the gap up to which the law acts [m], after :meth:`prepare`; 0 where it acts on bodies that
-        touch alone.
-
-        A detection that lists no rows so far apart (:meth:`Detection.range`) is refused.
-        """
+        """Return the gap up to which the law acts [m], after :meth:`prepare`: 0 where bodies must touch. A
+        detection that lists no rows so far apart (:meth:`Detection.range`) is refused."""
         return 0.0
 
     def list_pairs(self, state: State) -> None:
@@ -218,8 +222,8 @@ class ContactLaw(PlugIn):
 
 
 def make_part(kind: type[Any], options: BaseModel) -> Any:
-    """Make a detection or law from the options of both: those that were set, and those with a default of the
-    contact's own."""
+    """Make a detection or law of the options of both: those that were set, and those with a default of the
+    contact's."""
     own, both = kind.Options.model_fields, type(options).model_fields
     given = [
         name for name in own if name in options.model_fields_set or both[name].default != own[name].default
@@ -228,7 +232,7 @@ def make_part(kind: type[Any], options: BaseModel) -> Any:
 
 
 def options_of_both(contact: type[Any]) -> type[BaseModel]:
-    """Make the model of a contact's options from both parts' models, with the contact's own defaults."""
+    """Make the model of a contact's options of both parts' models, with the contact's own defaults."""
     models = tuple(dict.fromkeys((contact.Law.Options, contact.Detection.Options)))
     fields: dict[str, Any] = {}
     for model in models:
@@ -248,43 +252,24 @@ def options_of_both(contact: type[Any]) -> type[BaseModel]:
 _JOINED: dict[tuple[type[Any], type[Any]], type[Any]] = {}
 
 
-def joined(detection: type[Detection], law: type[ContactLaw]) -> type[Any]:
-    """Return the contact of a detection and a law, called ``DETECTION+LAW``.
-
-    Raises
-    ------
-    SceneError
-        The law cannot act on what the detection lists, or both have an option of one name.
-    """
-    if (detection, law) in _JOINED:
-        return _JOINED[detection, law]
-    for need in sorted((law.needs & NEEDS.keys()) - detection.provides):
-        raise SceneError(
-            f"law '{law.name}' acts on {NEEDS[need]}, and detection '{detection.name}' lists none"
-        )
-    twice = sorted(set(detection.Options.model_fields) & set(law.Options.model_fields))
-    if twice:
-        raise SceneError(
-            f"detection '{detection.name}' and law '{law.name}' both have an option '{twice[0]}'"
-        )
+def _joined(detection: type[Detection], law: type[ContactLaw]) -> type[Any]:
+    """Make the contact of a detection and a law; it can be pickled, and so can its options."""
 
     def parts_of(options: BaseModel, *, contact: bool = False) -> tuple[Any, ...]:
         return _made_again, (detection, law, options.model_dump(exclude_unset=True), contact)
 
-    # The classes are in no module, where pickle would look for them. Theirs is that of the part which is not
-    # mpmfw's own: what it does wrong is its distribution's.
     name = f"{detection.name}+{law.name}"
     body = {
         "name": name,
         "Detection": detection,
         "Law": law,
         "__reduce__": lambda self: parts_of(self.options, contact=True),
+        # of the part that is not mpmfw's own, since its distribution answers for errors
         "__module__": (detection if bundled(law) else law).__module__,
         "__doc__": f"Detection '{detection.name}' with law '{law.name}'.",
     }
-    made: type[Any] = type(name, (law.strategy(),), body)
+    made: type[Any] = type(name, (law.Contact,), body)
     made.Options.__reduce__ = parts_of
-    _JOINED[detection, law] = made
     return made
 
 
@@ -292,5 +277,5 @@ def _made_again(
     detection: type[Detection], law: type[ContactLaw], options: dict[str, Any], contact: bool
 ) -> Any:
     """Make a joined ``contact``, or its options alone, in another process."""
-    kind = joined(detection, law)
+    kind = law.joined_with(detection)
     return kind(**options) if contact else kind.Options(**options)

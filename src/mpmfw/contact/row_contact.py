@@ -15,7 +15,7 @@ from mpmfw.errors import SceneError
 from mpmfw.kernels.contact import Records
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup
-from mpmfw.state.fields import CONTACT_SERIES, AnyArray, Field, FloatArray
+from mpmfw.state.fields import CONTACT_SERIES, AnyArray, Field
 from mpmfw.state.structs import Grid, Pair, Particles, State, Stencil
 
 if TYPE_CHECKING:
@@ -36,12 +36,8 @@ _IMPULSES = ("impulse", "friction_impulse")
 
 
 class PairRecords(Records):
-    """Accumulators of all pairs, written by kernels, which take them as one argument, and read at outputs.
-
-    They are impulse, friction_impulse, frictional_work, damping_work, energy and count
-    (:class:`mpmfw.kernels.contact.Records`). Work and impulse are those since time zero; ``restart`` forgets
-    what happened while the scene settled.
-    """
+    """Records of all pairs, written by kernels and read at outputs. Works and impulses count from time
+    zero; ``restart`` forgets the settling."""
 
     history = ("_last",)
 
@@ -51,13 +47,11 @@ class PairRecords(Records):
         self._owner = owner
 
     def add_pairs(self, state: State) -> None:
-        """Rows for the pairs that were added to the state's: nothing has acted between them so far."""
-        rows = len(state.pairs)
-        self.set(**{name: state.lengthen(f"{self._owner}/{name}", rows) for name in self.member_names})
-        self._last = {
-            name: np.concatenate([last, getattr(self, name)[len(last) :]])
-            for name, last in self._last.items()
-        }
+        """Add zeros for pairs that were added to the state's."""
+        count = len(state.pairs)
+        self.set(**{name: state.lengthen(f"{self._owner}/{name}", count) for name in self.member_names})
+        for name, last in self._last.items():
+            self._last[name] = np.concatenate([last, np.zeros((count - len(last), last.shape[1]))])
 
     def restart(self) -> None:
         """Set the accumulators to zero."""
@@ -66,22 +60,16 @@ class PairRecords(Records):
         for last in self._last.values():
             last.fill(0.0)
 
-    @staticmethod
-    def declarations() -> list[Field]:
-        """The series made from the records."""
-        return list(CONTACT_SERIES)
-
     def series(self, interval: float) -> dict[str, AnyArray]:
-        """Values at an output; the force is the mean over the ``interval`` [s] since the last one."""
-        now = {name: getattr(self, name).copy() for name in _IMPULSES}
-        contact_force, friction_force = (
-            (now[name] - self._last[name]) / interval if interval > 0.0 else np.zeros_like(now[name])
-            for name in _IMPULSES
-        )
-        self._last = now
+        """Return the series; forces are means over the ``interval`` [s] since the last output."""
+        forces = {}
+        for name, last in self._last.items():
+            now = getattr(self, name).copy()
+            forces[name] = (now - last) / interval if interval > 0.0 else np.zeros_like(now)
+            self._last[name] = now
         return {
-            "contact_force": contact_force,
-            "friction_force": friction_force,
+            "contact_force": forces["impulse"],
+            "friction_force": forces["friction_impulse"],
             "contact_count": self.count.copy(),
             "frictional_work": self.frictional_work.copy(),
             "contact_energy": self.energy.copy(),
@@ -90,10 +78,7 @@ class PairRecords(Records):
 
 
 class RowContact(ContactStrategy):
-    """Base of contacts that name the classes ``Detection`` and ``Law``; their options are those of both.
-
-    Subclasses are :class:`ForceContact` and :class:`ImpulseContact`, after what the law gives.
-    """
+    """Base of contacts that name the classes ``Detection`` and ``Law``, whose options are those of both."""
 
     Detection: ClassVar[type[Detection]]  #: what lists the rows
     Law: ClassVar[type[ContactLaw]]  #: what acts on them
@@ -108,7 +93,6 @@ class RowContact(ContactStrategy):
         self.detection: Detection = make_part(self.Detection, self.options)
         self.law: Any = make_part(self.Law, self.options)
         self.detection.configure(self.Law.needs, forces=self.Law.gives_forces)
-        self._parts: list[Any] = self.detection.parts(self)
         self.surface_map = self.detection.surface_map
         self.adds_mass = self.detection.adds_mass
         parts_do = self.law.leaves_bodies_out and self.detection.leaves_bodies_out
@@ -131,7 +115,7 @@ class RowContact(ContactStrategy):
 
     def parts(self) -> list[Any]:
         """Return the parts of the detection."""
-        return self._parts
+        return self.detection.parts()
 
     def reach(self, cell_size: float) -> float | None:
         """Return the reach of the detection [m]; ``cell_size`` is h [m]."""
@@ -144,7 +128,7 @@ class RowContact(ContactStrategy):
     @hookimpl
     def declare_fields(self) -> list[Field]:
         """Return the declarations of the pairs' series and of the law's."""
-        return [*PairRecords.declarations(), *self.law.fields()]
+        return [*CONTACT_SERIES, *self.law.fields()]
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
@@ -173,11 +157,9 @@ class RowContact(ContactStrategy):
             for rows in (self.rows, self.old):
                 rows.allocate_friction(cohesion=self.friction.cohesive)
         self._list_facts(setup.state)
-        self.node_sum = np.zeros(0)
 
     def check_range(self, cell_size: float) -> None:
-        """Refuse a law that acts across wider gaps than the detection finds; both are prepared.
-        ``cell_size`` is h [m]."""
+        """Refuse a law that acts across wider gaps than the detection finds, with the cell size h [m]."""
         detection, law = self.detection, self.law
         listed, needed = detection.range(cell_size), law.range()
         if listed is None or needed <= listed or math.isclose(needed, listed):
@@ -202,7 +184,7 @@ class RowContact(ContactStrategy):
         self._list_facts(state)
 
     def _list_facts(self, state: State) -> None:
-        """List μ of every pair, and the lesser thickness of the two bodies; None where no body names one."""
+        """List μ of every pair, and the lesser thickness of its bodies; None where no body has one."""
         bodies, self.width = state.bodies, None
         self.pair_friction = np.array([pair.mu for pair in state.pairs], dtype=float)
         if state.particles.thickness is not None:
@@ -227,12 +209,6 @@ class RowContact(ContactStrategy):
         """The rows of the last step, with what acted on them."""
         return self.rows
 
-    def scratch(self, grid: Grid) -> FloatArray:
-        """Return a number for every node of the grid, all zero."""
-        if len(self.node_sum) != len(grid.mass):
-            self.node_sum = np.zeros(len(grid.mass))
-        return self.node_sum
-
     def copy_history(self, other: RowContact, index_map: IndexMap) -> None:
         """Copy the history of ``other``, renumbered by ``index_map``; records are declared arrays."""
         self.detection.copy_history(other.detection, index_map)
@@ -240,9 +216,8 @@ class RowContact(ContactStrategy):
     def restart(self) -> None:
         """Forget impulse and work of the settling; contacts stay loaded."""
         self.records.restart()
-        for each in (self.law, *self._parts):
-            if hasattr(each, "restart"):
-                each.restart()
+        self.law.restart()
+        self.detection.restart()
 
     @hookimpl
     def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:  # noqa: ARG002

@@ -22,33 +22,31 @@ if TYPE_CHECKING:
 _VECTORS = ("normal", "motion", "force", "couple", "tilt")
 _INTEGERS = ("pair", "identity", "previous", "start", "dof")
 _OF_ENTRIES = ("dof", "weight", "couple", "tilt")
+#: For Bᵀ f, which no mass divides.
+_NO_MASS = np.zeros(0)
 
 
 class ContactRows(Rows):
-    """The rows of one step. Arrays have room for more than ``count`` rows, the first ``count`` are meant.
-
-    Kernels take them as one argument, ``rows.gap[c]``. :class:`mpmfw.kernels.contact.Rows` defines each:
-    pair, identity, previous, sign, gap, area, tributary_area, normal, motion, spin, friction, cohesion,
-    force; and of the operator start, dof, weight, couple, tilt.
+    """The rows of one step (:class:`mpmfw.kernels.contact.Rows`): arrays with room for more than ``count`` of
+    them.
 
     Parameters
     ----------
     dim
         Number of space dimensions.
     couples, tilts
-        Whether a tangential force acts with a couple across the gap, and whether the normal is varied with
-        the facet.
+        Whether a tangential force acts with a couple across the gap, and the normal is varied with the facet.
     spins
         Whether the detection knows how far the sides turn about the normal, in space: what friction has
         stored turns with them.
     own
         Arrays of the law, by name: the number of their further dimensions, each ``dim`` long, or None for an
-        array without rows. They are the history of the next step, which finds them by ``previous``. ``own``
-        has them as one argument of kernels.
+        array without rows. They are its history, found by ``previous``, and ``rows.own`` for kernels.
     """
 
     history = ("kept",)
     count: int  #: rows of the step
+    node_sum: FloatArray = np.zeros(0)  #: scratch, zero for every node of the grid
     own: Any  #: the law's arrays, a :class:`mpmfw.kernels.Struct` with its names
     #: Number of facets, nodes, … by the name of the array that has their indices.
     limits: Mapping[str, int] = {}
@@ -66,15 +64,14 @@ class ContactRows(Rows):
         self.make_room(64, 1024)
 
     def allocate_friction(self, *, cohesion: bool) -> None:
-        """Have ``friction``, and ``cohesion`` if it is asked for: rows of bodies without friction have
-        neither."""
+        """Make room for ``friction``, and for ``cohesion`` if it is asked for."""
         self._without = [
             name for name in self._without if name not in ("friction", "cohesion")[: 1 + cohesion]
         ]
         self.make_room(64, 1024)
 
     def make_room(self, rows: int, entries: int) -> None:
-        """Arrays for so many ``rows`` and ``entries``; what was in them is lost."""
+        """Allocate so many ``rows`` and ``entries``; what was in them is lost."""
         arrays = {}
         for name in self.member_names:
             length = entries if name in _OF_ENTRIES else rows + (name == "start")
@@ -87,16 +84,9 @@ class ContactRows(Rows):
         }
         self.own = struct(**{name: np.zeros(shape) for name, shape in own.items()})
 
-    def arrays(self) -> dict[str, AnyArray]:
-        """All arrays with room for anything, by name."""
-        whole = self.members() | self.own.members()
-        return {name: array for name, array in whole.items() if len(array)}
-
     def copy_history(self, other: ContactRows, index_map: IndexMap) -> None:
-        """Copy the rows of ``other``'s last step, renumbered by ``index_map``, over those of the same pairs.
-
-        B is not taken: it belongs to nodes that lie elsewhere.
-        """
+        """Copy the rows of ``other``'s last step but B, renumbered by ``index_map``, over those of the
+        same pairs."""
         kept = np.flatnonzero(~np.isin(self.pair[: self.count], index_map.pair))
         taken = np.flatnonzero(index_map.pair[other.pair[: other.count]] >= 0)
         ours = {name: array[kept].copy() for name, array in self.of_rows().items() if len(array)}
@@ -113,8 +103,7 @@ class ContactRows(Rows):
 
     @property
     def kept(self) -> dict[str, AnyArray]:
-        """What the next step may ask of these rows: all arrays that there are but B, as long as there are
-        rows."""
+        """All arrays of the rows but B, as long as there are rows: what the next step may need."""
         return {name: array[: self.count] for name, array in self.of_rows().items() if len(array)}
 
     @kept.setter
@@ -131,7 +120,7 @@ class ContactRows(Rows):
             self.of_rows()[name][:count] = array
 
     def of_rows(self) -> dict[str, AnyArray]:
-        """All arrays with an entry for every row; the law's are called ``own/NAME``."""
+        """Return all arrays with an entry for every row; the law's are called ``own/NAME``."""
         entries = ("start", *_OF_ENTRIES)
         arrays = {name: array for name, array in self.members().items() if name not in entries}
         return arrays | {f"own/{name}": array for name, array in self.own.members().items()}
@@ -146,34 +135,31 @@ class ContactRows(Rows):
         history["pair"] = index_map.pair[history["pair"]]
 
     def momentary_velocity(self, grid: Grid, out: FloatArray) -> None:
-        """B v of the grid's present momentum, into ``out`` (n, dim) [m/s]."""
+        """Write B v of the grid's present momentum into ``out`` (n, dim) [m/s]."""
         velocity = np.empty_like(grid.momentum)
         velocity_of_momentum(grid.mass, grid.momentum, velocity, grid.spacing)
         relative_motion(self, self.count, velocity, 1.0, out, grid.spacing)
 
     def add_to(self, nodal: FloatArray, spacing: tuple[float, ...]) -> None:
-        """Bᵀ f of ``force``, added to ``nodal``: the grid's forces, or its momenta where it is an impulse
-        (n_nodes, dim).
+        """Add Bᵀ f of ``force`` to ``nodal`` (n_nodes, dim): forces, or momenta where it is an impulse.
+        ``spacing`` is the cell size h [m], once for each dimension."""
+        add_row_forces(self, self.count, _NO_MASS, nodal, spacing)
 
-        ``spacing`` is the cell size h [m], once for each dimension.
-        """
-        add_row_forces(self, self.count, nodal, spacing)
-
-    def couplings(self, stiffness: FloatArray, grid: Grid, scratch: FloatArray, out: FloatArray) -> float:
-        """Row sums of ``abs(B) M⁻¹ abs(B)ᵀ K`` into ``out`` (n,), and the largest of them.
-
-        ``stiffness`` K is (n,) [N/m^2] in 2D; ``scratch`` (n_nodes,) is zero on entry and on return.
-        """
-        return couplings(self, self.count, stiffness, grid.mass, scratch, out)
+    def couplings(self, stiffness: FloatArray, grid: Grid, out: FloatArray) -> float:
+        """Row sums of ``abs(B) M⁻¹ abs(B)ᵀ K`` into ``out`` (n,), and the largest of them; ``stiffness`` K is
+        (n,) [N/m^2] in 2D."""
+        if len(self.node_sum) != len(grid.mass):
+            self.node_sum = np.zeros(len(grid.mass))
+        return couplings(self, self.count, stiffness, grid.mass, self.node_sum, out)
 
 
 class FrictionLaw(PlugIn):
     """Base of friction laws, announced as entry points of the group ``mpmfw.friction``; itself it is
     Coulomb's.
 
-    The tangential force on a row is at most T = μ N + a, with N the normal one. A friction law says μ and a,
-    once a step, after the rows are detected and before the step's length is chosen: what depends on the slip
-    follows that of the step before. A contact law obeys it with ``mpmfw.kernels.contact.slip_limit``.
+    The tangential force on a row is at most T = μ N + a, with N the normal one. A friction law gives μ and
+    a once a step, after the rows are detected: what depends on the slip follows that of the step before. A
+    contact law obeys it with ``mpmfw.kernels.contact.slip_limit``.
     """
 
     #: Whether rows hold something without a normal force, a > 0, so that pairs with μ = 0 have friction as
@@ -189,7 +175,7 @@ class FrictionLaw(PlugIn):
         Parameters
         ----------
         rows
-            Of this step: pair, area and normal; ``motion`` is that over the last step.
+            Of this step, with ``motion`` over the last one.
         friction
             μ of every pair in the scene (n_pairs,) [1].
         dt

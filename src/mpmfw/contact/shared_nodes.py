@@ -8,11 +8,11 @@ import numpy as np
 
 from mpmfw.kernels import Struct, add_scaled_row, device, kernel, scratch
 from mpmfw.kernels.contact import Rows
-from mpmfw.kernels.types import Flags, Float, Floats, Indices, Ints
+from mpmfw.kernels.types import Flags, Float, Floats, Ints, Points, Table
 
 
 class NodePairs(Struct):
-    """Bodies of every pair, and what their volume gradients weigh in its normal: 0 and 0 where the larger one
+    """Bodies of every pair, and what their volume gradients weigh in its normal: 0 and 0 where the larger
     counts."""
 
     first: Ints  #: (pair,)
@@ -83,8 +83,7 @@ def find_shared_nodes(pairs: NodePairs, grid: GridNodes, shared: SharedNodes) ->
 
 @kernel
 def mark_nodes(count: int, shared: SharedNodes, grid: GridNodes) -> None:
-    """Mark the nodes of the first ``count`` that are listed: what is projected there alone spares most of the
-    points."""
+    """Mark the nodes of the first ``count`` that are listed, where alone things are projected."""
     grid.shared[:] = False
     for f in range(count):
         grid.shared[shared.first[f]] = True
@@ -107,34 +106,32 @@ def point_of(row: Ints, k: int, p: int) -> int:
 
 @kernel
 def project_volume_gradient(
-    row: Ints, nodes: Indices, gradient: Floats, volume: Floats, grid: GridNodes, spacing: tuple[float, ...]
+    table: Table, points: Points, grid: GridNodes, spacing: tuple[float, ...]
 ) -> None:
     """Σ_p V_p ∇φ_ip at shared nodes, which points out of the body; 0 at others.
 
-    Entries are gone through point after point without a loop for each, whose length the processor would guess
-    wrong.
+    Entries are gone through without a loop for each point, whose length the processor would guess wrong.
     """
     grid.gradient[:] = 0.0
     p = 0
-    for k in all_entries(row):
-        if grid.shared[nodes[k]]:
-            p = point_of(row, k, p)
-            add_scaled_row(grid.gradient, nodes[k], volume[p], gradient, k, spacing)
+    for k in all_entries(table.row):
+        i = table.nodes[k]
+        if grid.shared[i]:
+            p = point_of(table.row, k, p)
+            add_scaled_row(grid.gradient, i, points.volume[p], table.gradient, k, spacing)
 
 
 @kernel
-def project_position(
-    row: Ints, nodes: Indices, weight: Floats, mass: Floats, position: Floats, grid: GridNodes,
-    spacing: tuple[float, ...]
-) -> None:  # fmt: skip
+def project_position(table: Table, points: Points, grid: GridNodes, spacing: tuple[float, ...]) -> None:
     """Σ_p φ_ip m_p x_p / m_i at shared nodes; 0 at others."""
     dim = len(spacing)
     grid.mean[:] = 0.0
     p = 0
-    for k in all_entries(row):
-        if grid.shared[nodes[k]]:
-            p = point_of(row, k, p)
-            add_scaled_row(grid.mean, nodes[k], weight[k] * mass[p], position, p, spacing)
+    for k in all_entries(table.row):
+        i = table.nodes[k]
+        if grid.shared[i]:
+            p = point_of(table.row, k, p)
+            add_scaled_row(grid.mean, i, table.weight[k] * points.mass[p], points.position, p, spacing)
     for i in range(len(grid.mass)):
         if grid.shared[i]:
             for d in range(dim):
@@ -179,8 +176,8 @@ def direction_out(
 
 @device
 def area_across(i: int, j: int, normal: Floats, grid: GridNodes) -> Float:
-    """What both bodies have across the ``normal`` (dim,), S_i = Σ V ∇φ = ∮ φ n dS [m^(dim−1)]; 0 without
-    volume gradients."""
+    """What both bodies have across the ``normal``, S_i = Σ V ∇φ = ∮ φ n dS [m^(dim−1)]; 0 without
+    gradients."""
     of_first, of_second = 0.0, 0.0
     if len(grid.gradient) > 0:
         for d in range(len(normal)):
@@ -192,8 +189,7 @@ def area_across(i: int, j: int, normal: Floats, grid: GridNodes) -> Float:
 @device
 def write_row(
     c: int, i: int, j: int, p: int, gap: Float, normal: Floats, pairs: NodePairs, grid: GridNodes, dt: float,
-    rows: Rows,
-    spacing: tuple[float, ...],
+    rows: Rows, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """Row c: node i of the first body's window against node j of the second's, pair p."""
     dim, size = len(spacing), 1
@@ -214,13 +210,10 @@ def write_row(
 @kernel
 def write_rows(
     listed: int, shared: SharedNodes, pairs: NodePairs, grid: GridNodes, given: Floats, cut_off: float,
-    least_mass: float,
-    dt: float, rows: Rows, spacing: tuple[float, ...],
+    least_mass: float, dt: float, rows: Rows, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """A row for each shared node that has a normal and where the bodies are near; their number.
-
-    The gap is the bodies' extrapolated separation less the cut-off.
-    """
+    """A row for each shared node with a normal where the bodies are near; their number. The gap is the
+    bodies' extrapolated separation less the cut-off."""
     dim = len(spacing)
     n = scratch.vector(spacing)
     c = 0

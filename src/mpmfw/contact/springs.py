@@ -1,7 +1,7 @@
 """Laws of springs: a law gives the normal force of its rows, and one stage adds friction.
 
-f = N n + f_t. The tangential force f_t is that of the last step in the row's plane, less k_t times the slip
-since, returned to Coulomb's cone: a spring and a slider in a row.
+f = N n + f_t. The tangential force f_t is that of the last step in the row's plane, less k_t times the
+slip since, returned to Coulomb's cone: a spring and a slider in a row.
 """
 
 from __future__ import annotations
@@ -63,14 +63,13 @@ def approach_of(c: int, rows: Rows) -> Float:
 @kernel
 def add_friction(
     rows: Rows, count: int, own: SpringArrays, old: Rows, old_count: int, old_own: SpringArrays,
-    records: Records,
-    change: Floats,
+    records: Records, change: Floats,
 ) -> None:  # fmt: skip
     """Write f = N n + f_t of every row, with the law's N, k_t, pull and area; and add the works of friction.
 
-    Rows of one place share what it held by their areas. Friction dissipates |f_t| Δs / k_t of the trial force
-    that is beyond the limit; ½ f_t² / k_t is stored. A ``change`` (pair,) gets both with the opposite sign;
-    without pairs it is not written.
+    Rows of one place share what it held by their areas. Friction dissipates |f_t| Δs / k_t of the trial
+    force beyond the limit; ½ f_t² / k_t is stored. Both are subtracted from ``change`` (pair,), where it
+    has pairs.
     """
     dim, has_friction = rows.normal.shape[1], len(own.tangential) > 0
     for c in range(count):
@@ -129,8 +128,7 @@ class SpringOptions(BaseModel):
 class SpringLaw(ForceLaw):
     """Base of laws of springs: k = κ M A / h of every row, M the softer body's K + 4 G / 3.
 
-    A law writes N, k_t and pull of its rows in :meth:`normal_forces`; friction is added by
-    :func:`add_friction`.
+    A law writes N, k_t and pull of its rows in :meth:`normal_forces`; :func:`add_friction` does the rest.
     """
 
     Options = SpringOptions
@@ -163,9 +161,8 @@ class SpringLaw(ForceLaw):
         self.kappa = KAPPA[setup.state.particles.dim] if given is None else given
         # tangential springs, where there are any, may be the stiffer ones
         self.stiffest = max(1.0, self.options.tangential_ratio) if setup.has_friction else 1.0
-        self.change = np.zeros(
-            0
-        )  #: energy that springs lose as they change (pair,) [J m^(dim−3)]; (0,) where none do
+        #: Energy that springs lose as they change (pair,) [J m^(dim−3)]; (0,) where none do.
+        self.change = np.zeros(0)
         self.list_pairs(setup.state)
 
     def list_pairs(self, state: State) -> None:
@@ -193,8 +190,8 @@ class SpringLaw(ForceLaw):
     def normal_forces(self, rows: ContactRows, old: ContactRows, records: PairRecords) -> None:
         """Write N and k_t of every row on which the law acts, and add to the pairs' energies.
 
-        N, k_t and pull are 0 before, and entered is 1. Arguments are those of ``ForceLaw.forces``, whose
-        ``dashpot`` is an attribute.
+        N, k_t and pull are 0 before, and entered is 1. The dashpot of :meth:`ForceLaw.forces` is an
+        attribute.
         """
         raise NotImplementedError
 

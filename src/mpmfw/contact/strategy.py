@@ -1,20 +1,22 @@
-"""Base of contact strategies."""
+"""Base of contact strategies, and the contact of a scene as an effect."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any, ClassVar, Literal
 
+import numpy as np
+
 from mpmfw.plugin.base import PlugIn
+from mpmfw.plugin.checks import naming
+from mpmfw.plugin.setup import Acts, Effect, Setup
+from mpmfw.state.pairs import overlapping
 from mpmfw.state.structs import Pair
 
 
 class ContactStrategy(PlugIn):
-    """Base of contact strategies.
-
-    Subclasses implement the hooks of their place in the step. Their series are those of
-    :data:`mpmfw.state.fields.CONTACT_SERIES` as far as they declare them.
-    """
+    """Base of contact strategies: subclasses implement the hooks of their place in the step, and declare
+    the series of :data:`mpmfw.state.fields.CONTACT_SERIES` that they have."""
 
     #: One velocity field for all bodies, or one per body.
     velocity_fields: ClassVar[Literal["single", "per_body"]] = "per_body"
@@ -37,26 +39,25 @@ class ContactStrategy(PlugIn):
     softer_by: str | None = None
 
     def parts(self) -> list[Any]:
-        """Plug-ins that the strategy's options call for beside it, registered with it."""
+        """Return plug-ins that the strategy's options call for beside it."""
         return []
 
     def reach(self, cell_size: float) -> float | None:  # noqa: ARG002
-        """Return the distance of two bodies' boxes [m] beyond which nothing is searched; None without a
-        search. ``cell_size`` is h [m]."""
+        """Return the distance of two bodies' boxes [m] beyond which nothing is searched, with the cell
+        size h [m]; None without a search."""
         return None
 
     def unused(self, pairs: Sequence[Pair]) -> list[str]:  # noqa: ARG002
-        """Return facts of these pairs that have no effect with its options, one line each, for ``explain``;
-        that it has no friction follows from :attr:`uses_friction`."""
+        """Return facts of these pairs that have no effect with its options, one line each, for
+        ``explain``."""
         return []
 
     def monitors(self) -> list[Any]:
-        """Plug-ins that watch the strategy's own stability, registered where a scene says
-        ``output.stability``."""
+        """Return plug-ins that watch the strategy's own stability, for scenes with ``output.stability``."""
         return []
 
     def restart(self) -> None:
-        """Time zero, after settling: forget accumulated work and impulse, keep the state of contact."""
+        """Forget accumulated work and impulse at time zero, after settling; the state of contact stays."""
 
 
 class NoInteraction(ContactStrategy):
@@ -65,3 +66,45 @@ class NoInteraction(ContactStrategy):
     name = "no-interaction"
     velocity_fields = "per_body"
     keeps_apart = False
+
+
+def from_setup(setup: Setup) -> Acts | str:
+    """Return the contact with its parts; its velocity fields, friction and search have lines of their own."""
+    contact, law = setup.contact, setup.friction_law
+    if contact is None:
+        return "one body" if len(setup.bodies) == 1 else "not named"
+    with naming(contact, "its planning"):
+        asked = f"contact '{contact.name}' asks for {contact.velocity_fields}"
+        frictional, why = "", f"contact '{contact.name}' does not use it"
+        if contact.uses_friction:
+            frictional = "every pair" if law is not None and law.cohesive else _frictional(setup)
+            by = "" if law is None else f", by {law.label}"
+            why = frictional + by if frictional else "μ = 0 in every pair"
+        lines = [
+            Effect("velocity field per body", contact.velocity_fields == "per_body", asked),
+            Effect("friction", bool(frictional), why),
+            *_search(setup, contact.reach(setup.cell_size)),
+        ]
+        pairs = str(len(setup.pairs)) if setup.state.near is None else "those that come near"
+        reason = f"{contact.name} ({type(contact).__name__}), pairs: {pairs}"
+        return Acts(reason, [contact, *contact.parts()], lines)
+
+
+def _frictional(setup: Setup) -> str:
+    """Return the pairs with friction; those that are listed later count together."""
+    named = [pair.label for pair in setup.state.pairs if pair.mu > 0.0]
+    near = setup.state.near
+    if near and near.friction:
+        named.append(f"μ = {near.friction:g} in pairs without a value of their own")
+    return ", ".join(named)
+
+
+def _search(setup: Setup, reach: float | None) -> list[Effect]:
+    """Return whether bodies are near enough to be searched at the start; nothing without a reach."""
+    bodies = setup.state.bodies
+    if reach is None or len(bodies) < 2:
+        return []
+    lower, upper = (np.array([getattr(body, end) for body in bodies]) for end in ("lower", "upper"))
+    near = len(overlapping(lower - 0.5 * reach, upper + 0.5 * reach)[0]) > 0
+    found = f"{'two' if near else 'no two'} bodies' boxes are within its reach of {reach:.4g} m at the start"
+    return [Effect("contact search", near, found if near else f"asleep until bodies are near: {found}")]

@@ -69,7 +69,7 @@ from mpmfw.kernels._jit import device, kernel
 from mpmfw.kernels._struct import Struct, struct
 from mpmfw.kernels.arithmetic import add_scaled_row, determinant, invert, set_scaled_row
 from mpmfw.kernels.boxes import bounding_boxes
-from mpmfw.kernels.facets import closest_point, segment_coordinate, squared_distance
+from mpmfw.kernels.facets import closest_point, squared_distance
 from mpmfw.kernels.particle_grid import (
     add_body_force,
     add_internal_force,
@@ -122,7 +122,6 @@ __all__ = [
     "project",
     "read_window",
     "scratch",
-    "segment_coordinate",
     "set_scaled_row",
     "signed_distance",
     "squared_distance",

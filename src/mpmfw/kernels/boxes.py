@@ -41,12 +41,12 @@ def square_between(
 
 
 @device
-def boxes_apart(a: int, b: int, boxes: Boxes, reach: Float) -> bool:
-    """Return true if the boxes of bodies a and b are farther apart than ``reach`` [m] along an axis."""
-    apart, lower, upper = False, boxes.lower, boxes.upper
+def boxes_apart(a: int, b: int, lower: Floats, upper: Floats, reach: Float) -> bool:
+    """Return true if boxes a and b of ``lower`` and ``upper`` (n, dim) are farther apart than ``reach`` [m]
+    along an axis."""
+    apart = False
     for d in range(lower.shape[1]):
-        if lower[a, d] - upper[b, d] > reach or lower[b, d] - upper[a, d] > reach:
-            apart = True
+        apart = apart or lower[a, d] - upper[b, d] > reach or lower[b, d] - upper[a, d] > reach
     return apart
 
 
@@ -58,8 +58,8 @@ BLOCK = 8
 def block_boxes(
     first: int, last: int, start: int, surface: Faceted, boxes: Floats, spacing: tuple[float, ...]
 ) -> None:
-    """Bounding boxes of each ``BLOCK`` of the facets ``first:last``, lower and upper corner, into the rows of
-    ``boxes`` from ``start`` on."""
+    """Bounding boxes of each ``BLOCK`` of the facets ``first:last``, lower and upper corner, into the rows
+    of ``boxes`` from ``start`` on."""
     for m in range(first, last):
         row = start + (m - first) // BLOCK
         if (m - first) % BLOCK == 0:
@@ -70,18 +70,6 @@ def block_boxes(
             for d in range(len(spacing)):
                 boxes[row, 0, d] = min(boxes[row, 0, d], surface.position[p, d])
                 boxes[row, 1, d] = max(boxes[row, 1, d], surface.position[p, d])
-
-
-@device
-def box_distance(x: Floats, row: int, boxes: Floats, spacing: tuple[float, ...]) -> Float:
-    """Squared distance of a point from a box, lower corner ``boxes[row, 0]`` and upper ``boxes[row, 1]``
-    [m²], 0 inside.
-    """
-    square = 0.0
-    for d in range(len(spacing)):
-        beyond = max(boxes[row, 0, d] - x[d], x[d] - boxes[row, 1, d], 0.0)
-        square += beyond * beyond
-    return square
 
 
 @kernel
@@ -103,15 +91,14 @@ def sweep_strips(
 ) -> tuple[int, int]:
     """List the boxes that have a point in common, each two once.
 
-    Entries (e,) are boxes in strips, ordered by the strip and, within it, by the box's lower end along
-    ``axis``: a box is compared with those that follow until one begins beyond its end. ``lowest`` (n,) is the
-    first strip of each box, so that two that meet in several strips are listed in one.
+    Entries (e,) are boxes in strips, ordered by the strip and then by the box's lower end along ``axis``: a
+    box is compared with those that follow until one begins beyond its end. Two that meet in several strips
+    are listed in one, since ``lowest`` (n,) is the first strip of each box.
 
     Returns
     -------
     How many there are, stored in ``first`` and ``second`` or not, and how many comparisons that took.
     """
-    dim = lower.shape[1]
     found, compared = 0, 0
     for e in range(len(box)):
         a = box[e]
@@ -122,11 +109,7 @@ def sweep_strips(
             compared += 1
             if strip[e] != max(lowest[a], lowest[b]):
                 continue
-            apart = False
-            for d in range(dim):
-                if lower[a, d] > upper[b, d] or lower[b, d] > upper[a, d]:
-                    apart = True
-            if not apart:
+            if not boxes_apart(a, b, lower, upper, 0.0):
                 if found < len(first):
                     first[found], second[found] = min(a, b), max(a, b)
                 found += 1

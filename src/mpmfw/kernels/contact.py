@@ -63,6 +63,15 @@ def slip_limit(rows: Rows, c: int, normal_force: Float) -> Float:
     return bound + (rows.cohesion[c] if len(rows.cohesion) > 0 else 0.0)
 
 
+@device
+def acts(c: int, rows: Rows) -> bool:
+    """Return True if row c has a force."""
+    force = False
+    for d in range(rows.force.shape[1]):
+        force = force or rows.force[c, d] != 0.0
+    return force
+
+
 @kernel
 def match_rows(rows: Rows, count: int, old: Rows, old_count: int) -> None:
     """Index of the first row of the last step with the same identity, −1 without one; both ascend."""
@@ -75,8 +84,8 @@ def match_rows(rows: Rows, count: int, old: Rows, old_count: int) -> None:
 
 @device
 def row_velocity(c: int, rows: Rows, velocity: Floats, out: Floats, spacing: tuple[float, ...]) -> None:
-    """(B v)_c = Σ w v + Σ c (n·v) of row c with the nodes' ``velocity`` (n_nodes, dim) [m/s], into ``out``
-    (dim,)."""
+    """(B v)_c = Σ w v + Σ c (n·v) of row c with the nodes' ``velocity`` (n_nodes, dim) [m/s], into
+    ``out``."""
     dim = len(spacing)
     for d in range(dim):
         out[d] = 0.0
@@ -102,38 +111,51 @@ def relative_motion(
             out[c, d] = scale * motion[d]
 
 
-@kernel
-def add_row_forces(rows: Rows, count: int, node_force: Floats, spacing: tuple[float, ...]) -> None:
-    """f_i += Σ_c w f_c + (c·f_c) n + (f_c·n) t: Bᵀ f, with the tilt t of the normal where a method varies it
-    (eq. 7 of [H17])."""
-    dim = len(spacing)
-    for c in range(count):
-        along = 0.0
-        acts = False
-        for d in range(dim):
-            along += rows.force[c, d] * rows.normal[c, d]
-            acts = acts or rows.force[c, d] != 0.0
-        if not acts:
+@device
+def add_force(
+    c: int, force: Floats, rows: Rows, mass: Floats, out: Floats, spacing: tuple[float, ...]
+) -> None:
+    """out_i += w f + (c·f) n + (f·n) t of row c's nodes: Bᵀ f, t the tilt where a method varies the normal
+    (eq. 7 of [H17]). A ``mass`` of nodes divides it, and leaves out those that have none."""
+    dim, along = len(spacing), 0.0
+    for d in range(dim):
+        along += force[d] * rows.normal[c, d]
+    for k in range(rows.start[c], rows.start[c + 1]):
+        i, turned = rows.dof[k], 0.0
+        divisor = mass[i] if len(mass) > 0 else 1.0
+        if divisor <= 0.0:
             continue
-        for k in range(rows.start[c], rows.start[c + 1]):
-            i, turned = rows.dof[k], 0.0
-            if len(rows.couple) > 0:
-                for d in range(dim):
-                    turned += rows.couple[k, d] * rows.force[c, d]
+        if len(rows.couple) > 0:
             for d in range(dim):
-                node_force[i, d] += rows.weight[k] * rows.force[c, d] + turned * rows.normal[c, d]
-                if len(rows.tilt) > 0:
-                    node_force[i, d] += along * rows.tilt[k, d]
+                turned += rows.couple[k, d] * force[d]
+        for d in range(dim):
+            nodal = rows.weight[k] * force[d] + turned * rows.normal[c, d]
+            if len(rows.tilt) > 0:
+                nodal += along * rows.tilt[k, d]
+            out[i, d] += nodal / divisor
+
+
+@kernel
+def add_row_forces(
+    rows: Rows, count: int, mass: Floats, node_force: Floats, spacing: tuple[float, ...]
+) -> None:
+    """f_i += Bᵀ f of all rows; ``mass`` has no nodes (:func:`add_force`)."""
+    force = scratch.vector(spacing)
+    for c in range(count):
+        if acts(c, rows):
+            for d in range(len(spacing)):
+                force[d] = rows.force[c, d]
+            add_force(c, force, rows, mass, node_force, spacing)
 
 
 @kernel
 def couplings(
     rows: Rows, count: int, stiffness: Floats, node_mass: Floats, node_sum: Floats, out: Floats
 ) -> float:
-    """Row sums Σ_i |b_ci| (Σ_d k_d |b_di|) / m_i of B M⁻¹ Bᵀ K into ``out`` (n,), and the largest: it bounds
-    λ_max (Gershgorin).
+    """Row sums Σ_i |b_ci| (Σ_d k_d |b_di|) / m_i of B M⁻¹ Bᵀ K into ``out`` (n,), and the largest, which
+    bounds λ_max (Gershgorin).
 
-    With k = 1 and 0 it is the inverse of the mass that a row has if others share its nodes. ``node_sum`` is
+    With k = 1 and 0 it is the inverse of a row's mass where others share its nodes. ``node_sum`` is
     scratch, zero on entry and on return; nodes without mass do not count.
     """
     for c in range(count):
@@ -157,24 +179,20 @@ def couplings(
 
 @kernel
 def add_records(rows: Rows, count: int, scale: float, records: Records, spacing: tuple[float, ...]) -> None:
-    """Impulse ``scale`` Σ f on every pair's first body, added, its tangential part, and the number of places
-    with a force.
-
-    Rows of one identity are one place.
-    """
+    """Add ``scale`` Σ f on every pair's first body and its tangential part to the impulses; count the
+    places with a force."""
     dim = len(spacing)
     records.count[:] = 0.0
     last = -1
     for c in range(count):
-        p, acts, along = rows.pair[c], False, 0.0
+        p, along = rows.pair[c], 0.0
         for d in range(dim):
             along += rows.normal[c, d] * rows.force[c, d]
-            acts = acts or rows.force[c, d] != 0.0
         for d in range(dim):
             records.impulse[p, d] += rows.sign[c] * scale * rows.force[c, d]
             tangential = rows.force[c, d] - along * rows.normal[c, d]
             records.friction_impulse[p, d] += rows.sign[c] * scale * tangential
-        if acts and rows.identity[c] != last:
+        if rows.identity[c] != last and acts(c, rows):
             records.count[p] += 1.0
             last = rows.identity[c]
 
@@ -184,10 +202,9 @@ def add_turned(vector: Floats, o: int, old: Rows, c: int, rows: Rows, out: Float
     """Turn ``vector[o]`` (n, dim) of row o of the last step into the tangent plane of row c, and add it to
     ``out[c]``.
 
-    The turn is the least that takes the old normal into the new: f − (f·n) / (1 + n·n_old) (n + n_old), and
-    in space, if the rows tell their ``spin``, about the new normal as far as the surfaces turned: f cos θ + n
-    × f sin θ. So the force is as it was to whoever turns with the bodies. In 2D it keeps its sign on the
-    tangent.
+    The turn is the least that takes the old normal into the new: f − (f·n) / (1 + n·n_old) (n + n_old),
+    and in space, if rows have a ``spin``, about the new normal as far as the surfaces turned: f cos θ + n
+    × f sin θ.
     """
     cosine, along = 0.0, 0.0
     for d in range(out.shape[1]):
@@ -208,14 +225,8 @@ def add_turned(vector: Floats, o: int, old: Rows, c: int, rows: Rows, out: Float
 
 
 def pair_table(first: Ints, second: Ints) -> Ints:
-    """Table that :func:`pair_index` reads: (n_pairs, 2), a key of the two bodies that ascends, and the pair's
-    index.
-
-    Parameters
-    ----------
-    first, second
-        Indices of both bodies of every pair, (n_pairs,).
-    """
+    """Table that :func:`pair_index` reads of the pairs' bodies (n_pairs,): keys that ascend, and the
+    pairs' indices."""
     key = (np.minimum(first, second) << 32) | np.maximum(first, second)
     order = np.argsort(key)
     return np.ascontiguousarray(np.stack([key[order], order], axis=1))
@@ -223,7 +234,7 @@ def pair_table(first: Ints, second: Ints) -> Ints:
 
 @device
 def pair_index(pair_of: Ints, a: int, b: int) -> int:
-    """Index of the pair of bodies a and b, in either order; −1 for none. Bisection of the table's keys."""
+    """Index of the pair of bodies a and b, in either order; −1 for none."""
     key = (min(a, b) << 32) | max(a, b)
     low, high = 0, len(pair_of)
     while low < high:
@@ -232,7 +243,5 @@ def pair_index(pair_of: Ints, a: int, b: int) -> int:
             low = middle + 1
         else:
             high = middle
-    if low < len(pair_of) and pair_of[low, 0] == key:
-        index: int = pair_of[low, 1]
-        return index
-    return -1
+    index: int = pair_of[low, 1] if low < len(pair_of) and pair_of[low, 0] == key else -1
+    return index

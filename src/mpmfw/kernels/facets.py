@@ -26,11 +26,8 @@ def product_along(x: Floats, a: int, b: int, c: int, corners: Floats) -> Float:
 
 @device
 def coordinates_on_triangle(x: Floats, corners: Floats, share: Floats, normal: Floats) -> Float:
-    """Gap g_n [m] of a point from the plane of a triangle, and the barycentric coordinates of its foot, into
-    ``share``.
-
-    ``normal`` is e_n times twice the area on entry, and e_n on return.
-    """
+    """Gap g_n of a point from the plane of a triangle [m]; the barycentric coordinates of its foot into
+    ``share``. ``normal`` is e_n times twice the area on entry, e_n on return."""
     square = normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]
     size, gap = math.sqrt(square), 0.0
     for a in range(3):
@@ -51,12 +48,12 @@ def coordinates_on_triangle(x: Floats, corners: Floats, share: Floats, normal: F
 
 @device
 def closest_on_triangle(x: Floats, corners: Floats, share: Floats) -> None:
-    """Barycentric coordinates of the point of a triangle that is closest to x, into ``share``.
+    """Barycentric coordinates of the point of a triangle that is closest to x, into ``share``; those of other
+    corners are exactly 0.
 
-    The regions of the plane, told by products of the edges with x − corner: those of the corners, where x
-    lies behind both edges' starts; of the edges, on the far side of one and between its ends; of the face,
-    the rest (C. Ericson, Real-Time Collision Detection, 2005, section 5.1.5). Coordinates that a region has
-    none of are exactly 0."""
+    Products of the edges with x − corner tell the regions of the plane: those of the corners, of the
+    edges, and the face (C. Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
+    """
     # of corner i: along the edge to the second corner, and along that to the third
     to_b_a, to_c_a = product_along(x, 0, 0, 1, corners), product_along(x, 0, 0, 2, corners)
     to_b_b, to_c_b = product_along(x, 1, 0, 1, corners), product_along(x, 1, 0, 2, corners)
@@ -94,24 +91,6 @@ def closest_on_triangle(x: Floats, corners: Floats, share: Floats) -> None:
 
 
 @device
-def segment_coordinate(
-    x: Float, y: Float, x1: Float, y1: Float, x2: Float, y2: Float
-) -> tuple[Float, Float, Float, Float, Float]:
-    """Project a point on the line through a segment of the plane (eq. 3, 4 of [H17]).
-
-    Returns
-    -------
-    ξ (not limited to 0 … 1), normal gap g_n [m], length l [m], and the unit tangent e_t.
-    """
-    tx, ty = x2 - x1, y2 - y1
-    length = math.sqrt(tx * tx + ty * ty)
-    tx, ty = tx / length, ty / length
-    xi = ((x - x1) * tx + (y - y1) * ty) / length
-    gap = (x - x1) * ty - (y - y1) * tx
-    return xi, gap, length, tx, ty
-
-
-@device
 def read_corners(m: int, position: Floats, facets: Ints, corners: Floats, spacing: tuple[float, ...]) -> None:
     """Positions of the corners of facet m, into ``corners``."""
     for a in range(len(spacing)):
@@ -141,6 +120,15 @@ def area_vector(corners: Floats, out: Floats, spacing: tuple[float, ...]) -> Non
 
 
 @device
+def dot(a: Floats, b: Floats, spacing: tuple[float, ...]) -> Float:
+    """Σ a_d b_d."""
+    total = 0.0
+    for d in range(len(spacing)):
+        total += a[d] * b[d]
+    return total
+
+
+@device
 def length_of(vector: Floats, spacing: tuple[float, ...]) -> Float:
     """√Σ v_d²."""
     length = abs(vector[0])
@@ -159,19 +147,17 @@ def extent_of(measure: Float, spacing: tuple[float, ...]) -> Float:
 
 @device
 def project(x: Floats, corners: Floats, share: Floats, normal: Floats, spacing: tuple[float, ...]) -> Float:
-    """Foot of a point on the line or the plane through a facet.
-
-    Returns
-    -------
-    The gap g_n [m]. Barycentric coordinates, not limited to 0 … 1, are written to ``share``, and e_n to
-    ``normal``."""
+    """Gap g_n of a point from the line or the plane through a facet [m] (in the plane eq. 3, 4 of [H17]);
+    the barycentric coordinates of its foot, not limited to 0 … 1, into ``share``, and e_n into ``normal``."""
     if len(spacing) == 2:
-        xi, gap, _, tx, ty = segment_coordinate(
-            x[0], x[1], corners[0, 0], corners[0, 1], corners[1, 0], corners[1, 1]
-        )
-        share[0], share[1] = 1.0 - xi, xi
+        tx, ty = corners[1, 0] - corners[0, 0], corners[1, 1] - corners[0, 1]
+        length = math.sqrt(tx * tx + ty * ty)
+        tx, ty = tx / length, ty / length
+        x1, y1 = x[0] - corners[0, 0], x[1] - corners[0, 1]
+        share[1] = (x1 * tx + y1 * ty) / length
+        share[0] = 1.0 - share[1]
         normal[0], normal[1] = ty, -tx
-        return gap
+        return x1 * ty - y1 * tx
     area_vector(corners, normal, spacing)
     return coordinates_on_triangle(x, corners, share, normal)
 
@@ -180,11 +166,9 @@ def project(x: Floats, corners: Floats, share: Floats, normal: Floats, spacing: 
 def closest_point(x: Floats, corners: Floats, share: Floats, spacing: tuple[float, ...]) -> None:
     """Barycentric coordinates, 0 … 1, of the point of a facet that is closest to x, into ``share``."""
     if len(spacing) == 2:
-        xi, _, _, _, _ = segment_coordinate(
-            x[0], x[1], corners[0, 0], corners[0, 1], corners[1, 0], corners[1, 1]
-        )
-        xi = min(max(xi, 0.0), 1.0)
-        share[0], share[1] = 1.0 - xi, xi
+        project(x, corners, share, scratch.vector(spacing), spacing)
+        share[1] = min(max(share[1], 0.0), 1.0)
+        share[0] = 1.0 - share[1]
     else:
         closest_on_triangle(x, corners, share)
 
@@ -194,8 +178,7 @@ def at_rim(share: Floats, spacing: tuple[float, ...]) -> bool:
     """Return True if a point lies on an end of a segment, or on an edge of a triangle."""
     rim = False
     for a in range(len(spacing)):
-        if share[a] == 0.0:
-            rim = True
+        rim = rim or share[a] == 0.0
     return rim
 
 
@@ -217,36 +200,11 @@ def squared_distance(x: Floats, corners: Floats, spacing: tuple[float, ...]) -> 
 
 
 @device
-def way_across(
-    so_far: Float, part: Float, a: int, start: Floats, corners: Floats, spacing: tuple[float, ...]
-) -> Float:
-    """Way [m] from the point ``start`` to the side of a facet that is opposite corner ``a``.
-
-    In the plane it is measured along the polyline: ``so_far`` to this segment, and then this ``part`` of its
-    length. In space it is the distance of the edge."""
-    if len(spacing) == 2:
-        return so_far + part * math.hypot(corners[1, 0] - corners[0, 0], corners[1, 1] - corners[0, 1])
-    b, c = (a + 1) % 3, (a + 2) % 3
-    along, length, square = 0.0, 0.0, 0.0
-    for d in range(3):
-        edge = corners[c, d] - corners[b, d]
-        along += edge * (start[d] - corners[b, d])
-        length += edge * edge
-    share = min(max(along / length, 0.0), 1.0)
-    for d in range(3):
-        away = start[d] - corners[b, d] - share * (corners[c, d] - corners[b, d])
-        square += away * away
-    return math.sqrt(square)
-
-
-@device
 def write_gradients(
     corners: Floats, normal: Floats, scale: Float, out: Floats, spacing: tuple[float, ...]
 ) -> None:
-    """``scale`` ∇ξ_a of every corner of a facet as seen along ``normal``, (dim, dim), into ``out``.
-
-    The gradient is that in the plane across the normal, on to which the facet is projected; none where it
-    does not face along the normal."""
+    """``scale`` ∇ξ_a of every corner of a facet projected across ``normal``, (dim, dim), into ``out``; 0
+    where it does not face along the normal."""
     if len(spacing) == 2:
         lever = -normal[1] * (corners[1, 0] - corners[0, 0]) + normal[0] * (corners[1, 1] - corners[0, 1])
         over = scale / lever if lever > 0.0 else 0.0
@@ -255,7 +213,7 @@ def write_gradients(
     else:
         area = scratch.vector(spacing)
         area_vector(corners, area, spacing)
-        lever = area[0] * normal[0] + area[1] * normal[1] + area[2] * normal[2]
+        lever = dot(area, normal, spacing)
         over = scale / lever if lever > 0.0 else 0.0
         for d in range(3):
             e, f = (d + 1) % 3, (d + 2) % 3

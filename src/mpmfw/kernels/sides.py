@@ -8,23 +8,14 @@ import numpy as np
 
 from mpmfw.kernels import scratch
 from mpmfw.kernels._jit import device, kernel
-from mpmfw.kernels.boxes import BLOCK, block_boxes, bounding_boxes
-from mpmfw.kernels.facets import length_of, read_point
+from mpmfw.kernels.boxes import BLOCK, block_boxes, bounding_boxes, boxes_apart
+from mpmfw.kernels.facets import dot, length_of, read_point
 from mpmfw.kernels.surfaces import closest_facet, node_normal, signed_distance, turns_round
 from mpmfw.kernels.types import Faceted, Float, Floats, Ints
 
 #: Largest cosine between the normals of a node and of the facet by which it enters a body, and least cosine
 #: where it leaves. A node that slides off round a right angle, such as a spike's tip, cannot have both.
 FACING, THROUGH = -0.7, 0.8
-
-
-@device
-def apart(a: int, b: int, margin: Float, lower: Floats, upper: Floats, spacing: tuple[float, ...]) -> bool:
-    """Return True if two boxes are farther apart than a margin [m] along an axis."""
-    found = False
-    for d in range(len(spacing)):
-        found = found or lower[a, d] > upper[b, d] + margin or lower[b, d] > upper[a, d] + margin
-    return found
 
 
 @kernel
@@ -40,7 +31,7 @@ def find_inside(
     (n_pairs,) is the deepest node [m], 0 of none. ``passed`` (n_pairs,) counts the nodes that came out of the
     other body, since the last call, by a facet that has the node's own direction.
     """
-    n_bodies, h = len(body_first) - 1, spacing[0]
+    n_bodies = len(body_first) - 1
     lower, upper = np.empty((n_bodies, len(spacing))), np.empty((n_bodies, len(spacing)))
     bounding_boxes(body_first, surface.position, lower, upper)
     boxes = np.empty((facet_first[n_bodies] // BLOCK + 2 * n_bodies, 2, len(spacing)))
@@ -50,7 +41,7 @@ def find_inside(
     own = scratch.vector(spacing)
     for c in range(len(first)):
         depth[c], passed[c] = 0.0, 0
-        if apart(first[c], second[c], h, lower, upper, spacing):
+        if boxes_apart(first[c], second[c], lower, upper, spacing[0]):
             continue
         for way in range(2):
             a, b = (first[c], second[c]) if way == 0 else (second[c], first[c])
@@ -77,9 +68,7 @@ def find_inside(
                 if gap >= 0.0 and inside[s] != b:
                     continue
                 node_normal(s, surface, own, spacing)
-                cosine = 0.0
-                for d in range(len(spacing)):
-                    cosine += own[d] * normal[d] / length_of(own, spacing)
+                cosine = dot(own, normal, spacing) / length_of(own, spacing)
                 if gap < 0.0:
                     depth[c] = max(depth[c], -gap)
                     if cosine < FACING or inside[s] == b:

@@ -9,11 +9,12 @@ import numpy as np
 from mpmfw.kernels import scratch
 from mpmfw.kernels._jit import device, kernel
 from mpmfw.kernels._struct import Struct
-from mpmfw.kernels.boxes import BLOCK, block_boxes, box_distance
+from mpmfw.kernels.boxes import BLOCK, block_boxes, square_between
 from mpmfw.kernels.facets import (
     area_vector,
     at_rim,
     closest_point,
+    dot,
     extent_of,
     length_of,
     project,
@@ -36,9 +37,8 @@ class Facets(Struct):
 
 @device
 def angle_at(a: int, corners: Floats, spacing: tuple[float, ...]) -> Float:
-    """Angle of a triangle at its corner ``a`` [rad]; 1 of a segment: the weight of a facet's normal in that
-    of its node.
-    """
+    """Angle of a triangle at its corner ``a`` [rad], 1 of a segment: the weight of its normal in that of
+    the node."""
     if len(spacing) == 2:
         return 1.0
     b, c = (a + 1) % 3, (a + 2) % 3
@@ -49,6 +49,14 @@ def angle_at(a: int, corners: Floats, spacing: tuple[float, ...]) -> Float:
         square += u * u
         other += v * v
     return math.atan2(math.sqrt(max(square * other - along * along, 0.0)), along)
+
+
+@device
+def area_of(m: int, surface: Faceted, out: Floats, spacing: tuple[float, ...]) -> None:
+    """Outward normal of facet m times its measure, into ``out``: :func:`.facets.area_vector`."""
+    corners = scratch.matrix(spacing, spacing)
+    read_corners(m, surface.position, surface.facets, corners, spacing)
+    area_vector(corners, out, spacing)
 
 
 @device
@@ -70,8 +78,7 @@ def add_normal(s: int, m: int, surface: Faceted, out: Floats, spacing: tuple[flo
 @device
 def node_normal(s: int, surface: Faceted, out: Floats, spacing: tuple[float, ...]) -> None:
     """Sum of the outward unit normals of a surface node's facets, in space weighted by their angles, into
-    ``out``.
-    """
+    ``out``."""
     for d in range(len(spacing)):
         out[d] = 0.0
     for k in range(surface.star_first[s], surface.star_first[s + 1]):
@@ -82,28 +89,20 @@ def node_normal(s: int, surface: Faceted, out: Floats, spacing: tuple[float, ...
 def rim_normal(
     m: int, share: Floats, surface: Faceted, normal: Floats, out: Floats, spacing: tuple[float, ...]
 ) -> Float:
-    """Pseudo-normal where the closest point lies on the rim of facet m, whose own unit ``normal`` is, into
-    ``out``.
+    """Pseudo-normal at the closest point on the rim of facet m, whose own unit ``normal`` is, into ``out``; a
+    length of a facet there [m].
 
-    On the side that two facets have in common it is the sum of their normals; on the corner of a triangle
-    that of the node.
-
-    Returns
-    -------
-    A length of a facet there [m].
+    It is the sum of the two normals where facets share the side, at the corner of a triangle that of the
+    node.
     """
     dim = len(spacing)
-    corners, zeros, side = scratch.matrix(spacing, spacing), 0, 0
+    zeros, side = 0, 0
     for a in range(dim):
         if share[a] == 0.0:
             zeros += 1
             side = a
-    read_corners(surface.neighbours[m, side], surface.position, surface.facets, corners, spacing)
-    area_vector(corners, out, spacing)
-    square = 0.0
-    for d in range(dim):
-        square += out[d] * out[d]
-    size = math.sqrt(square)
+    area_of(surface.neighbours[m, side], surface, out, spacing)
+    size = math.sqrt(dot(out, out, spacing))
     if dim == 3 and zeros > 1:
         for a in range(dim):
             if share[a] != 0.0:
@@ -118,24 +117,19 @@ def rim_normal(
 def signed_distance(
     x: Floats, m: int, surface: Faceted, share: Floats, normal: Floats, spacing: tuple[float, ...]
 ) -> Float:
-    """Distance of a point from facet ``m`` of a closed surface, negative inside the material.
+    """Distance g of a point from facet ``m`` of a closed surface [m], negative inside the material.
 
-    Where the closest point lies on the facet's rim, the pseudo-normal there decides inside or outside, and
-    nothing else (in space: J. A. Bærentzen, H. Aanæs, 2005); the direction is that of x − x_closest, along
-    which an action and its reaction leave no moment.
-
-    Returns
-    -------
-    Signed distance g [m]. Barycentric coordinates of the closest point are written to ``share``, and the unit
-    direction e_n to ``normal``: x = x_closest + g e_n."""
+    Barycentric coordinates of the closest point are written to ``share``, and the unit direction e_n to
+    ``normal``: x = x_closest + g e_n, along which an action and its reaction leave no moment. On the rim
+    the pseudo-normal there decides inside or outside (in space: J. A. Bærentzen, H. Aanæs, 2005).
+    """
     dim = len(spacing)
     corners = scratch.matrix(spacing, spacing)
     read_corners(m, surface.position, surface.facets, corners, spacing)
     gap = project(x, corners, share, normal, spacing)
     beside = False
     for a in range(dim):
-        if not share[a] > 0.0:
-            beside = True
+        beside = beside or not share[a] > 0.0
     if not beside:
         return gap
     closest_point(x, corners, share, spacing)
@@ -143,18 +137,14 @@ def signed_distance(
         return gap
     pseudo, away = scratch.vector(spacing), scratch.vector(spacing)
     length = rim_normal(m, share, surface, normal, pseudo, spacing)
-    square, side, norm = 0.0, 0.0, 0.0
     for d in range(dim):
         foot = 0.0
         for a in range(dim):
             foot += share[a] * corners[a, d]
         away[d] = x[d] - foot
-        square += away[d] * away[d]
-        side += away[d] * pseudo[d]
-        norm += pseudo[d] * pseudo[d]
-    distance = math.sqrt(square)
+    distance, side = math.sqrt(dot(away, away, spacing)), dot(away, pseudo, spacing)
     if distance < 1e-14 * length:
-        norm = math.sqrt(norm)
+        norm = math.sqrt(dot(pseudo, pseudo, spacing))
         for d in range(dim):
             normal[d] = pseudo[d] / norm
         return 0.0
@@ -175,9 +165,10 @@ def closest_facet(
     """Of the facets ``first:last`` that closest to a point, of equally close ones the first; −1 if none is
     near.
 
-    ``boxes`` are from row ``start`` on those of the facets' blocks (``block_boxes``), ``within`` is the
-    square of the distance from which on they are of no interest [m²]. Only blocks are looked through whose
-    box is not farther than that, or than what was found; the block of ``guess`` is the first."""
+    From row ``start`` on ``boxes`` are those of the facets' blocks (``block_boxes``); ``within`` is the
+    square of the distance from which on facets are of no interest [m²]. Blocks are looked through whose
+    box is not farther than that, or than the closest so far; the block of ``guess`` is the first.
+    """
     corners = scratch.matrix(spacing, spacing)
     nearest, closest, size = within, -1, 0.0
     for d in range(len(spacing)):
@@ -185,7 +176,7 @@ def closest_facet(
     blocks = (last - first + BLOCK - 1) // BLOCK
     for visit in range(-1, blocks):
         block = (guess - first) // BLOCK if visit < 0 else visit
-        box = box_distance(x, start + block, boxes, spacing)
+        box = square_between(x, x, boxes[start + block, 0], boxes[start + block, 1], spacing)
         # The allowances are beyond rounding: no facet is passed over that the arithmetic would find closer.
         if box > nearest * (1.0 + 1e-9) + 1e-24 * size:
             continue
@@ -199,11 +190,8 @@ def closest_facet(
 
 @device
 def turns_round(x: Floats, first: int, last: int, surface: Faceted) -> int:
-    """How often the closed polyline of segments ``first:last`` goes round a point of the plane,
-    counter-clockwise.
-
-    That is 1 inside a body and 0 outside, whatever its corners do.
-    """
+    """How often the closed polyline of segments ``first:last`` goes round a point of the plane: once
+    inside a body, whatever its corners do."""
     turns = 0
     for m in range(first, last):
         p, q = surface.facets[m, 0], surface.facets[m, 1]
@@ -222,15 +210,15 @@ def turns_round(x: Floats, first: int, last: int, surface: Faceted) -> int:
 @device
 def least_gap(
     first_a: int, last_a: int, first_b: int, last_b: int, start: int, least: Float, surface: Faceted,
-    boxes: Floats,
-    spacing: tuple[float, ...],
+    boxes: Floats, spacing: tuple[float, ...],
 ) -> Float:  # fmt: skip
     """``least``, or the least signed distance of nodes ``first_a:last_a`` from the facets ``first_b:last_b``
-    [m] if less.
+    if less [m].
 
-    ``boxes`` are from row ``start`` on those of the facets' blocks, and behind them is room for one more. The
-    node that is closest to the box round them all goes first: most others turn out to be farther from that
-    box than the distance then found."""
+    From row ``start`` on ``boxes`` are those of the facets' blocks; behind them is room for one more. The
+    node closest to the box round them all goes first: most others are farther from that box than its
+    distance.
+    """
     dim = len(spacing)
     x, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
     blocks = (last_b - first_b + BLOCK - 1) // BLOCK
@@ -244,14 +232,14 @@ def least_gap(
     nearest, shortest = first_a, math.inf
     for s in range(first_a, last_a):
         read_point(s, surface.position, x, spacing)
-        box = box_distance(x, whole, boxes, spacing)
+        box = square_between(x, x, boxes[whole, 0], boxes[whole, 1], spacing)
         if box < shortest:
             nearest, shortest = s, box
     closest = first_b
     for visit in range(first_a - 1, last_a):
         s = nearest if visit < first_a else visit
         read_point(s, surface.position, x, spacing)
-        box = box_distance(x, whole, boxes, spacing)
+        box = square_between(x, x, boxes[whole, 0], boxes[whole, 1], spacing)
         square = max(least, 0.0) * max(least, 0.0)
         if box > square:
             # farther from the whole surface's box than the least distance, or outside where another is inside
@@ -273,10 +261,8 @@ def least_gap(
 def minimum_gap(
     first_a: int, last_a: int, first_b: int, last_b: int, surface: Faceted, spacing: tuple[float, ...]
 ) -> float:
-    """Least signed distance of nodes ``first_a:last_a`` from the facets ``first_b:last_b`` [m].
-
-    Each node counts with its closest facet; the least over the nodes is negative as soon as one is inside.
-    """
+    """Least signed distance of nodes ``first_a:last_a`` from the facets ``first_b:last_b`` [m], negative
+    as soon as one is inside."""
     boxes = np.empty(((last_b - first_b) // BLOCK + 2, 2, len(spacing)))
     block_boxes(first_b, last_b, 0, surface, boxes, spacing)
     least: float = least_gap(first_a, last_a, first_b, last_b, 0, math.inf, surface, boxes, spacing)
@@ -285,19 +271,15 @@ def minimum_gap(
 
 @kernel
 def minimum_gaps(
-    first: Ints,
-    second: Ints,
-    body_first: Ints,
-    facet_first: Ints,
-    surface: Faceted,
-    gaps: Floats,
+    first: Ints, second: Ints, body_first: Ints, facet_first: Ints, surface: Faceted, gaps: Floats,
     spacing: tuple[float, ...],
-) -> None:
-    """Least distance of the surfaces of every two bodies ``first`` and ``second``, into ``gaps`` [m].
+) -> None:  # fmt: skip
+    """Least distance of the surfaces of every two bodies ``first`` and ``second``, into ``gaps`` [m]: the
+    lesser of both ways of :func:`mpmfw.kernels.minimum_gap`.
 
-    The lesser of both ways of :func:`mpmfw.kernels.minimum_gap`, of the nodes of one from the facets of the
-    other. The nodes of body b are ``body_first[b]:body_first[b + 1]``, its facets
-    ``facet_first[b]:facet_first[b + 1]``."""
+    Nodes and facets of body b are ``body_first[b]:body_first[b + 1]`` and ``facet_first[b]:facet_first[b +
+    1]``.
+    """
     n_bodies = len(body_first) - 1
     boxes = np.empty((facet_first[n_bodies] // BLOCK + 2 * n_bodies, 2, len(spacing)))
     for b in range(n_bodies):
@@ -309,7 +291,6 @@ def minimum_gaps(
             a, b = (first[c], second[c]) if way == 0 else (second[c], first[c])
             least = least_gap(
                 body_first[a], body_first[a + 1], facet_first[b], facet_first[b + 1],
-                facet_first[b] // BLOCK + 2 * b,
-                least, surface, boxes, spacing,
+                facet_first[b] // BLOCK + 2 * b, least, surface, boxes, spacing,
             )  # fmt: skip
         gaps[c] = least

@@ -48,7 +48,7 @@ def _effects(setup: Setup) -> list[tuple[str, str, str]]:
         ("surface frames", "runs.frames:surface_frames", "surface"),
     )
     return [
-        ("contact", "contact.planning:from_setup", ""),
+        ("contact", "contact.strategy:from_setup", ""),
         ("least gap", "effects.surface:GapDiagnostic.from_setup", no_gap),
         ("surfaces", "effects.surface:SurfaceTracker.from_setup", surfaces),
         ("gravity", "effects.gravity:Gravity.from_setup", unless(gravity, "no [gravity]")),

@@ -85,13 +85,11 @@ class Film(ImpulseLaw):
         """Facts of the scene, asked once."""
         self.state = setup.state
 
-    def impulses(
-        self, rows: ContactRows, grid: Grid, scratch: FloatArray, work: FloatArray | None, *, projected: bool
-    ) -> None:
+    def impulses(self, rows: ContactRows, grid: Grid, work: FloatArray | None, *, projected: bool) -> None:
         """Return the rows' impulses from the grid's momentum; the film acts once a step, at its update."""
         own, spacing = rows.own, grid.spacing
         rows.momentary_velocity(grid, own.velocity)
         find_approach(rows, rows.count, own, spacing)
-        rows.couplings(own.active, grid, scratch, own.compliance)
+        rows.couplings(own.active, grid, own.compliance)
         drag = 0.0 if projected or work is None else self.options.resistance * self.state.dt
         exchange(rows, rows.count, own, drag, np.zeros(0) if work is None else work, spacing)

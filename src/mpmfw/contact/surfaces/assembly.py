@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
-from mpmfw.contact.surfaces.outline import Candidates, Outline, area_of, distance_to, dot, hidden
-from mpmfw.contact.surfaces.search import node_outward, opposes
+from mpmfw.contact.surfaces.outline import (
+    Candidates,
+    Outline,
+    body_of,
+    distance_to,
+    hidden,
+    node_outward,
+    opposes,
+)
 from mpmfw.kernels import Struct, device, kernel, scratch
 from mpmfw.kernels.contact import Rows, pair_index
 from mpmfw.kernels.facets import (
     at_rim,
+    dot,
     extent_of,
     length_of,
     read_corners,
@@ -15,6 +23,7 @@ from mpmfw.kernels.facets import (
     write_own_gradients,
 )
 from mpmfw.kernels.stencil import entries
+from mpmfw.kernels.surfaces import area_of
 from mpmfw.kernels.types import Float, Floats, Ints, Table
 
 #: Difference of distances, in lengths of a facet, below which two facets are equally close: what rounding
@@ -34,8 +43,8 @@ class Places(Struct):
 
 @device
 def measure_across(m: int, normal: Floats, outline: Outline, spacing: tuple[float, ...]) -> Float:
-    """Measure of facet m as seen along ``normal``, 0 from behind: (x_2 − x_1)·e_t [m] in the plane, twice its
-    area [m^2] in space."""
+    """Measure of facet m as seen along ``normal``, 0 from behind: (x_2 − x_1)·e_t [m] in the plane, twice
+    its area [m^2] in space."""
     area = scratch.vector(spacing)
     area_of(m, outline, area, spacing)
     return max(dot(area, normal, spacing), 0.0)
@@ -46,16 +55,12 @@ def equally_close(
     s: int, m: int, share: Floats, gap: Float, normal: Floats, other_share: Floats, other_normal: Floats,
     outline: Outline, spacing: tuple[float, ...],
 ) -> tuple[int, Float]:  # fmt: skip
-    """The neighbour of facet m to which node s is as close, and the part of the contact that it takes.
+    """The neighbour of facet m to which node s is as close, and the part of the contact that it takes; 0
+    without a tie, 1 if facet m has no measure across the normal.
 
-    Where a node meets a vertex head-on, or is as deep under both sides of a corner, each of the two facets is
-    as good as the other: the contact is then with both, in parts w_i = L_i² / (L_1² + L_2²) of their lengths
-    along the tangent, or areas across the normal. Of the distance, which has a ridge there, that is a
-    subgradient, and no index decides.
-
-    Returns
-    -------
-    The neighbour, and its part (0 without a tie, 1 if facet m has no measure across the normal). Barycentric
+    Where a node meets a vertex head-on, or is as deep under both sides of a corner, the contact is with
+    both, in parts w_i = L_i² / (L_1² + L_2²) of their lengths along the tangent, or areas across the
+    normal: a subgradient of the distance, which has a ridge there, and no index decides. Barycentric
     coordinates and e_n on the neighbour are written to ``other_share`` and ``other_normal``.
     """
     dim = len(spacing)
@@ -97,15 +102,14 @@ def share_across(s: int, normal: Floats, outline: Outline, spacing: tuple[float,
 
 @device
 def write_geometry(
-    c: int, share: Floats, normal: Floats, outline: Outline, rows: Rows, places: Places, spacing: tuple[float,
-    ...]
+    c: int, share: Floats, normal: Floats, outline: Outline, rows: Rows, places: Places,
+    spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """Normal, barycentric coordinates, couple and tilt of row c.
 
     The couple of corner a is g ∇ξ_a, ξ_a varied across the normal: by it f_t acts along e_n, and the pair
-    leaves no moment g f_t. On the rim, where e_n is not the facet's normal, the facet is taken as it is seen
-    along e_n. The tilt −g ∇ξ_a, in the plane −(g / l) Q of eq. 7, the normal varied with the facet, takes the
-    facet's own plane: any other would leave a moment.
+    leaves no moment g f_t. On the rim the facet is taken as it is seen along e_n. The tilt −g ∇ξ_a, in the
+    plane −(g / l) Q of eq. 7, takes the facet's own plane: any other would leave a moment.
     """
     dim, g, turn, lean = len(spacing), rows.gap[c], places.turn, places.lean
     corners, gradient = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
@@ -143,15 +147,14 @@ def write_motion(c: int, outline: Outline, rows: Rows, places: Places, spacing: 
 @device
 def add_point(
     p: int, share: Float, c: int, corner: int, top: int, table: Table, place: Ints, rows: Rows,
-    places: Places,
-    spacing: tuple[float, ...],
+    places: Places, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """Add ``share`` times N_i of surface node p to the entries of row c, which end before ``top``; the new
     top.
 
     ``corner`` is the facet's corner that p is, −1 of the slave node: its couple and tilt go with it.
-    ``place`` (n_nodes,) is scratch, of any content that is not negative: the entry that a grid node was given
-    last.
+    ``place`` (n_nodes,) is scratch of any content that is not negative: the entry that a grid node was
+    given last.
     """
     dim, begin = len(spacing), rows.start[c]
     dof, out, couple, tilt = rows.dof, rows.weight, rows.couple, rows.tilt
@@ -189,22 +192,11 @@ def width_of(s: int, m: int, facets: Ints, row: Ints) -> int:
 
 
 @device
-def next_candidate(s: int, last: int, candidates: Candidates) -> int:
-    """Return the slot of node s that follows ``last`` (−1: the first), by body and facet; −1 after all."""
-    master, facet = candidates.master, candidates.facet
+def next_slot(s: int, last: int, facet: Ints) -> int:
+    """Slot of node s with the lowest facet beyond ``last``; −1 if there is none."""
     following = -1
     for j in range(facet.shape[1]):
-        if facet[s, j] < 0:
-            continue
-        if last >= 0 and not (
-            master[s, j] > master[s, last]
-            or (master[s, j] == master[s, last] and facet[s, j] > facet[s, last])
-        ):
-            continue
-        if following < 0 or (
-            master[s, j] < master[s, following]
-            or (master[s, j] == master[s, following] and facet[s, j] < facet[s, following])
-        ):
+        if facet[s, j] > last and (following < 0 or facet[s, j] < facet[s, following]):
             following = j
     slot: int = following
     return slot
@@ -213,15 +205,14 @@ def next_candidate(s: int, last: int, candidates: Candidates) -> int:
 @kernel
 def assemble(
     rank: Ints, across: bool, ties: bool, candidates: Candidates, outline: Outline, pair_of: Ints,
-    pair_first: Ints,
-    table: Table, place: Ints, rows: Rows, places: Places, spacing: tuple[float, ...],
+    pair_first: Ints, table: Table, place: Ints, rows: Rows, places: Places, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """A row for each candidate, two where it meets two facets alike; their number, or −1 where there is no
-    room for all.
+    room.
 
     A node counts with its tributary area, or with half of it where its body and the master are of the same
-    ``rank`` (body,): each is then slave once. ``across`` says whether only what lies across the normal is a
-    row's area, ``ties`` whether of two equally close facets both count. ``place`` is scratch
+    ``rank`` (body,): each is then slave once. ``across`` says whether only what lies across the normal is
+    a row's area, ``ties`` whether of two equally close facets both count. ``place`` is scratch
     (:func:`add_point`).
     """
     c, top, body, dim = 0, 0, outline.body, len(spacing)
@@ -229,11 +220,13 @@ def assemble(
     other_share, other_normal = scratch.vector(spacing), scratch.vector(spacing)
     n_bodies = len(outline.body_first) - 1
     for s in range(len(body)):
-        j = next_candidate(s, -1, candidates)
+        j = next_slot(s, -1, candidates.facet)
         while j >= 0:
-            m, g, master = candidates.facet[s, j], candidates.gap[s, j], candidates.master[s, j]
-            for d in range(dim):
-                share[d], normal[d] = candidates.share[s, j, d], candidates.normal[s, j, d]
+            m, g = candidates.facet[s, j], candidates.gap[s, j]
+            following, master = next_slot(s, m, candidates.facet), body_of(m, outline)
+            if distance_to(s, m, outline, share, normal, spacing) > 0.0 > g:  # behind its rim
+                for d in range(dim):
+                    normal[d] = -normal[d]
             other, part = m, 0.0
             if ties and g < 0.0:
                 other, part = equally_close(
@@ -269,26 +262,5 @@ def assemble(
                     )
                 c += 1
                 rows.start[c] = top
-            j = next_candidate(s, j, candidates)
+            j = following
     return c
-
-
-@kernel
-def point_forces(rows: Rows, count: int, facets: Ints, places: Places, out: Floats) -> None:
-    """Forces of the rows on surface nodes, (n_s, dim): what Bᵀ f maps to the grid."""
-    dim = out.shape[1]
-    out[:] = 0.0
-    for c in range(count):
-        along = 0.0
-        for d in range(dim):
-            along += rows.force[c, d] * rows.normal[c, d]
-            out[places.slave[c], d] += rows.force[c, d]
-        for corner in range(dim):
-            p, turned = facets[places.facet[c], corner], 0.0
-            if len(places.turn) > 0:
-                for d in range(dim):
-                    turned += places.turn[c, corner, d] * rows.force[c, d]
-            for d in range(dim):
-                out[p, d] += turned * rows.normal[c, d] - places.share[c, corner] * rows.force[c, d]
-                if len(places.lean) > 0:
-                    out[p, d] += along * places.lean[c, corner, d]

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from mpmfw.contact.surfaces.outline import Outline, Partners, area_of, dot, hidden
+from mpmfw.contact.surfaces.outline import Outline, Partners, hidden
 from mpmfw.kernels import device, kernel, scratch
-from mpmfw.kernels.boxes import Boxes, boxes_apart, read_box
-from mpmfw.kernels.facets import at_rim, closest_point, length_of, read_corners, read_point
+from mpmfw.kernels.boxes import Boxes, boxes_apart, read_box, square_between
+from mpmfw.kernels.facets import at_rim, closest_point, dot, length_of, read_corners, read_point
+from mpmfw.kernels.surfaces import area_of
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
 
 #: Distance from another body up to which a facet's corner is covered, in cells.
@@ -44,7 +45,7 @@ def seam_box(
     low, high = scratch.vector(spacing), scratch.vector(spacing)
     for k in range(partners.first[a], partners.first[a + 1]):
         c = partners.body[k]
-        common = c != b and not boxes_apart(a, c, boxes, reach)
+        common = c != b and not boxes_apart(a, c, boxes.lower, boxes.upper, reach)
         for d in range(len(spacing)):
             low[d] = max(boxes.lower[a, d], boxes.lower[b, d]) - flush
             high[d] = min(boxes.upper[a, d], boxes.upper[b, d]) + flush
@@ -62,18 +63,15 @@ def seam_box(
 
 @device
 def list_within(
-    body: int, lower: Floats, upper: Floats, begin: int, outline: Outline, out: Indices, spacing: tuple[float,
-    ...]
+    body: int, lower: Floats, upper: Floats, begin: int, outline: Outline, out: Indices,
+    spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """List the facets of a body whose boxes touch that from ``lower`` to ``upper``, into ``out[begin:]``;
-    where they end."""
+    return where they end."""
     low, high, count = scratch.vector(spacing), scratch.vector(spacing), begin
     for m in range(outline.facet_first[body], outline.facet_first[body + 1]):
         read_box(m, outline.facets, outline.position, low, high, spacing)
-        outside = False
-        for d in range(len(spacing)):
-            outside = outside or low[d] > upper[d] or high[d] < lower[d]
-        if not outside:
+        if square_between(low, high, lower, upper, spacing) == 0.0:
             out[count] = m
             count += 1
     return count
@@ -83,8 +81,8 @@ def list_within(
 def is_flush(p: int, m: int, normal: Floats, outline: Outline, spacing: tuple[float, ...]) -> bool:
     """Return True if surface node p, on a facet with the unit ``normal``, lies on facet m of another body.
 
-    The node may be away from it along the normal, and beyond its rim along the normals of other facets at the
-    node, which turn away from this one: seams are never level.
+    The node may be away from it along the normal, and beyond its rim along the normals of other facets at
+    the node that turn away from this one: seams are never level.
     """
     dim, flush = len(spacing), FLUSH * spacing[0]
     away, share, side = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
@@ -120,20 +118,18 @@ def is_covered(
     """Return True if opposite facets ``listed[begin:end]`` are flush with every corner of facet m."""
     normal, other = scratch.vector(spacing), scratch.vector(spacing)
     area_of(m, outline, normal, spacing)
-    size = length_of(normal, spacing)
+    size, covered = length_of(normal, spacing), True
     for d in range(len(spacing)):
         normal[d] /= size
     for a in range(len(spacing)):
-        found = False
-        for k in range(begin, end):
+        k, found = begin, False
+        while covered and k < end and not found:
             area_of(listed[k], outline, other, spacing)
             opposite = dot(normal, other, spacing) < -OPPOSITE * length_of(other, spacing)
-            if opposite and is_flush(outline.facets[m, a], listed[k], normal, outline, spacing):
-                found = True
-                break
-        if not found:
-            return False
-    return True
+            found = opposite and is_flush(outline.facets[m, a], listed[k], normal, outline, spacing)
+            k += 1
+        covered = covered and found
+    return covered
 
 
 @kernel
@@ -142,12 +138,12 @@ def find_covered(
     listed: Indices, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """Write the body that covers each facet within ``reach`` [m] of a third body into ``outline.covered``,
-    else −1. ``first`` and ``second`` are the bodies of the pairs; ``listed`` (n_f,) is scratch."""
+    else −1, of the pairs of bodies ``first`` and ``second``; ``listed`` (n_f,) is scratch."""
     lower, upper = scratch.vector(spacing), scratch.vector(spacing)
     outline.covered[:] = -1
     for c in range(len(first)):
         a, b = first[c], second[c]
-        if boxes_apart(a, b, boxes, FLUSH * spacing[0]):
+        if boxes_apart(a, b, boxes.lower, boxes.upper, FLUSH * spacing[0]):
             continue
         if not seam_box(a, b, partners, reach, boxes, lower, upper, spacing):
             continue

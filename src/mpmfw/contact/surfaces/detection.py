@@ -9,11 +9,11 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from mpmfw.contact.parts import Detection, ranks_of, stiffness_ranks
 from mpmfw.contact.rows import ContactRows
-from mpmfw.contact.surfaces.assembly import Places, assemble, point_forces
+from mpmfw.contact.surfaces.assembly import Places, assemble
 from mpmfw.contact.surfaces.near_facets import TravelLimit, VerletList
 from mpmfw.contact.surfaces.outline import no_candidates, node_error, outline_of, tracked_surface
-from mpmfw.contact.surfaces.search import ROUND, ROUND_THE_CORNER, find_candidates
-from mpmfw.contact.surfaces.tracking import CROSSED, find_crossings, keep_inside, remember_inside
+from mpmfw.contact.surfaces.search import find_candidates
+from mpmfw.contact.surfaces.tracking import CROSSED
 from mpmfw.errors import SceneError, SimulationError
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
@@ -21,9 +21,6 @@ from mpmfw.state.fields import Field as ArrayField
 from mpmfw.state.history import check_indices
 from mpmfw.state.structs import Body, Grid, Particles, State, Stencil
 from mpmfw.units import Length
-
-#: Travel in a step, in search radii, below which no node can pass the middle of a body unseen.
-THIN = 0.05
 
 FORCE = ArrayField(
     "force", ("surface_node", "axis"), "N m-1", "contact force on the surface node", "surface", output=True
@@ -38,8 +35,7 @@ class FacetOptions(BaseModel):
     master: str | None = Field(
         None,
         description="name of the master body (one pass); default: the stiffer; of equally stiff ones that "
-        "with the "
-        "larger surface; of equals each is slave once",
+        "with the larger surface; of equals each is slave once",
     )
     search_radius: float = Field(1.0, gt=0, le=1.0, description="reach of the search in cells")
     interface_thickness: Length = Field(
@@ -70,11 +66,12 @@ class SurfacesOptions(FacetOptions):
 
 
 class Surfaces(Detection):
-    """Every node of a surface against the closest facet of each other body that faces it.
+    """Every node of a surface against the closest facet of each other body that faces it ([H17], section
+    3.2).
 
-    The search is [H17]'s, section 3.2. Gap, barycentric coordinates ξ_a and normal are those of the closest
-    point; a node inside another body is followed until it is seen to come out. A row's weights are N_i(x_s)
-    in the slave's field and −ξ_a N_i(x_a) in the master's.
+    Gap, barycentric coordinates ξ_a and normal are those of the closest point; a node inside another body
+    is followed until it is seen to come out. A row's weights are N_i(x_s) in the slave's field and −ξ_a
+    N_i(x_a) in the master's.
     """
 
     name = "surfaces"
@@ -83,7 +80,9 @@ class Surfaces(Detection):
     provides = frozenset({"facets", "nodes", "steady gap"})
     #: Whether a node meets every facet that it penetrates (eq. 10), and not the closest one of a body.
     every_facet: bool = False
-    history = ("was_inside",)
+    history = ("count",)
+    #: Number of candidates in the last step.
+    count = 0
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
@@ -97,8 +96,8 @@ class Surfaces(Detection):
         """Return True if the normal varies along the facet (eq. 7)."""
         return getattr(self.options, "normal_variation", "hamad2017") == "hamad2017"
 
-    def parts(self, contact: Any) -> list[Any]:  # noqa: ARG002
-        """The limit of travel, and the surface layer's inertia where it has a thickness."""
+    def parts(self) -> list[Any]:
+        """Return the limit of travel, and the surface layer where it has a thickness."""
         travel = TravelLimit(self)
         if not self.adds_mass:
             return [travel]
@@ -107,26 +106,25 @@ class Surfaces(Detection):
         return [travel, InterfaceLayer(self.options.interface_thickness)]
 
     def reach(self, cell_size: float) -> float:
-        """The search radius: bodies whose boxes are farther apart cost a comparison of boxes."""
+        """Return the search radius: bodies whose boxes are farther apart cost a comparison of boxes."""
         return self.options.search_radius * cell_size
 
     def fields(self) -> list[ArrayField]:
-        """Force of the surface nodes."""
+        """Return the force of the surface nodes."""
         return [FORCE]
 
     def prepare(self, setup: Setup, owner: str) -> None:
-        """Roles of the bodies, and the arrays of the search."""
+        """Choose the roles of the bodies, and allocate the arrays of the search."""
         self.state, self.has_friction = setup.state, setup.has_friction
         self.surface = tracked_surface(setup, owner)
         size = np.array([self.surface.tributary[self.surface.of(body.index)].sum() for body in setup.bodies])
         self.rank = _ranks(setup.bodies, size, self.options.master, owner, one_pass=not self.two_passes)
         slots = 8 if self.every_facet else min(max(len(setup.bodies) - 1, 1), 3)
         self.outline = outline_of(self.surface)
-        self.candidates = no_candidates(setup, owner, slots, tracked=not self.every_facet)
+        self.candidates = no_candidates(setup, owner, slots)
         self.force: FloatArray = setup.allocate(owner, FORCE)
         self.radius, self.cell_size = self.reach(setup.cell_size), setup.cell_size
         self.through = np.zeros(3)
-        self.count, self.was_inside = 0, False
         self.place = np.zeros(0, dtype=np.int64)
         nodes = np.arange(self.surface.count)[:, np.newaxis]
         self.near = VerletList(
@@ -139,7 +137,7 @@ class Surfaces(Detection):
         self.near.list_pairs(state.pair_bodies, self.rank)
 
     def new_rows(self, own: dict[str, int | None]) -> SurfaceRows:
-        """Rows that know their slave node and facet."""
+        """Return rows with their slave node and facet."""
         dim = self.state.grid.dim
         spins = self.has_friction and dim == 3
         rows = SurfaceRows(dim, couples=self.has_friction, tilts=self.tilts, spins=spins, own=own)
@@ -148,14 +146,12 @@ class Surfaces(Detection):
         return rows
 
     def restored(self) -> None:
-        """Refuse candidates on facets or bodies that there are not by ``NotSaved``."""
-        c = self.candidates
-        check_indices(len(self.surface.facets), facet=c.facet, inside_facet=c.inside_facet)
-        check_indices(len(self.state.bodies), master=c.master, inside=c.inside)
+        """Refuse candidates on facets that there are not by ``NotSaved``."""
+        check_indices(len(self.surface.facets), facet=self.candidates.facet)
 
     def find(self, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> None:  # noqa: ARG002
         """Search at x_s(tⁿ), and write a row for each candidate."""
-        self.count = self._search()
+        self.count = self.search()
         rows.count = 0
         if self.count:
             assert isinstance(rows, SurfaceRows)
@@ -165,50 +161,25 @@ class Surfaces(Detection):
 
                 write_spins(rows.count, self.law_range, self.outline, rows, rows.places, grid.spacing)
 
-    def _search(self) -> int:
-        """Return the number of candidates after the search, and after nodes inside bodies were followed."""
-        count = 0
-        if self.near.update():
-            count = self.search()
-        elif not self.was_inside:
-            return 0
-        else:
-            self.candidates.facet.fill(-1)
-        return count + (0 if self.every_facet else self._track())
-
     def search(self) -> int:
-        """Fill the candidates from the list of near facets; return their number."""
+        """Fill the candidates, and return their number.
+
+        Raises
+        ------
+        SimulationError
+            Bodies have crossed.
+        """
+        if not self.near.update() and self.count == 0:
+            return 0
         count = find_candidates(
-            self.radius, self.outline, self.near.near, self.candidates, self.state.grid.spacing
-        )
-        if count < 0:
-            raise self._too_fine(-1 - count)
+            self.radius, self.outline, self.near.near, self.candidates, self.through, self.state.grid.spacing,
+        )  # fmt: skip
+        if self.through[0] > CROSSED * self.cell_size:
+            raise self._crossed()
         return count
 
-    def _track(self) -> int:
-        """Nodes inside that the search has lost, or missed; the end of the run where bodies have crossed."""
-        added = 0
-        if self.was_inside:
-            added = keep_inside(self.outline, self.candidates, self.through, self.state.grid.spacing)
-            if self.through[0] > CROSSED * self.cell_size:
-                raise self._crossed()
-        return added + find_crossings(
-            THIN * self.radius, self.outline, self.near.partners, self.near.boxes, self.candidates,
-            self.state.grid.spacing,
-        )  # fmt: skip
-
-    def _too_fine(self, node: int) -> SimulationError:
-        """Return what ends a run in which a corner near a surface node has more facets than can be looked
-        at."""
-        text = (
-            f"more than {len(ROUND)} facets of another body are within {ROUND_THE_CORNER:g} search radii of "
-            "a surface node that they do not face"
-        )
-        advice = "a larger segment of the body that it touches, at least a hundredth of a cell"
-        return node_error(self.state, self.surface, node, text, advice=advice)
-
     def _crossed(self) -> SimulationError:
-        """Return what ends a run in which a node has gone through another body."""
+        """Return the error of a node that has gone through another body."""
         beyond, node, other = float(self.through[0]), int(self.through[1]), int(self.through[2])
         ends = {int(self.surface.body[node]), other}
         pair = next(pair for pair in self.state.pairs if {pair.first, pair.second} == ends)
@@ -232,35 +203,35 @@ class Surfaces(Detection):
                 return
             rows.make_room(2 * len(rows.pair), 2 * len(rows.dof))
 
-    def end_step(self) -> None:
-        """Note which nodes are inside which bodies."""
-        c = self.candidates
-        if not self.every_facet and (self.count or self.was_inside):
-            if self.count:
-                remember_inside(c)
-            else:
-                c.inside.fill(-1)
-            self.was_inside = self.count > 0
-
     def copy_history(self, other: Surfaces, index_map: Any) -> None:
-        """Which nodes were inside which bodies."""
-        nodes, theirs, ours = index_map.surface_node, other.candidates, self.candidates
-        known = np.flatnonzero(nodes >= 0)
-        inside, facet = theirs.inside[known], theirs.inside_facet[known]
-        inside = np.where(inside >= 0, index_map.body[inside], -1)
-        slots = min(inside.shape[1], ours.inside.shape[1])
-        first = np.argsort(inside < 0, axis=1, kind="stable")[:, :slots]  # of bodies that are here
-        ours.inside[nodes[known]] = ours.inside_facet[nodes[known]] = -1
-        ours.inside[nodes[known], :slots] = np.take_along_axis(inside, first, axis=1)
-        facet = np.where(inside >= 0, index_map.facet[facet], -1)
-        ours.inside_facet[nodes[known], :slots] = np.take_along_axis(facet, first, axis=1)
-        self.was_inside = bool((ours.inside >= 0).any())
-        self.near.forget()
+        """Copy the candidates of the last step, the deepest ones first into fewer slots."""
+        theirs, ours = other.candidates, self.candidates
+        known = np.flatnonzero(index_map.surface_node >= 0)
+        node, facet = index_map.surface_node[known], theirs.facet[known]
+        facet = np.where(facet >= 0, index_map.facet[facet], -1)  # of bodies that are here
+        gap = np.where(facet >= 0, theirs.gap[known], np.inf)
+        deepest = np.argsort(gap, axis=1, kind="stable")[:, : ours.facet.shape[1]]
+        slots = deepest.shape[1]
+        ours.facet[node], ours.gap[node] = -1, np.inf
+        ours.facet[node, :slots] = np.take_along_axis(facet, deepest, axis=1)
+        ours.gap[node, :slots] = np.take_along_axis(gap, deepest, axis=1)
+        self.count = int((ours.facet >= 0).sum())
+        self.near.listed = False
 
     def outputs(self, rows: ContactRows) -> dict[str, AnyArray]:
-        """Contact forces of the surface nodes, those of facets shared by their corners."""
+        """Return contact forces of the surface nodes; corners share those of facets."""
         assert isinstance(rows, SurfaceRows)
-        point_forces(rows, rows.count, self.outline.facets, rows.places, self.force)
+        n, at = slice(rows.count), rows.places
+        force, normal, corners = rows.force[n], rows.normal[n], self.outline.facets[at.facet[n]]
+        self.force.fill(0.0)
+        np.add.at(self.force, at.slave[n], force)
+        for a in range(corners.shape[1]):
+            on_corner = -at.share[n, a, None] * force
+            if len(at.turn):
+                on_corner += (at.turn[n, a] * force).sum(axis=1, keepdims=True) * normal
+            if len(at.lean):
+                on_corner += (force * normal).sum(axis=1, keepdims=True) * at.lean[n, a]
+            np.add.at(self.force, corners[:, a], on_corner)
         return {"force": self.force}
 
 
@@ -271,7 +242,7 @@ class SurfaceRows(ContactRows):
     n_bodies: int  #: identity is that of the node times this and the other body's index
 
     def make_room(self, rows: int, entries: int) -> None:
-        """Allocate the rows, and where on its facet each of them acts."""
+        """Allocate the rows and their places."""
         super().make_room(rows, entries)
         dim = self.dim
         self.places = Places(
@@ -283,11 +254,11 @@ class SurfaceRows(ContactRows):
         )
 
     def of_rows(self) -> dict[str, AnyArray]:
-        """Those, and the places as ``at/NAME``."""
+        """Return those, and the places as ``at/NAME``."""
         return super().of_rows() | {f"at/{name}": array for name, array in self.places.members().items()}
 
     def renumber(self, history: dict[str, AnyArray], own: ContactRows, index_map: Any) -> None:
-        """Nodes and facets too, and the identity that is made of node and body."""
+        """Renumber nodes, facets, and the identity that is made of node and body, too."""
         super().renumber(history, own, index_map)
         assert isinstance(own, SurfaceRows)
         node, body = np.divmod(history["identity"], self.n_bodies)
@@ -299,11 +270,11 @@ class SurfaceRows(ContactRows):
 def _ranks(
     bodies: tuple[Body, ...], size: FloatArray, master: str | None, owner: str, *, one_pass: bool
 ) -> IntArray:
-    """All alike where each body is slave once; else the stiffer is master, unless one is named.
+    """Rank the bodies: nodes of one are slaves to facets of those of the same or a higher rank.
 
-    Of equally stiff bodies the one with the larger surface is master, whose edges the other seldom reaches;
-    ``size`` (body,) is its area [m^(dim−1)]. Equals are slaves of each other. Nodes of a body are slaves to
-    facets of those of the same or a higher rank.
+    All are alike where each body is slave once; else the stiffer is master, unless one is named. Of
+    equally stiff bodies the one with the larger surface, ``size`` (body,) [m^(dim−1)], is master: the
+    other seldom reaches its edges. Equals are slaves of each other.
     """
     if master is not None and master not in [body.name for body in bodies]:
         names = ", ".join(body.name for body in bodies)

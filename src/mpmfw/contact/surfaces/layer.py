@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from mpmfw.contact.surfaces.outline import tracked_surface
-from mpmfw.kernels import kernel
-from mpmfw.kernels.particle_grid import velocity_of_momentum
+from mpmfw.kernels import kernel, struct
+from mpmfw.kernels.particle_grid import project, velocity_of_momentum
 from mpmfw.kernels.types import Floats, Table
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup
@@ -17,20 +17,6 @@ MASS = Field("interface_mass", ("surface_node",), "kg m-1", "mass of the surface
 VELOCITY = Field(
     "interface_velocity", ("surface_node", "axis"), "m s-1", "velocity of the surface layer", "surface"
 )
-
-
-@kernel
-def project_layer(
-    table: Table, mass: Floats, velocity: Floats, node_mass: Floats, node_momentum: Floats
-) -> None:
-    """m_i += Σ N_i m_s and (m v)_i += Σ N_i m_s v_s; a ``node_mass`` of length 0 stays as it is."""
-    for s in range(len(mass)):
-        for k in range(table.row[s], table.row[s + 1]):
-            i, m = table.nodes[k], table.weight[k] * mass[s]
-            if len(node_mass) > 0:
-                node_mass[i] += m
-            for d in range(velocity.shape[1]):
-                node_momentum[i, d] += m * velocity[s, d]
 
 
 @kernel
@@ -49,14 +35,10 @@ def gather_layer(
 
 
 class InterfaceLayer:
-    """Mass and velocity of the layer; it takes part in both projections and in the gather.
+    """Mass and velocity of the layer, of a ``thickness`` [m], by which a surface node has the mass ρ l_trib
+    thickness.
 
-    A plug-in of its own, registered only where the interface has a thickness.
-
-    Parameters
-    ----------
-    thickness
-        [m]; a surface node has the mass ρ l_trib thickness.
+    It takes part in both projections and in the gather.
     """
 
     name = "surface_layer"
@@ -79,6 +61,7 @@ class InterfaceLayer:
         self.mass: FloatArray = setup.allocate(self.name, MASS)
         self.mass[:] = self.thickness * density[surface.body] * surface.tributary
         self.velocity: FloatArray = setup.allocate(self.name, VELOCITY)
+        self.points = struct(mass=self.mass, velocity=self.velocity)
 
     @hookimpl
     def after_momentum_projection(self, grid: Grid) -> None:
@@ -86,13 +69,14 @@ class InterfaceLayer:
         table, start = self.surface.table, grid.start_velocity
         if self.state.steps == 0:
             gather_layer(table, start, start, self.velocity, 0.0)
-        project_layer(table, self.mass, self.velocity, grid.mass, grid.momentum)
+        project(self.points, self.surface.position, None, table, grid, grid.mass, grid.spacing)
         velocity_of_momentum(grid.mass, grid.momentum, grid.start_velocity, grid.spacing)
 
     @hookimpl
     def after_second_projection(self, grid: Grid) -> None:
         """Add the momentum to MUSL's second projection."""
-        project_layer(self.surface.table, self.mass, self.velocity, grid.mass[:0], grid.momentum)
+        surface = self.surface
+        project(self.points, surface.position, None, surface.table, grid, None, grid.spacing)
 
     @hookimpl
     def advect(self, grid: Grid) -> None:

@@ -1,7 +1,7 @@
 """Facets near every surface node, or near every facet, listed once and used until bodies have moved far.
 
-Such lists are those of L. Verlet (1967). They are found by the boxes of bodies and of blocks of facets. A
-step must not carry a node past the band in which it is searched.
+Such lists are those of L. Verlet (1967), found by the boxes of bodies and of blocks of facets. A step must
+not carry a node past the band in which it is searched.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def near_boxes(first: Ints, second: Ints, reach: float, outline: Outline, boxes:
     bounding_boxes(outline.body_first, outline.position, boxes.lower, boxes.upper)
     near = False
     for c in range(len(first)):
-        near = near or not boxes_apart(first[c], second[c], boxes, reach)
+        near = near or not boxes_apart(first[c], second[c], boxes.lower, boxes.upper, reach)
     return near
 
 
@@ -59,18 +59,18 @@ def list_body(
     body: int, lower: Floats, upper: Floats, cutoff: Float, count: int, outline: Outline, blocks: Floats,
     near: NearFacets, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """Add the facets of a body whose boxes are within ``cutoff`` [m] of a box; return the number of entries,
-    stored or not."""
+    """Add the facets of a body whose boxes are within ``cutoff`` [m] of a box; return the number of
+    entries, stored or not."""
     begin, end = outline.facet_first[body], outline.facet_first[body + 1]
-    low, high = scratch.vector(spacing), scratch.vector(spacing)
+    low, high, limit = scratch.vector(spacing), scratch.vector(spacing), cutoff * cutoff
     for block in range((end - begin + BLOCK - 1) // BLOCK):
         box = blocks[begin // BLOCK + 2 * body + block]
-        if square_between(lower, upper, box[0], box[1], spacing) > cutoff * cutoff:
+        if square_between(lower, upper, box[0], box[1], spacing) > limit:
             continue
         for m in range(begin + block * BLOCK, min(begin + (block + 1) * BLOCK, end)):
             read_box(m, outline.facets, outline.position, low, high, spacing)
             square = square_between(lower, upper, low, high, spacing)
-            if square <= cutoff * cutoff:
+            if square <= limit:
                 if count < len(near.facet):
                     near.facet[count], near.away[count] = m, math.sqrt(square)
                 count += 1
@@ -82,14 +82,11 @@ def list_near(
     items: Ints, item_first: Ints, cutoff: float, outline: Outline, boxes: Boxes, partners: Partners,
     blocks: Floats, near: NearFacets, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """List for every item the facets of its body's partners within ``cutoff`` [m].
+    """List for every item the facets of its body's partners within ``cutoff`` [m]; return the number of
+    entries, stored or not.
 
-    The surface nodes of item i are ``items[i]``; ``item_first[b]:item_first[b + 1]`` are the items of body b.
-    ``blocks`` is scratch for the boxes of blocks of facets.
-
-    Returns
-    -------
-    Number of entries, stored or not.
+    The surface nodes of item i are ``items[i]``; ``item_first[b]:item_first[b + 1]`` are the items of body
+    b. ``blocks`` is scratch for the boxes of blocks of facets.
     """
     count, n_bodies = 0, len(item_first) - 1
     lower, upper = scratch.vector(spacing), scratch.vector(spacing)
@@ -160,17 +157,13 @@ class VerletList:
         self.scratch = np.zeros(len(outline.covered), dtype=np.int32)
 
     def list_pairs(self, bodies: IntArray, rank: IntArray) -> None:
-        """Search items of a body against facets of bodies of no lower ``rank`` (body,), within the pairs of
-        ``bodies`` (pair, 2)."""
+        """Search items of a body against facets of bodies of no lower ``rank`` (body,), within the pairs
+        of ``bodies`` (pair, 2)."""
         first, second = np.ascontiguousarray(bodies.T)
         self.first, self.second, self.pair_of = first, second, pair_table(first, second)
         self.listed = False
         self.partners = partners_of(first, second, rank)
         self.neighbours = partners_of(first, second, np.zeros_like(rank))
-
-    def forget(self) -> None:
-        """List anew in the next step."""
-        self.listed = False
 
     def update(self) -> bool:
         """Return true if two bodies are within the radius of each other; list anew if they have moved far."""
@@ -180,6 +173,9 @@ class VerletList:
                 self.first, self.second, self.radius, self.outline, self.boxes, self.neighbours, self.scratch,
                 self.spacing,
             )  # fmt: skip
+        if not near and self.listed:
+            self.near.first.fill(0)
+            self.listed = False
         if near and not (
             self.listed and measure_motion(self.outline, self.listed_at, self.near.moved) <= self.skin
         ):
@@ -212,8 +208,8 @@ def fewest_steps(
     """Least (distance of the boxes + ``band``) / relative motion over all pairs: steps like the last that are
     left to them.
 
-    ``motions`` bound the displacements of the last step, since bodies may turn and deform [m]. They are
-    filled, but in the step that ``begins`` the run, which has none yet.
+    ``motions`` bound the displacements of the last step [m]: bodies may turn and deform. They are filled,
+    but in the step that ``begins`` the run.
     """
     lower, upper, slowest, fastest = boxes.lower, boxes.upper, motions.lower, motions.upper
     bounding_boxes(outline.body_first, outline.position, lower, upper)
@@ -233,7 +229,8 @@ def fewest_steps(
 
 
 class TravelLimit:
-    """Limits the step by speed alone, for a ``detection`` with a search radius and a list of near facets."""
+    """Limit of the step by speed alone, for a ``detection`` with a search radius and a list of near
+    facets."""
 
     name = "surface_travel"
     stage = "contact"
@@ -250,7 +247,7 @@ class TravelLimit:
 
     @hookimpl
     def stable_timestep(self, state: State) -> tuple[float, str]:
-        """Return the time in which some pair of bodies comes nearer by its distance and half of the search
+        """Return the time in which a pair of bodies comes nearer by its distance and half of the search
         radius, as it moved last, at first by its material points; infinite if nothing moves."""
         near, unit, begins = self.detection.near, state.dt, state.steps == 0
         if begins:

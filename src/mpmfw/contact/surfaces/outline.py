@@ -6,8 +6,8 @@ import numpy as np
 
 from mpmfw.errors import SceneError, SimulationError
 from mpmfw.kernels import Struct, device, scratch
-from mpmfw.kernels.facets import area_vector, read_corners, read_point, squared_distance
-from mpmfw.kernels.surfaces import signed_distance
+from mpmfw.kernels.facets import dot, length_of, read_corners, read_point, squared_distance
+from mpmfw.kernels.surfaces import add_normal, area_of, signed_distance
 from mpmfw.kernels.types import Float, Floats, Ints
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import Field, IntArray
@@ -32,7 +32,7 @@ class Outline(Struct):
 
 
 def outline_of(surface: Surface) -> Outline:
-    """The arrays of the tracked ``surface``, which are written in place; more than two bodies may cover each
+    """Return the arrays of the tracked ``surface``, written in place; more than two bodies may cover each
     other's facets."""
     if len(surface.body_first) > 3 and len(surface.covered) == 0:
         surface.covered = np.full(len(surface.facets), -1)
@@ -66,31 +66,14 @@ def node_error(state: State, surface: Surface, node: int, text: str, *, advice: 
 
 
 @device
-def dot(a: Floats, b: Floats, spacing: tuple[float, ...]) -> Float:
-    """Σ a_d b_d."""
-    total = 0.0
-    for d in range(len(spacing)):
-        total += a[d] * b[d]
-    return total
-
-
-@device
 def distance_to(
     s: int, m: int, outline: Outline, share: Floats, normal: Floats, spacing: tuple[float, ...]
 ) -> Float:
-    """Signed distance of node s from facet m [m]; barycentric coordinates into ``share``, the unit direction
-    e_n into ``normal`` (:func:`mpmfw.kernels.signed_distance`)."""
+    """Signed distance of node s from facet m [m]; barycentric coordinates into ``share``, e_n into
+    ``normal`` (:func:`mpmfw.kernels.signed_distance`)."""
     x = scratch.vector(spacing)
     read_point(s, outline.position, x, spacing)
     return signed_distance(x, m, outline, share, normal, spacing)
-
-
-@device
-def area_of(m: int, outline: Outline, out: Floats, spacing: tuple[float, ...]) -> None:
-    """Outward normal of facet m times its measure, into ``out``, by :func:`.facets.area_vector`."""
-    corners = scratch.matrix(spacing, spacing)
-    read_corners(m, outline.position, outline.facets, corners, spacing)
-    area_vector(corners, out, spacing)
 
 
 @device
@@ -103,9 +86,48 @@ def square_of(s: int, m: int, outline: Outline, spacing: tuple[float, ...]) -> F
 
 
 @device
+def body_of(m: int, outline: Outline) -> int:
+    """Body of facet m."""
+    body: int = outline.body[outline.facets[m, 0]]
+    return body
+
+
+@device
 def hidden(m: int, body: int, outline: Outline) -> bool:
     """Return True if a third body covers facet m, so that ``body`` cannot touch it."""
     return len(outline.covered) > 0 and outline.covered[m] >= 0 and outline.covered[m] != body
+
+
+#: Least cosine between a slave node's reversed normal and that of a facet that faces it: blocks have sides at
+#: right angles, and neither rounding nor how little an elastic side leans must decide. A wedge of 2.3 degrees
+#: has sides that face nothing.
+LEAST_COSINE = 0.02
+
+
+@device
+def opposition(outward: Floats, m: int, outline: Outline, spacing: tuple[float, ...]) -> Float:
+    """Cosine between the reversed normal of a slave node or facet, ``outward``, and the normal of facet m."""
+    area = scratch.vector(spacing)
+    area_of(m, outline, area, spacing)
+    return -dot(outward, area, spacing) / (length_of(outward, spacing) * length_of(area, spacing))
+
+
+@device
+def opposes(outward: Floats, m: int, outline: Outline, spacing: tuple[float, ...]) -> bool:
+    """Return true if facet m faces a node or facet with the normal ``outward``."""
+    facing: bool = opposition(outward, m, outline, spacing) > LEAST_COSINE
+    return facing
+
+
+@device
+def node_outward(s: int, other: int, outline: Outline, outward: Floats, spacing: tuple[float, ...]) -> None:
+    """Normal of surface node s as body ``other`` sees it, without the facets that a third body covers, into
+    ``outward``."""
+    for d in range(len(spacing)):
+        outward[d] = 0.0
+    for k in range(outline.star_first[s], outline.star_first[s + 1]):
+        if not hidden(outline.star[k], other, outline):
+            add_normal(s, outline.star[k], outline, outward, spacing)
 
 
 class Partners(Struct):
@@ -116,10 +138,8 @@ class Partners(Struct):
 
 
 def partners_of(first: IntArray, second: IntArray, rank: IntArray) -> Partners:
-    """Return the bodies that each body is searched against: of its pairs those of no lower ``rank`` (body,).
-
-    ``first`` and ``second`` are the bodies of all pairs (pair,).
-    """
+    """Return the bodies that each body is searched against: of its pairs, whose bodies are ``first`` and
+    ``second`` (pair,), those of no lower ``rank`` (body,)."""
     body, other = np.concatenate([first, second]), np.concatenate([second, first])
     searched = rank[body] <= rank[other]
     body, other = body[searched], other[searched]
@@ -128,50 +148,25 @@ def partners_of(first: IntArray, second: IntArray, rank: IntArray) -> Partners:
 
 
 class Candidates(Struct):
-    """Up to ``slots`` candidate facets for every surface node, each of another body, and where it was inside
-    a step ago."""
+    """Up to ``slots`` facets of other bodies that every surface node may touch, those of the last step until
+    the search."""
 
-    master: Ints  #: (n_s, slots) index of the candidate's body
-    facet: Ints  #: (n_s, slots) facet; −1 if none is near
-    share: Floats  #: (n_s, slots, dim) barycentric coordinates on it
-    gap: Floats  #: (n_s, slots) g_n [m]
-    normal: Floats  #: (n_s, slots, dim) e_n
-    inside: Ints  #: (n_s, slots) body that the node was inside of in the last step; −1 for none
-    inside_facet: Ints  #: (n_s, slots) the facet that it was behind; without nodes where nothing is tracked
+    facet: Ints  #: (n_s, slots) −1 if none is near
+    gap: Floats  #: (n_s, slots) g_n [m], infinite if none is near
 
 
-def no_candidates(setup: Setup, owner: str, slots: int, *, tracked: bool) -> Candidates:
+def no_candidates(setup: Setup, owner: str, slots: int) -> Candidates:
     """Allocate and list the arrays, without a candidate."""
-    arrays = {}
-    for name in Candidates.member_names:
-        axes = ("axis",) if name in ("share", "normal") else ()
-        kind, unit = ("f8", "m" if name == "gap" else "1") if axes or name == "gap" else ("i8", "1")
-        field = Field(
-            name, ("surface_node", "slot", *axes), unit, "candidates of surface nodes", "surface", kind
-        )
-        if tracked or not name.startswith("inside"):
-            arrays[name] = setup.allocate(owner, field, slot=slots)
-        else:
-            arrays[name] = np.zeros((0, slots), dtype=kind)
-    candidates = Candidates(**arrays)
-    for each in (candidates.facet, candidates.master, candidates.inside):
-        each.fill(-1)
-    return candidates
+    axes, text = ("surface_node", "slot"), "candidates of surface nodes"
+    facet = setup.allocate(owner, Field("facet", axes, "1", text, "surface", "i8"), slot=slots)
+    gap = setup.allocate(owner, Field("gap", axes, "m", text, "surface"), slot=slots)
+    facet.fill(-1)
+    gap.fill(np.inf)
+    return Candidates(facet=facet, gap=gap)
 
 
 @device
-def put(
-    s: int,
-    j: int,
-    master: int,
-    m: int,
-    gap: Float,
-    share: Floats,
-    normal: Floats,
-    candidates: Candidates,
-    spacing: tuple[float, ...],
-) -> None:
-    """Write the candidate in slot j of node s: facet m of body ``master``."""
-    candidates.master[s, j], candidates.facet[s, j], candidates.gap[s, j] = master, m, gap
-    for d in range(len(spacing)):
-        candidates.share[s, j, d], candidates.normal[s, j, d] = share[d], normal[d]
+def clear(s: int, candidates: Candidates) -> None:
+    """Empty the slots of node s."""
+    for j in range(candidates.facet.shape[1]):
+        candidates.facet[s, j], candidates.gap[s, j] = -1, np.inf

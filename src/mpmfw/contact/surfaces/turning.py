@@ -1,9 +1,8 @@
 """How far two surfaces turn about the normal between them: in space a stored tangential force turns with
 them.
 
-Two bodies that stick together and spin about the normal of their contact do not slip, and what friction has
-stored turns as they do: a spring that stayed as it is in space would pull aside, and after half a turn
-against what it held.
+Two bodies that stick together and spin about their normal do not slip: a spring that stayed as it is in
+space would pull aside, and after half a turn against what it held.
 """
 
 from __future__ import annotations
@@ -19,11 +18,11 @@ from mpmfw.kernels.types import Float, Floats
 @device
 def facet_turn(m: int, normal: Floats, outline: Outline, spacing: tuple[float, ...]) -> tuple[Float, Float]:
     """Angle by which facet m of a surface in space turned about ``normal`` over the last step [rad], and
-    twice its area as seen along that [m^2], negative from behind.
+    twice its area across that [m^2], negative from behind.
 
-    With the displacements u_a of its corners and s = Σ ∇ξ_a × u_a / 2 the facet turns about its own normal e
-    by s·e, and e itself by 2 s − 2 (s·e) e: in all by 2 s − (s·e) e. Gradient and e are those half a step
-    ago, between both places: what is left is of the third order in the angle.
+    With the displacements u_a of its corners and s = Σ ∇ξ_a × u_a / 2 the facet turns about its own normal
+    e by s·e, and e itself by 2 s − 2 (s·e) e: in all by 2 s − (s·e) e. Gradient and e are those half a
+    step ago, so that the error is of third order in the angle.
     """
     corners, gradient = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
     area, u = scratch.vector(spacing), scratch.vector(spacing)
@@ -51,8 +50,8 @@ def facet_turn(m: int, normal: Floats, outline: Outline, spacing: tuple[float, .
 
 @device
 def node_turn(s: int, normal: Floats, without: Float, outline: Outline, spacing: tuple[float, ...]) -> Float:
-    """That of the facets round node s that lie across ``normal`` and face it, the mean by their areas [rad];
-    ``without`` any the angle that is given."""
+    """Mean, by their areas, of the angles of the facets round node s that lie across ``normal`` and face
+    it [rad]; ``without`` any the angle that is given."""
     total, whole = 0.0, 0.0
     for k in range(outline.star_first[s], outline.star_first[s + 1]):
         angle, across = facet_turn(outline.star[k], normal, outline, spacing)
@@ -65,8 +64,8 @@ def node_turn(s: int, normal: Floats, without: Float, outline: Outline, spacing:
 def write_spins(
     count: int, widest: float, outline: Outline, rows: Rows, places: Places, spacing: tuple[float, ...]
 ) -> None:  # fmt: skip
-    """Mean of the angles by which the surfaces of every row turned about its normal over the last step [rad];
-    0 where the gap is wider than ``widest`` [m], and nothing acts."""
+    """Mean of the angles by which the surfaces of every row turned about its normal over the last step
+    [rad]; 0 where the gap is wider than ``widest`` [m]."""
     normal = scratch.vector(spacing)
     for c in range(count):
         rows.spin[c] = 0.0
