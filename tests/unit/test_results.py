@@ -1,8 +1,10 @@
 """The results' file: what is written is what is read, in memory and on disk."""
 
+import base64
 import dataclasses
 import json
 import os
+import zlib
 
 import netCDF4
 import numpy as np
@@ -62,6 +64,35 @@ def frame(time, seed=0):
         arrays("series"),
         {"ball-floor": {"pressure": random.standard_normal(5)}},
     )
+
+
+#: A file with one output, at 0 s, whose group particles/ball is a link to that of victim.nc (made with h5py).
+LINKED = (
+    "c-rllKTq307{*^af8+)OX-Snrk#Ok<4F;u=I?yI{OhAOBN)SU;2|2MNEP@jyhLyFQJ61yK+Nnc7Mx{!fSo#IJ<Rj4g<0FX+RfjH="
+    "_opOJ?7Q>(+;gWJ{BE<jF`1Z4$ch4jivV5c*MUI(^M}LgX0ax#U*tu0ClUz_36qdPqV4fn`YT06iFoJO?;iVu;4+zH%`tve61~_^"
+    "xIYhcTtvFI3LicQ%+$s31dL&~zAZ5Olg}h6MeoRxB!wp(Nzt-*A1wekt3g_U^eOolV{?g2@M>>@YVU*b!e#VYm+BIW4C0{Bu12{~"
+    "ufq(TJ+(r<#jPE)Qs1gp_UlHWY=ZilMi7A*A5bamn5=(3=)Zg5_BHacG|%yk;)Z6sM~>HbJD%1!_BF5L51US`o@+JQPDT^xKn=;{"
+    "`BR|M=kHe>ziGF!Mfb?HAxZXwNI)KjxcBz)91n4RBt+@z5VaS;cU2y;6Og?ik;SH1h)cuWc2-hmSTM2-4}yE7pfZxFe0`<`o@t6q"
+    "AvK(W(dqPT*Ry=5KR%HWuhPiYP|G~&X|fin(S;~))pubwSfey>TUR}WsWSXOIL%e7#^(0r+=OG=NbRU?>YJ9-X~~+oVb;uwVe*nW"
+    "nU}OJ-|9R5u=eE=gOY?lPb@2s@Be#Wzn@S`s>w5(;@fJ!V!Y~gx=zn`Nm|tIVz9qXoF1*TzP9YKSl6?eRXwx1d|<bpuCHa*GWzq6"
+    "=RZOxg7mj1!V~6I%?o?chShFABvsv}?;d5mCaiQVVyfA8`YW^zU>p7|pAHv)(nR8EemV*7QDVRm@x|wPqe%14rK^|0ahBVwE(3zx"
+    "KuSin%(i`U{O}Ox^B~m!d>S)D5ClOG1VIo4L6DoqZp}0$`2E$ocpnf(*Fraf*J27ri697qAh(3G5-KVxDk>@}Dk>@}Dk>`K|EIqI"
+    "g%$d)"
+)
+
+
+def test_results_that_link_to_another_file_are_refused_and_do_not_write_to_it(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with RunWriter("victim.nc", header()) as writer:
+        writer.write(frame(0.0))
+    before = (tmp_path / "victim.nc").read_bytes()
+    content = np.frombuffer(zlib.decompress(base64.b85decode(LINKED)), np.uint8)
+    with (
+        pytest.raises(MpmfwError, match="damaged, or of another run"),
+        RunWriter("run.nc", header(), content) as writer,
+    ):
+        writer.write(frame(0.1))
+    assert (tmp_path / "victim.nc").read_bytes() == before
 
 
 @pytest.mark.parametrize("in_memory", [True, False])

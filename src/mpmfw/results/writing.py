@@ -17,7 +17,7 @@ import numpy as np
 from mpmfw.errors import MpmfwError
 from mpmfw.results.frame import Frame, RunHeader
 from mpmfw.results.reading import groups_of, read_run, tree_of
-from mpmfw.results.replacing import check_room, replace_bytes
+from mpmfw.results.replacing import check_room, replacement
 from mpmfw.results.timeline import Timeline
 from mpmfw.results.writers import claim, release
 from mpmfw.state.fields import AnyArray, Field
@@ -184,22 +184,65 @@ class RunWriter:
             check_room(self.path, 0)
             if content is None:
                 return netCDF4.Dataset(self.path, "w")
-            replace_bytes(content.data, self.path)
+            with replacement(self.path) as growing, RunWriter(growing, self.header) as copy:
+                copy._repeat(content)
             release(self._lock)
             self._lock = claim(self.path)
         except OSError as error:
             raise MpmfwError(f"cannot create '{self.path}': {error.strerror or error}") from error
-        try:
-            dataset = netCDF4.Dataset(self.path, "a")
-            self._times = dataset["time"][:].tolist()
-            self._pairs = len(dataset.dimensions["pair"]) if "pair" in dataset.dimensions else 0
-            for place, group in groups_of(dataset):
-                if place != "/" and "time" in group.variables:
-                    self._groups[place.strip("/")] = Timeline(group, self.header)
-        except (OSError, RuntimeError, LookupError) as error:
+        except MpmfwError:
             release(self._lock)
-            raise MpmfwError("its copy of the results is damaged, or of another run") from error
+            raise
+        dataset = netCDF4.Dataset(self.path, "a")
+        self._times, self._pairs = copy._times, copy._pairs
+        self._groups = {place: Timeline(dataset[place], self.header) for place in copy._groups}
         return dataset
+
+    def _repeat(self, content: AnyArray) -> None:
+        """Write the complete outputs of another file of the same run.
+
+        Declared variables are copied. To append to the file itself would be unsafe: HDF5 follows its links,
+        and writes to other files.
+        """
+        try:
+            with netCDF4.Dataset("results.nc", memory=content) as old:
+                old.set_always_mask(False)
+                old.set_auto_maskandscale(False)
+                pairs: Any = old.variables.get("pair", [])
+                if 8 * max(len(old["time"]), len(pairs)) > content.nbytes:
+                    raise ValueError("the file is shorter than its dimensions say")
+                times = old["time"][:].tolist()
+                if not np.isfinite(times).all():
+                    raise ValueError("outputs are missing")
+                self._add_pairs(tuple(map(str, pairs[:])))
+                for place, group in groups_of(old):
+                    if place != "/" and "time" in group.variables:
+                        self._repeat_group(place.strip("/"), group, set(times), content.nbytes)
+                for at in times:
+                    self._outputs.add(at, {})
+                self._times += times
+                self.flush()
+        except (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError) as error:
+            raise MpmfwError("its copy of the results is damaged, or of another run") from error
+
+    def _repeat_group(self, place: str, group: netCDF4.Dataset, times: set[float], size: int) -> None:
+        """Write the declared variables of a group at ``times``; no frame is larger than ``size`` [bytes]."""
+        columns = []
+        for name, variable in group.variables.items():
+            if (field := self._fields.get((place.partition("/")[0], name))) is not None:
+                columns.append((field, variable))
+                shape = variable.shape[len(variable.dimensions) - len(field.dims) :]
+                if variable.dtype != field.dtype or math.prod(shape) * variable.dtype.itemsize > size:
+                    raise ValueError(f"{place}/{name} is not as it was declared")
+        for k, at in enumerate(group["time"][:].tolist()):
+            if at in times:
+                arrays = {
+                    field.name: (field, variable[k] if "time" in variable.dimensions else variable[...])
+                    for field, variable in columns
+                }
+                self._timeline(place).add(at, arrays)
+            if self._waiting_bytes() > WRITTEN_AT_ONCE:
+                self._timeline(place).write()
 
     def _define(self) -> None:
         """Define the labels, and the surfaces with their segments."""
