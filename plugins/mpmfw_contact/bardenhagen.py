@@ -116,7 +116,8 @@ class TractionImpulse(Impulse):
             return super().limit(rows, grid)
         largest = self.options.largest_strain * self.cell_size / self.dt
         first, second = grid.mass[rows.dof[: 2 * rows.count].reshape(-1, 2)].T
-        return largest * np.minimum(first, second)
+        limits: FloatArray = largest * np.minimum(first, second)
+        return limits
 
 
 class Bardenhagen(ImpulseContact):
