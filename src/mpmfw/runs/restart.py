@@ -104,9 +104,8 @@ def read_snapshot(path: str) -> tuple[dict[str, AnyArray], Facts | None]:
 class Checkpoints:
     """Called after every step of a run: writes a checkpoint when it is time, or when a signal waits.
 
-    It is time ``every`` so many seconds of wall time; infinity means never. ``signals`` stop the run after a
-    checkpoint. ``objects`` are strategy objects instead of the scene's methods, by kind. The run was resumed
-    at the times ``resumed`` [s] so far. Results in memory have no checkpoints."""
+    It is time ``every`` so many seconds of wall time; infinity means never. ``objects`` are strategy objects
+    instead of the scene's methods, by kind. The run was ``resumed`` at these times [s] so far."""
 
     def __init__(
         self, simulation: Any, writer: RunWriter, signals: Any, every: float, objects: Mapping[str, Any],

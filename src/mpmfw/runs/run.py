@@ -95,9 +95,7 @@ def begun(
     checkpoint: float | str | None = None,
     threads: int | None = None,
 ) -> Iterator[Checkpoints]:
-    """Yield the checkpoints of a run before its first step, with its simulation and its writer; the rest is
-    as :func:`run` says.
-    """
+    """Yield the checkpoints of a run before its first step, with its simulation and its writer."""
     if checkpoint is not None and output is None:
         raise SceneError("checkpoint: has no effect on results that are kept in memory; give an output")
     restart_peak_memory()
@@ -187,9 +185,7 @@ def resumed(
     threads: int | None = None,
     trust: bool = False,
 ) -> Iterator[Checkpoints]:
-    """Yield the checkpoints of a resumed run, with its simulation and its writer; the rest is as
-    :func:`resume` says.
-    """
+    """Yield the checkpoints of a resumed run, with its simulation and its writer, as :func:`resume` says."""
     every = None if checkpoint is None else seconds_between(checkpoint)
     restart_peak_memory()
     path = os.path.abspath(results)
