@@ -2,88 +2,116 @@
 arithmetic.
 
     python tests/benchmarks/stepper.py [--shapes linear,gimp,bspline,cpdi] [--counts 600,17600] [--dim 2]
-    [--repeats 30] [--keep] python tests/benchmarks/stepper.py --rings [--shapes linear,gimp,bspline,cpdi]
-    [--repeats 30] [--keep]
+    [--repeats 30]
+    python tests/benchmarks/stepper.py --rings [--shapes linear,gimp,bspline,cpdi] [--repeats 30]
 
 The points are those of a block, slightly irregular, or with --rings those of the scene colliding-rings. The
-plain loop is the fastest of g++'s and clang++'s, with an interpolation table and without; samples of all
-alternate. With
---keep the ratios go to history.csv beside this file, with the commit that they are of.
-"""
+step has an affine transfer, update stress last, neo-Hookean material and no contact. The plain loop is the
+fastest of g++'s and clang++'s, with an interpolation table and without."""
 
 from __future__ import annotations
 
 import argparse
-import csv
-import subprocess
 import sys
-from datetime import UTC, datetime
+import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 from rich.console import Console
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from mpmfw.benchmark import table
+from mpmfw.benchmark import quartiles, stage_times, table
 from mpmfw.campaigns.work import Load, processor
-from yardstick.kernels import SHAPES, measure_kernels, measure_rings
-from yardstick.plain import compiler_version, compilers
+from yardstick.block import Block, make_block, make_rings
+from yardstick.plain import ENTRIES, STAGES, PlainLoop, compiler_version, compilers
 
-HISTORY = Path(__file__).with_name("history.csv")
-KEPT = ("points", "dim", "shape", "particles", "loop", "ratio", "ratio_low", "ratio_high")
+#: One sample steps so often that it moves at least this many points: a timer's noise does not count.
+POINTS_PER_SAMPLE = 20_000
 
 
-def keep(rows: list[dict[str, object]], busy: float) -> None:
-    """Add the rows' ratios to the history, with date, commit, processor and how many cores others kept
-    busy.
-    """
-    head = ("git", "describe", "--always", "--dirty")
-    commit = subprocess.run(
-        head, cwd=HISTORY.parent, check=True, capture_output=True, text=True
-    ).stdout.strip()
-    labels = {
-        "date": datetime.now(UTC).date().isoformat(),
-        "commit": commit,
-        "processor": processor(),
-        "busy": round(busy, 1),
+def measure(shape: str, block: Block, repeats: int) -> dict[str, Any]:
+    """Return the least CPU time of a step [ns per point], its stages, that of the fastest plain loop, and the
+    median of the pairs' ratios with its quartiles.
+
+    Samples of the stepper and of the plain loops alternate, so that all meet the same disturbances."""
+    plains = _plain_steps(shape, block)
+    n = block.state.particles.count
+    steps = max(1, -(-POINTS_PER_SAMPLE // n))
+    _sample_block(block, 1)
+    for step in plains.values():
+        _sample_plain(step, 1)
+    wall, ours = np.zeros((repeats, len(STAGES))), np.zeros(repeats)
+    theirs = np.zeros((len(plains), repeats))
+    for repeat in range(repeats):
+        ours[repeat], wall[repeat] = _sample_block(block, steps)
+        theirs[:, repeat] = [_sample_plain(step, steps) for step in plains.values()]
+    fastest = int(theirs.min(axis=1).argmin())
+    to_ns = 1e9 / (n * steps)
+    low, median, high = quartiles(ours / theirs[fastest])
+    times = stage_times(wall, ours) * to_ns
+    return {
+        "shape": shape,
+        "dim": block.state.particles.dim,
+        "particles": n,
+        **{f"ns_{stage}": float(time) for stage, time in zip(STAGES, times, strict=True)},
+        "ns_total": float(ours.min() * to_ns),
+        "ns_plain": float(theirs[fastest].min() * to_ns),
+        "loop": list(plains)[fastest],
+        "ratio": median,
+        "ratio_low": low,
+        "ratio_high": high,
     }
-    new = not HISTORY.exists()
-    with HISTORY.open("a", newline="") as file:
-        writer = csv.writer(file)
-        if new:
-            writer.writerow([*labels, *KEPT])
-        for row in rows:
-            values = [row[name] for name in KEPT]
-            writer.writerow(
-                [*labels.values(), *(f"{one:.3f}" if isinstance(one, float) else one for one in values)]
-            )
+
+
+def _plain_steps(shape: str, block: Block) -> dict[str, Callable[[], object]]:
+    """A step of every plain loop that there is, by what it is; there must be a C++ compiler."""
+    found: dict[str, Callable[[], object]] = {}
+    for path in compilers():
+        loop = PlainLoop(shape, block, compiler=path)
+        found |= {f"{loop.language}, table": loop.step, f"{loop.language}, no table": loop.whole}
+    return found
+
+
+def _sample_block(block: Block, steps: int) -> tuple[float, list[float]]:
+    """CPU seconds of so many steps, and wall seconds by stage."""
+    block.clock.restart()
+    for _ in range(steps):
+        block.step()
+    block.clock("output")
+    block.clock.flush()
+    return sum(block.clock.cpu.values()), [block.clock.wall[stage] for stage in STAGES]
+
+
+def _sample_plain(step: Callable[[], object], steps: int) -> float:
+    """CPU seconds of so many steps of a plain loop."""
+    begin = time.process_time()
+    for _ in range(steps):
+        step()
+    return time.process_time() - begin
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--shapes", default=",".join(SHAPES))
+    parser.add_argument("--shapes", default=",".join(ENTRIES))
     parser.add_argument("--counts", default="600,17600")
     parser.add_argument("--rings", action="store_true")
     parser.add_argument("--dim", type=int, default=2, choices=(2, 3))
     parser.add_argument("--repeats", type=int, default=30)
-    parser.add_argument("--keep", action="store_true")
     chosen = parser.parse_args()
-    counts = [int(text) for text in chosen.counts.split(",")]
-    load = Load()
-    shapes, points = chosen.shapes.split(","), "rings" if chosen.rings else "block"
-    if chosen.rings:
-        rows = measure_rings(shapes, chosen.repeats)
-    else:
-        rows = measure_kernels(shapes, counts, chosen.repeats, dim=chosen.dim)
+    load, shapes, points = Load(), chosen.shapes.split(","), "rings" if chosen.rings else "block"
+    counts = [None] if chosen.rings else [int(text) for text in chosen.counts.split(",")]
+    rows = []
+    for shape in shapes:
+        for count in counts:
+            block = make_rings(shape) if count is None else make_block(shape, count, chosen.dim)
+            rows.append({**measure(shape, block, chosen.repeats), "points": points})
     busy = load.others()
-    console = Console(width=170)
-    rows = [{**row, "points": points} for row in rows]
-    console.print(
-        table(rows, f"{points} in {rows[0]['dim']}D, without contact: ns per material point and step")
-    )
+    title = f"{points} in {rows[0]['dim']}D, without contact: ns per material point and step"
+    Console(width=170).print(table(rows, title))
     said = "; ".join(map(compiler_version, compilers())) or "no C++ compiler"
-    console.print(f"{processor()}; {said}; other processes kept {busy:.1f} cores busy")
-    if chosen.keep:
-        keep(rows, busy)
+    print(f"{processor()}; {said}; other processes kept {busy:.1f} cores busy")

@@ -1,4 +1,4 @@
-"""What cannot be sent to another process, or arrives as something else."""
+"""A plug-in that cannot be sent to another process."""
 
 from __future__ import annotations
 
@@ -11,14 +11,3 @@ class Sealed:
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
         self.made = lambda: self
-
-
-class Forgetful:
-    """Is sent without what its constructor worked out."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__(**options)
-        self.worked_out = 3.0
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {**vars(self), "worked_out": 0.0}

@@ -46,18 +46,13 @@ def outlines(simulation):
     return [shapely.Polygon(surface.position[surface.of(b)]) for b in range(2)]
 
 
-CASES = [
-    ("corners", 0.1 * WAVES, 0.13, 1.0, 0.5),
-    *((form, 0.35 * WAVES, -0.31, -1.5, 0.3) for form in ("blocks", "disc", "corners")),
-]
-
-
-@pytest.mark.parametrize("case", CASES, ids=str)
-def test_bodies_that_began_apart_never_overlap(case):
-    simulation = Simulation(meeting(*case), contact="barrier")
+@pytest.mark.parametrize("form", ["blocks", "disc", "corners"])
+def test_bodies_that_began_apart_never_overlap(form):
+    speed = 0.35 * WAVES
+    simulation = Simulation(meeting(form, speed, -0.31, -1.5, 0.3), contact="barrier")
     simulation.start()
     nearest = np.inf
-    while simulation.state.time < 0.45 / case[1] + 0.02:
+    while simulation.state.time < 0.45 / speed + 0.02:
         simulation.step()
         first, second = outlines(simulation)
         assert not first.intersects(second)

@@ -7,13 +7,11 @@ from __future__ import annotations
 import json
 import math
 
-import numpy as np
 import pytest
 
 from contact_scenes import CELL, disc, rectangle, scene
 from mpmfw import run
-from mpmfw.contact.normal_bias import LARGEST, BiasSums, add_bias
-from mpmfw.contact.rows import ContactRows
+from mpmfw.contact.normal_bias import LARGEST
 from mpmfw.errors import ResultsWarning
 from mpmfw.runs.simulation import Simulation
 
@@ -56,7 +54,7 @@ def outcome(angle, body="block", **options):
 @pytest.mark.parametrize("body", BODIES)
 def test_averaged_normals_throw_up_what_slides_in_and_say_so(body):
     """Frictionless, 76° from the normal: rebound at 2.8 of the approach, and a third of the sliding is
-    lost.
+    lost. Without sliding they lean to both sides alike.
     """
     rebound, kept, lean, concerns = outcome(76.0, body)
     assert rebound > 2.0
@@ -64,30 +62,18 @@ def test_averaged_normals_throw_up_what_slides_in_and_say_so(body):
     assert lean > 0.2
     assert len(concerns) == 1
     assert concerns[0].startswith(f"faller-plane: averaged normals lean to one side by {lean:.2g} ")
-
-
-@pytest.mark.parametrize("body", BODIES)
-def test_without_sliding_they_lean_to_both_sides_alike(body):
     rebound, _, lean, concerns = outcome(0.0, body)
     assert rebound < 1.0
     assert lean < 0.2 * LARGEST
     assert not concerns
 
 
-@pytest.mark.parametrize("options", [{"normal": "master"}, {"normal": "specified", "direction": [0.0, -1.0]}])
-@pytest.mark.parametrize("body", BODIES)
-def test_one_body_s_normal_makes_incidence_no_matter(body, options):
-    """The rebound at 76° is that of the vertical impact, and sliding is kept: neither correction nor light
-    nodes are to blame.
-    """
-    straight, oblique = outcome(0.0, body, **options), outcome(76.0, body, **options)
+def test_one_body_s_normal_makes_incidence_no_matter():
+    """The rebound at 76° is that of the vertical impact, and sliding is kept."""
+    straight, oblique = outcome(0.0, normal="master"), outcome(76.0, normal="master")
     assert oblique[0] == pytest.approx(straight[0], abs=0.02)
     assert oblique[1] == pytest.approx(1.0, abs=0.005)
     assert not oblique[3]
-
-
-def test_positions_make_a_disc_lean_less():
-    assert outcome(76.0, "disc", criterion="position")[0] < 1.2
 
 
 def test_the_warning_is_in_the_results_and_is_not_of_the_settling():
@@ -99,29 +85,3 @@ def test_the_warning_is_in_the_results_and_is_not_of_the_settling():
     sim.run()
     sim.contact.restart()
     assert not sim.concerns()
-
-
-@pytest.mark.parametrize("dim", [2, 3])
-def test_lean_agrees_with_numpy(dim):
-    rng = np.random.default_rng(dim)
-    count, pair = 30, rng.integers(0, 2, 40)
-    a, b = rng.integers(0, 20, (2, 40))
-    normal, impulse, gradient = (rng.normal(size=(n, dim)) for n in (40, 40, 20))
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    gradient[3] = 0.0
-    total, mean, lean = np.zeros(2), np.zeros((2, dim)), np.zeros((2, dim))
-    dof = np.stack([a, b], axis=1).ravel()
-    rows = ContactRows(dim, couples=False)
-    rows.set(pair=pair, dof=dof, normal=-normal, force=0.1 * impulse)
-    sums = BiasSums(total=total, normal=mean, lean=lean)
-    add_bias(rows, count, 10.0, gradient, sums, (0.5,) * dim)
-    expected = np.zeros(2), np.zeros((2, dim)), np.zeros((2, dim))
-    for c in range(count):
-        size, g_a, g_b = -impulse[c] @ normal[c], gradient[a[c]], gradient[b[c]]
-        if size > 0.0 and g_a.any() and g_b.any():
-            expected[0][pair[c]] += size
-            expected[1][pair[c]] += size * normal[c]
-            own = g_a / np.linalg.norm(g_a) + g_b / np.linalg.norm(g_b)
-            expected[2][pair[c]] += 0.5 * size * own
-    for found, wanted in zip((total, mean, lean), expected, strict=True):
-        np.testing.assert_allclose(found, wanted, rtol=1e-12, atol=1e-13)

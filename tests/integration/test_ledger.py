@@ -9,7 +9,7 @@ import pytest
 
 from contact_scenes import impact, rectangle, scene
 from mpmfw import run
-from mpmfw.api import SimulationError, hookimpl
+from mpmfw.api import SimulationError
 from mpmfw.effects.energies import negligible_energy
 from mpmfw.effects.energy_guard import GROWTH_LIMIT, EnergyGuard
 from mpmfw.effects.ledger import CHECK_EVERY
@@ -44,10 +44,8 @@ def sums(series, *names):
     return sum(values.sum([dim for dim in values.dims if dim != "time"]).values for values in found)
 
 
-SCHEMES, TRANSFERS = ("usl", "musl", "usf"), ("flip", "pic", "apic", "tpic", "aflip")
-each_scheme = pytest.mark.parametrize("scheme", SCHEMES)
 each_way = pytest.mark.parametrize(
-    ("scheme", "transfer"), [*(("usl", each) for each in TRANSFERS), ("musl", "flip"), ("usf", "aflip")]
+    ("scheme", "transfer"), [("usl", "pic"), ("usl", "apic"), ("musl", "flip"), ("usf", "aflip")]
 )
 
 
@@ -59,7 +57,7 @@ def falling(**keys):
     return {**mapping, "gravity": {"vector": [0.0, -10.0]}}
 
 
-@each_scheme
+@pytest.mark.parametrize("scheme", ["usl", "musl", "usf"])
 def test_gravity_alone_accounts_for_free_fall(scheme):
     series = ledger(falling(), stepping__scheme=scheme)
     energy = series["total_energy"].sum("body")
@@ -71,59 +69,12 @@ def test_gravity_alone_accounts_for_free_fall(scheme):
     assert np.abs(others).max() < 1e-9 * gained
 
 
-class TransferByHand:
-    """Energy of the grid as projected, and before the gather, of every step."""
-
-    name = "transfer_by_hand"
-
-    def __init__(self):
-        self.projected, self.final, self.second = [], [], False
-
-    @staticmethod
-    def energy(grid):
-        held = grid.mass > 0.0
-        return 0.5 * float((grid.momentum[held] ** 2 / grid.mass[held, None]).sum())
-
-    @hookimpl(tryfirst=True)
-    def after_momentum_projection(self, grid):
-        self.projected.append(self.energy(grid))
-        self.constrained = []
-
-    @hookimpl(trylast=True)
-    def constrain_momentum(self, grid):
-        self.constrained.append(self.energy(grid))
-
-    @hookimpl
-    def end_step(self):
-        self.final.append(self.constrained)
-
-
 def touching(scheme, transfer):
     """Two blocks that touch and rub as they are driven together."""
     mapping = impact(speed=1.0, slide=0.5, gap=0.0)
     mapping["contact"]["method"] = "penalty"
     mapping["stepping"] = {"scheme": scheme, "transfer": transfer}
     return {**mapping, "output": {"ledger": True, "gap": False}}
-
-
-@each_way
-def test_dissipation_of_the_transfer_is_what_points_had_less_what_the_grid_has(scheme, transfer):
-    """Kinetic and affine energy of the points, from their own series, against the grid's energy."""
-    simulation, frames = Simulation(touching(scheme, transfer)), []
-    with simulation.extra_plugin(grid := TransferByHand()):
-        simulation.advance(40, frames.append)
-    kinetic, affine, found = (
-        np.array([np.sum(frame.series.get(name, 0.0)) for frame in frames])
-        for name in ("kinetic_energy", "affine_energy", "transfer_dissipation")
-    )
-    points = kinetic + affine
-    moved = [
-        calls[1 if scheme == "usf" else 0] for calls in grid.final
-    ]  # the other call is of the strain's velocity
-    lost = np.cumsum(points[:-1] - grid.projected + moved - points[1:])
-    np.testing.assert_allclose(found[1:], lost, atol=1e-10 * points[0])
-    assert np.abs(lost).max() > 1e-4 * points[0]
-    assert (transfer in ("flip", "pic")) == (not affine.any())
 
 
 @each_way
@@ -136,31 +87,23 @@ def test_the_terms_add_up_to_the_energies_of_the_bodies(scheme, transfer):
     np.testing.assert_allclose(energy - energy[0], works + rest, atol=1e-10 * energy[0])
 
 
-def test_prescribed_sides_do_the_work_on_a_bar_that_they_press():
-    """A block between a fixed and a moving side: what the sides do is what the block stores."""
-    sides = [{"side": "left", "fixed": ["x"]}, {"side": "right", "velocity": [-0.02, "free"]}]
+@pytest.mark.parametrize(
+    "right", [{"velocity": [-0.02, "free"]}, {"pressure": 500.0}], ids=["side", "pressure"]
+)
+def test_what_presses_a_block_does_the_work_that_it_stores(right):
+    """The block lies between a fixed side and one that moves or is pressed."""
+    sides = [{"side": "left", "fixed": ["x"]}, {"side": "right", **right}]
     mapping = scene({"block": rectangle([-0.4, -0.2], [0.4, 0.2], sides=sides)})
     del mapping["contact"]
-    mapping["time"] = {"end": 1.0, "output_interval": 0.1}
+    end = 1.0 if "velocity" in right else 0.1
+    mapping["time"] = {"end": end, "output_interval": 0.1 * end}
     series = ledger(mapping)
     external, residual, lost = at_end(series, "external_work", "energy_residual", "transfer_dissipation")
     stored = sum(at_end(series, "total_energy", "affine_energy"))
-    assert external == pytest.approx(stored + lost - residual, rel=1e-9)
-    assert abs(residual) < 0.02 * stored
-    assert abs(lost) < 0.05 * stored
-
-
-def test_pressure_does_work():
-    sides = [{"side": "left", "fixed": ["x"]}, {"side": "right", "pressure": 500.0}]
-    mapping = scene({"block": rectangle([-0.4, -0.2], [0.4, 0.2], sides=sides)})
-    del mapping["contact"]
-    mapping["time"] = {"end": 0.1, "output_interval": 0.01}
-    series = ledger(mapping)
-    external, stored = at_end(series, "external_work", "total_energy")
-    motion = series["centre_of_mass"].sel(axis="x").isel(body=0)
-    assert float(motion.isel(time=-1) - motion.isel(time=0)) < 0.0
-    assert external == pytest.approx(stored, rel=0.05)
     assert stored > 0.0
+    assert external == pytest.approx(stored + lost - residual, rel=1e-9)
+    assert abs(residual) < (0.02 if "velocity" in right else 0.05) * stored
+    assert abs(lost) < 0.05 * stored
 
 
 def test_the_residual_falls_with_the_time_step():
@@ -175,9 +118,9 @@ def test_the_residual_falls_with_the_time_step():
 
 
 @pytest.mark.filterwarnings("ignore:left-right. the bodies penetrate")
-@pytest.mark.parametrize(("safety", "share"), [(0.4, 0.03), (0.1, 0.008)])
-def test_work_of_penalty_contact_is_in_springs_and_friction(safety, share):
+def test_work_of_penalty_contact_is_in_springs_and_friction():
     """To the error of the springs' integration in time."""
+    safety, share = 0.1, 0.008
     mapping = impact(speed=2.0, slide=0.5)
     mapping["contact"] |= {"method": "penalty", "penalty": {"kappa": 1.0}}
     mapping["time"] = {"end": 0.08, "output_interval": 0.002}
@@ -227,9 +170,6 @@ def stopped(mapping):
 
 def test_a_run_whose_energy_grows_is_stopped_with_its_cause():
     assert re.search(r"likely cause: contact, which added .*softer contact", str(stopped(unstable())))
-
-
-def test_a_body_past_its_own_limit_is_stopped_with_another_cause():
     mapping = falling()
     mapping["bodies"]["block"]["angular_velocity"] = 5.0
     mapping["time"] = {"end": 0.5, "output_interval": 0.5, "step": 1.5e-2}
@@ -237,9 +177,7 @@ def test_a_body_past_its_own_limit_is_stopped_with_another_cause():
 
 
 def test_growth_is_seen_in_between_outputs():
-    """Soon after the energy has passed its bound, though the only output is at the end, 50 steps after the
-    start.
-    """
+    """Soon after the energy has passed its bound, though the only output is at the end, after 50 steps."""
     mapping, energy = unstable() | {"allow_unstable": True}, []
     simulation = Simulation({**mapping, "output": {"ledger": True}})
     names = ("kinetic_energy", "affine_energy", "strain_energy")
@@ -290,12 +228,10 @@ def sticking(gap, speed, **options):
     return {**mapping, "time": {"end": 0.3, "output_interval": 0.01}}
 
 
-@pytest.mark.filterwarnings("ignore:suspect. energy")  # the third gains 0.12 of what the bond gave
-@pytest.mark.parametrize(("gap", "speed"), [(0.0, 0.0), (0.003, 0.0), (0.011, 0.002), (0.0, -0.3)])
+@pytest.mark.filterwarnings("ignore:suspect. energy")  # the second gains 0.12 of what the bond gave
+@pytest.mark.parametrize(("gap", "speed"), [(0.003, 0.0), (0.011, 0.002), (0.0, -0.3)])
 def test_bodies_that_adhesion_draws_together_or_lets_go_are_not_stopped(gap, speed):
-    """They rest, meet from rest, meet from outside of its reach, part: their motion's energy is what contact
-    gave.
-    """
+    """They meet from rest or from outside of its reach, or part: their energy is what contact gave."""
     series = ledger(sticking(gap, speed))
     energy, held = sums(series, "total_energy", "affine_energy"), sums(series, "contact_energy")
     lost = series["transfer_dissipation"].values - series["energy_residual"].values
@@ -304,10 +240,9 @@ def test_bodies_that_adhesion_draws_together_or_lets_go_are_not_stopped(gap, spe
     np.testing.assert_allclose(whole, whole[0], atol=0.15 * np.abs(held).max())
 
 
-@pytest.mark.parametrize("speed", [0.0, 0.5])
-def test_springs_loaded_at_first_may_give_what_they_hold(speed):
+def test_springs_loaded_at_first_may_give_what_they_hold():
     """Blocks that overlap by a fifth of a cell are thrown apart: the springs' energy is theirs."""
-    mapping = impact(speed=speed, slide=0.0, gap=-0.02) | {"allow_overlap": True}
+    mapping = impact(speed=0.0, slide=0.0, gap=-0.02) | {"allow_overlap": True}
     mapping["contact"] |= {"method": "penalty"}
     series = ledger(mapping, time__end=0.1, time__output_interval=0.01)
     energy = sums(series, "total_energy", "affine_energy")

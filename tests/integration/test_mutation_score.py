@@ -4,23 +4,13 @@ check.
 
 from __future__ import annotations
 
-import inspect
-import textwrap
-
 import pytest
 
 import mutation_score
-from faulty_plugins.material.sound import Sound
 from faulty_plugins.planted import MISSED, planted
 
 
-def test_there_are_many_faults_and_one_in_twenty_of_those_by_hand_may_pass() -> None:
-    by_hand = len(list(planted()))
-    by_rule = sum(
-        len(list(mutation_score.mutants(textwrap.dedent(inspect.getsource(method)))))
-        for method in (Sound.stress, Sound.energy_density)
-    )
-    assert by_hand + by_rule >= 160
+def test_one_in_twenty_of_the_planted_faults_may_pass() -> None:
     assert len(MISSED) <= 0.05 * len(list(planted("contact")))
 
 

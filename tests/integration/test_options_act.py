@@ -1,20 +1,33 @@
-"""Nothing is silently ignored: every option changes a result somewhere, and is refused where it could not.
+"""Nothing is silently ignored: every option, and every word of an option, changes a result somewhere, and is
+refused where it could not.
 
 The options are found in the models themselves: one without an entry in ``options_table`` fails here.
 """
 
 from __future__ import annotations
 
+import itertools
 from importlib.metadata import EntryPoint
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, get_args, get_origin
 
 import pytest
+from pydantic import BaseModel
 
 from mpmfw.plugin import discovery
 from mpmfw.plugin.discovery import Kind, available, load
 from options_found import NO_OPTIONS, option_models, outcome
-from options_table import ASKED_BY_THE_KIT, CORE, PLUGINS, REFUSED, Acts, mesh_file, pair, surface_mesh
+from options_table import (
+    ASKED_BY_THE_KIT,
+    CORE,
+    EACH,
+    PLUGINS,
+    REFUSED,
+    Acts,
+    Each,
+    mesh_file,
+    surface_mesh,
+)
 from scenes_for_tests import with_changes
 
 SURFACE_MESH = ("path", "unit", "angles", "shift")
@@ -71,51 +84,14 @@ def check_acts(entry: Acts) -> None:
     assert not (first.startswith("refused") and second.startswith("refused")), (first, second)
 
 
-@pytest.mark.parametrize("option", CORE)
-def test_an_option_of_a_table_changes_the_result(option: str) -> None:
-    check_acts(CORE[option])
+@pytest.mark.parametrize("option", [*CORE, *PLUGINS])
+def test_an_option_changes_the_result(option: str) -> None:
+    check_acts({**CORE, **PLUGINS}[option])
 
 
-@pytest.mark.parametrize("option", PLUGINS)
-def test_an_option_of_a_plugin_changes_the_result(option: str) -> None:
-    check_acts(PLUGINS[option])
-
-
-@pytest.mark.parametrize(
-    ("method", "tables"),
-    [
-        ("bardenhagen", [{"criterion": word} for word in ("velocity", "position")]),
-        (
-            "bardenhagen",
-            [
-                {"normal": "averaged"},
-                {"normal": "master"},
-                {"normal": "specified", "direction": [0.8, 0.6]},
-            ],
-        ),
-        ("penalty", [{"map": word} for word in ("plain", "mass_weighted")]),
-    ],
-    ids=["criterion", "normal", "map"],
-)
-def test_every_word_of_a_contact_s_option_has_its_own_result(method: str, tables: list[Any]) -> None:
-    """The kit is content with two words that differ."""
-    found = [outcome(with_changes(pair(method), **{f"contact__{method}": table})) for table in tables]
-    assert not any(each.startswith("refused") for each in found), found
-    assert len(set(found)) == len(tables)
-
-
-def test_the_path_of_a_mesh_changes_the_result(tmp_path: Path) -> None:
-    check_acts(mesh_file(tmp_path))
-
-
-@pytest.mark.parametrize("key", SURFACE_MESH)
-def test_a_key_of_a_surface_mesh_changes_the_result(tmp_path: Path, key: str) -> None:
-    check_acts(surface_mesh(tmp_path, key))
-
-
-def test_the_same_scene_has_the_same_outcome() -> None:
-    entry = CORE["Contact.method"]
-    assert outcome(entry.scene) == outcome(entry.scene)
+@pytest.mark.parametrize("key", [*SURFACE_MESH, "MeshFile.path"])
+def test_a_key_of_a_mesh_changes_the_result(tmp_path: Path, key: str) -> None:
+    check_acts(surface_mesh(tmp_path, key) if key in SURFACE_MESH else mesh_file(tmp_path))
 
 
 @pytest.mark.parametrize("name", REFUSED)
@@ -125,3 +101,52 @@ def test_an_option_without_effect_is_refused(name: str) -> None:
     said = outcome(with_changes(scene, **changes))
     assert said.startswith("refused")
     assert word in said
+
+
+def words_of(annotation: Any) -> set[str]:
+    """Words that an annotation allows, however deep."""
+    if get_origin(annotation) is Literal:
+        return {word for word in get_args(annotation) if isinstance(word, str)}
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return set()
+    return set().union(*(words_of(part) for part in get_args(annotation)))
+
+
+WORDS = {
+    f"{table}.{name}": words
+    for table, model in option_models().items()
+    if not table.startswith(ASKED_BY_THE_KIT)
+    for name, field in model.model_fields.items()
+    if name not in NO_OPTIONS and (words := words_of(field.rebuild_annotation()))
+}
+
+
+def tried(entry: Acts) -> set[str]:
+    """Every word that an entry of the table of two values tries."""
+    return set(itertools.chain(*(words_in(value) for value in (entry.first, entry.second))))
+
+
+def words_in(value: Any) -> set[str]:
+    """Every text in nested tables."""
+    if isinstance(value, str):
+        return {value}
+    parts = value.values() if isinstance(value, dict) else value if isinstance(value, list | tuple) else ()
+    return set().union(*map(words_in, parts))
+
+
+@pytest.mark.parametrize("option", WORDS)
+def test_every_word_is_tried(option: str) -> None:
+    found = set(EACH[option].changes) if option in EACH else tried({**CORE, **PLUGINS}[option])
+    assert found >= WORDS[option]
+    assert option in EACH or len(WORDS[option]) <= 2  # two that differ are told by the table of two values
+
+
+@pytest.mark.parametrize("option", EACH)
+def test_every_word_acts_as_none_other(option: str) -> None:
+    entry: Each = EACH[option]
+    found = {word: outcome(with_changes(entry.scene, **changes)) for word, changes in entry.changes.items()}
+    assert not any(one.startswith("refused") for one in found.values()), found
+    if entry.auto is not None:
+        assert found.pop("auto") == found[entry.auto]
+    same = [pair for pair in itertools.combinations(found, 2) if found[pair[0]] == found[pair[1]]]
+    assert same == []

@@ -1,14 +1,9 @@
-"""Outputs of runs: at exact times or at the ends of the nearest steps, material points at an interval of
-their own.
-"""
+"""Outputs of runs: at exact times or at the ends of the nearest steps, and how often points are recorded."""
 
-import netCDF4
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 import mpmfw
-from mpmfw.cli import app
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import two_blocks
 
@@ -49,13 +44,6 @@ def test_the_force_at_the_nearest_steps_integrates_to_the_impulse():
     )
 
 
-def test_a_comparison_has_runs_of_other_steps_at_the_times_that_were_asked_for():
-    scene = two_blocks("penalty", time={**DENSE, "outputs": "nearest"})
-    joined = mpmfw.compare(scene, contact=["none", "penalty"], shape=["cpdi", "linear"])
-    np.testing.assert_allclose(joined["time"], np.append(np.arange(16) * 0.0013, 0.02), rtol=1e-9)
-    assert np.isfinite(joined["kinetic_energy"]).all()
-
-
 @pytest.mark.parametrize("outputs", ["exact", "nearest"])
 def test_material_points_are_recorded_at_their_own_interval(outputs, tmp_path):
     time = {"end": 0.02, "output_interval": 0.001, "outputs": outputs}
@@ -83,17 +71,3 @@ def test_material_points_are_stored_in_single_precision_and_the_rest_in_double()
     exact = simulation.state.particles.position[simulation.state.bodies[0].particles]
     np.testing.assert_array_equal(points["position"][-1], exact.astype(np.float32))
     assert {str(array.dtype) for array in tree["series"].data_vars.values()} == {"float64"}
-
-
-def test_the_command_does_not_read_its_file_back(tmp_path, monkeypatch):
-    def refuse(*_, **__):
-        raise AssertionError("read")
-
-    monkeypatch.setattr("mpmfw.results.writing.read_run", refuse)
-    path = tmp_path / "run.nc"
-    done = CliRunner().invoke(app, ["run", "rolling-cylinder-slip", "--set", "time.end=0.01", "--set",
-    "grid.cell_size=0.4",
-                                    "--set", "time.output_interval=0.01", "-o", str(path)])  # fmt: skip
-    assert done.exit_code == 0, done.output
-    with netCDF4.Dataset(path) as dataset:
-        assert dataset.status == "ok"

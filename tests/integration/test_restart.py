@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import copy
+import itertools
 import os
 import random
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from many_discs import many_discs
 from mpmfw.errors import MpmfwError
-from mpmfw.plugin.discovery import available, choices
+from mpmfw.plugin.discovery import available
 from mpmfw.runs.restart import read_snapshot, write_snapshot
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene, shipped_scenes
@@ -23,8 +23,7 @@ from scenes_for_tests import two_blocks
 
 pytestmark = pytest.mark.filterwarnings("ignore::mpmfw.errors.ResultsWarning")  # settling is cut short
 
-FEWER = "colliding-rings-4-a-cell"  #: as another scene, but for the number of its points
-
+_ROLLS = {"grid.cell_size": 0.8, "settle.max_time": 0.02, "time.end": 0.02}
 #: The shipped scenes with few points, few steps of settling and few after it; contact begins at once, or
 #: within nine steps.
 COARSE: dict[str, dict[str, Any]] = {
@@ -34,22 +33,17 @@ COARSE: dict[str, dict[str, Any]] = {
         "output.stability": True,
         "output.contact_moment": "centre_of_mass",
     },
-    FEWER: {"grid.cell_size": 0.008, "time.end": "0.2 ms"},
+    "colliding-rings-4-a-cell": {"grid.cell_size": 0.008, "time.end": "0.2 ms"},
     "contact-stress": {
         "grid.cell_size": 0.25,
         "settle.max_time": 0.01,
         "time.end": 0.006,
         "time.output_interval": 0.001,
     },
-    "rolling-cylinder-no-slip": {"grid.cell_size": 0.8, "settle.max_time": 0.02, "time.end": 0.02},
-    "rolling-cylinder-slip": {
-        "grid.cell_size": 0.8,
-        "settle.max_time": 0.02,
-        "time.end": 0.02,
-        "output.ledger": True,
-    },
-    "rolling-sphere-no-slip": {"grid.cell_size": 0.8, "settle.max_time": 0.02, "time.end": 0.02},
-    "rolling-sphere-slip": {"grid.cell_size": 0.8, "settle.max_time": 0.02, "time.end": 0.02},
+    "rolling-cylinder-no-slip": _ROLLS,
+    "rolling-cylinder-slip": {**_ROLLS, "output.ledger": True},
+    "rolling-sphere-no-slip": _ROLLS,
+    "rolling-sphere-slip": _ROLLS,
     "sliding-block": {
         "grid.cell_size": 0.2,
         "grid.lower": [-1.0, -0.8],
@@ -59,21 +53,11 @@ COARSE: dict[str, dict[str, Any]] = {
         "output.stability": True,
     },
 }
-#: Without those that are refused.
-REFUSED = {
-    f"{name}+{law}" for name in ("nodes", "logistic", "points") for law in ("hamad2017", "hybrid", "barrier")
-} | {
-    "logistic+penalty",
-    "logistic+adhesion",
-    "nodes+adhesion",
-    "midplane+barrier",
-}
-CONTACTS = [name for name in choices("contact") if name not in REFUSED]
 
 
 def run(simulation: Simulation, step: int = -1, path: Path | None = None) -> tuple[list[Any], int]:
-    """All frames of a run that is saved after a step and goes on, and the number of its steps, those of
-    settling among them.
+    """All frames of a run that is saved after a step and goes on, and the number of its steps, with those of
+    settling.
     """
     frames: list[Any] = []
     count = 0
@@ -123,33 +107,23 @@ def stop_and_go_on(make: Any, path: Path, step: int) -> None:
 #: Steps after which a run is saved: in settling, and after it; bodies touch before or after.
 STEPS = {"colliding-rings": (2, 20)}
 
-#: Every pair of methods on every scene, or every scene by its own and every contact and shape on one.
-ALL = bool(os.environ.get("MPMFW_ALL_RESTARTS"))
 
-
-def cases() -> list[tuple[str, str, str]]:
-    found = []
+def cases() -> Iterator[tuple[str, str, str]]:
+    """Yield every scene with its own methods, which the conformance kit asks one by one; in the long form
+    with all."""
     for name in COARSE:
         scene = load_scene(name)
-        own = scene.contact.method, scene.shape.method
-        varied = name == "rolling-cylinder-slip"
-        found += [
-            (name, contact, shape)
-            for contact in CONTACTS
-            for shape in available("shape")
-            if ALL
-            or (contact, shape) == own
-            or (varied and (shape == own[1] or contact in (own[0], "bardenhagen", "none")))
-        ]
-    return found
+        own = [(scene.contact.method, scene.shape.method)]
+        every = itertools.product(available("contact"), available("shape"))
+        yield from ((name, *methods) for methods in (every if "MPMFW_ALL_RESTARTS" in os.environ else own))
 
 
 def test_every_shipped_scene_is_here():
     assert set(COARSE) == set(shipped_scenes())
 
 
-@pytest.mark.parametrize(("name", "contact", "shape"), cases())
-def test_every_shipped_scene_with_every_method(tmp_path, name, contact, shape):
+@pytest.mark.parametrize(("name", "contact", "shape"), list(cases()))
+def test_every_shipped_scene(tmp_path, name, contact, shape):
     chosen = {"contact.method": contact, "shape.method": shape}
     scene = load_scene(name, set=COARSE[name] | chosen)
     step = random.Random(name + contact + shape).randrange(*STEPS.get(name, (2, 15)))
@@ -177,30 +151,6 @@ def test_every_way_of_stepping_loading_and_recording(tmp_path, way):
     recorded = {"output__ledger": way != "layer", "output__stability": True}
     scene = two_blocks("penalty", time__end=0.02, time__output_interval=0.002, **recorded, **WAYS[way])
     stop_and_go_on(lambda: Simulation(scene), tmp_path / "saved", 7)
-
-
-def test_a_run_that_has_settled(tmp_path):
-    scene = load_scene("rolling-cylinder-slip", set=COARSE["rolling-cylinder-slip"])
-    steps = run(Simulation(scene))[1]
-    stop_and_go_on(lambda: Simulation(scene), tmp_path / "saved", steps - 3)
-
-
-def test_pairs_that_come_near_during_the_run(tmp_path):
-    scene = many_discs(
-        36,
-        "nodes+penalty",
-        radius=1.0,
-        pitch=12.0,
-        time={"end": 0.2, "output_interval": 0.05},
-        shape__method="linear",
-    )
-    for k in range(36):
-        scene["bodies"][f"d{k}"]["velocity"] = [33.0 * (1 - 2 * (k // 6 % 2)), 0.0]
-    before = len(Simulation(scene).state.pairs)
-    stop_and_go_on(lambda: Simulation(scene), tmp_path / "saved", 35)
-    last = Simulation(scene)
-    last.restore(read_snapshot(str(tmp_path / "saved"))[0])
-    assert len(last.state.pairs) > before
 
 
 def test_another_scene_or_method_is_refused(tmp_path):

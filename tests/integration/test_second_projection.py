@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 
 from contact_scenes import ACTING, impact, run, simulation
-from mpmfw import run as run_scene
 from mpmfw.api import hookimpl
-from mpmfw.errors import ResultsWarning
 
 CLASSICAL = [name for name in ACTING if name.startswith("bardenhagen")]
 MUSL = {"scheme": "musl", "transfer": "flip"}
@@ -42,7 +40,7 @@ class StrainVelocity:
 
 @pytest.mark.parametrize(
     ("strategy", "shape"),
-    [*((strategy, "cpdi") for strategy in CLASSICAL), ("bardenhagen", "linear"), ("bardenhagen", "gimp")],
+    [*((strategy, "cpdi") for strategy in CLASSICAL), ("bardenhagen", "linear")],
 )
 def test_strain_sees_no_approach_at_shared_nodes(strategy, shape):
     sim = simulation(strategy, impact(shape={"method": shape}, stepping=MUSL))
@@ -62,21 +60,3 @@ def test_records_are_of_the_momentum_that_moves_points(strategy):
     assert scale > 1.0
     np.testing.assert_allclose(motion.impulse[:, 0], change, atol=1e-12 * scale)
     assert (motion.work >= 0.0).all()
-
-
-def test_rings_gain_half_of_what_they_gained():
-    """Largest energy over that at the start, h = 4 mm, FLIP: 2.73 with the second momentum as projected, 1.51
-    corrected.
-    """
-    chosen = {
-        **{f"stepping.{key}": value for key, value in MUSL.items()},
-        "grid.cell_size": "4 mm",
-        "output.particles": False,
-        "output.gap": False,
-        "allow_unstable": True,
-    }
-    with pytest.warns(ResultsWarning, match="suspect: energy of .* without a source"):
-        tree = run_scene("colliding-rings", "bardenhagen", "cpdi", set=chosen)
-    series = tree["series"].to_dataset()
-    energy = series["total_energy"].sum("body")
-    assert float(energy.max() / energy.isel(time=0)) < 1.55

@@ -9,6 +9,7 @@ import pytest
 
 import mpmfw
 from mpmfw.runs.simulation import Simulation
+from scenes_for_tests import disc, two_blocks
 
 DENSITY, HEIGHT, G = 1000.0, 0.5, 10.0
 
@@ -75,78 +76,45 @@ def test_a_moving_side_rests_while_the_scene_settles() -> None:
 
 
 def test_a_side_holds_its_own_body_alone_in_a_shared_field() -> None:
-    soft = {"model": "neo_hookean", "density": 1000.0, "bulk_modulus": 6e6, "shear_modulus": 3e6}
-    box = {"material": "soft", "particles": {"size": 0.05}}
-    held = {"type": "rectangle", "lower": [0.0, 0.0], "upper": [0.3, 0.3]}
-    free = {"type": "rectangle", "lower": [1.0, 0.0], "upper": [1.3, 0.3]}
-    scene = {
-        "grid": {"cell_size": 0.1, "lower": [-0.5, -0.5], "upper": [2.5, 1.0]},
-        "time": {"end": 0.1, "output_interval": 0.1},
-        "shape": {"method": "cpdi"},
-        "contact": {"method": "none"},
-        "materials": {"soft": soft},
-        "bodies": {
-            "held": {**box, "geometry": held, "sides": [{"side": "right", "fixed": True}]},
-            "free": {**box, "geometry": free, "velocity": [1.0, 0.0]},
-        },
-    }
+    """The right block flies away from the left one, which is held."""
+    scene = two_blocks("none", time={"end": 0.1, "output_interval": 0.1})
+    scene["bodies"]["left"]["sides"] = [{"side": "right", "fixed": True}]
+    scene["bodies"]["right"] |= {"velocity": [1.0, 0.0]}
+    scene["bodies"]["right"]["geometry"] = {"type": "rectangle", "lower": [1.0, -0.25], "upper": [1.3, 0.25]}
     sim = Simulation(scene)
     sim.run()
     moved = sim.state.particles.position[sim.state.bodies[1].particles, 0].mean() - 1.15
     assert moved == pytest.approx(0.1, rel=1e-9)
 
 
-@pytest.mark.parametrize("shape", ["linear", "gimp", "cpdi", "bspline"])
+@pytest.mark.parametrize("shape", ["linear", "cpdi"])
 def test_apic_starts_with_the_spin_that_was_asked_for(shape: str) -> None:
-    soft = {"model": "neo_hookean", "density": 1000.0, "bulk_modulus": 6e6, "shear_modulus": 3e6}
-    disc = {"type": "disc", "centre": [0.02, 0.01], "radius": 0.4}
-    scene = {
-        "grid": {"cell_size": 0.1, "lower": [-1.0, -1.0], "upper": [1.0, 1.0]},
-        "time": {"end": 0.1, "output_interval": 0.1},
-        "stepping": {"transfer": "apic", "scheme": "usl"},
-        "shape": {"method": shape},
-        "materials": {"soft": soft},
-        "bodies": {
-            "disc": {
-                "material": "soft",
-                "geometry": disc,
-                "particles": {"size": 0.04},
-                "angular_velocity": 2.0,
-            }
-        },
-    }
-    sim = Simulation(scene)
+    stepping = {"transfer": "apic", "scheme": "usl"}
+    sim = Simulation(disc(stepping=stepping, shape__method=shape, bodies__solid__angular_velocity=2.0))
     sim.advance(1)
     gradient = sim.state.particles.velocity_gradient
-    np.testing.assert_allclose(
-        gradient, np.broadcast_to([[0.0, -2.0], [2.0, 0.0]], gradient.shape), atol=1e-7
-    )
+    spin = np.broadcast_to([[0.0, -2.0], [2.0, 0.0]], gradient.shape)
+    np.testing.assert_allclose(gradient, spin, atol=1e-7)
 
 
-def held_block(shift: float) -> dict[str, Any]:
-    """A block at rest on a plane under gravity that leans by 20°, faces of both ``shift`` [m] beyond grid
-    lines; 10⁴ steps.
-    """
+def held_block() -> dict[str, Any]:
+    """A block at rest on a plane under gravity that leans by 20°, faces off the grid lines."""
     stiff = {"model": "neo_hookean", "density": DENSITY, "bulk_modulus": 12e6, "shear_modulus": 6e6}
 
     def body(lower: list[float], upper: list[float], **keys: Any) -> dict[str, Any]:
-        geometry = {
-            "type": "rectangle",
-            "lower": [lower[0] + shift, lower[1]],
-            "upper": [upper[0] + shift, upper[1]],
-        }
+        geometry = {"type": "rectangle", "lower": lower, "upper": upper}
         particles = {"layout": "fitted", "size": "0.5 cells"}
         return {"material": "stiff", "geometry": geometry, "particles": particles, **keys}
 
     return {
         "grid": {"cell_size": 0.25, "lower": [-1.0, -1.0], "upper": [3.0, 3.0]},
-        "time": {"end": 6.4, "output_interval": 0.8},
+        "time": {"end": 3.2, "output_interval": 0.8},
         "shape": {"method": "cpdi"},
         "contact": {"method": "penalty", "friction": 0.5, "penalty": {"kappa": 1.0}},
         "materials": {"stiff": stiff},
         "bodies": {
-            "block": body([0.5, 0.537], [1.25, 0.912]),
-            "plane": body([0.0, 0.0], [2.0, 0.537], sides=[{"side": "bottom", "fixed": True}]),
+            "block": body([0.57, 0.537], [1.32, 0.912]),
+            "plane": body([0.07, 0.0], [2.07, 0.537], sides=[{"side": "bottom", "fixed": True}]),
         },
         "gravity": {"vector": [3.420201433, -9.396926208]},
         "settle": {"tolerance": 3e-4},
@@ -154,9 +122,9 @@ def held_block(shift: float) -> dict[str, Any]:
     }
 
 
-def test_a_body_at_rest_stays_for_ten_thousand_steps() -> None:
-    """It moves in the first 10³ steps, as far as settling has left it, and rests since; not on grid lines."""
-    series = mpmfw.run(held_block(0.07))["series"].to_dataset()
+def test_a_body_at_rest_stays_for_five_thousand_steps() -> None:
+    """It moves in the first 10³ steps, as far as settling has left it, and rests since."""
+    series = mpmfw.run(held_block())["series"].to_dataset()
     place = series["centre_of_mass"].sel(body="block").values / 0.25
     way = np.linalg.norm(place - place[0], axis=1)
     assert way.max() < 1e-6
@@ -203,7 +171,10 @@ def test_an_overlap_is_a_load_and_settles_to_lames_press_fit() -> None:
 @pytest.mark.parametrize(("max_time", "warned"), [(None, False), (5e-3, True)])
 def test_a_scene_that_still_moves_at_its_first_output_warns(max_time: float | None, warned: bool) -> None:
     quarter_period = {"end": 5e-3, "output_interval": 5e-3}
-    gravity = {"vector": [0.0, -G]}
-    sim = Simulation(column(gravity=gravity, settle={"max_time": max_time}, time=quarter_period))
+    sim = Simulation(
+        column(gravity={"vector": [0.0, -G]}, settle={"max_time": max_time}, time=quarter_period)
+    )
     sim.run()
     assert any("still moved" in text for text in sim.concerns()) == warned
+    assert (sim._settled["settle_residual"] > 1e-3) == warned
+    assert sim.status == "ok"

@@ -46,26 +46,17 @@ def driven(scene: dict[str, Any]) -> np.ndarray:
     return stress
 
 
-@pytest.mark.parametrize(
-    ("shape", "h", "offset"),
-    [("cpdi", 0.2, 0.0), ("cpdi", 0.2, 0.03), ("cpdi", 0.2, 0.97), ("cpdi", 0.1, 0.3), ("cpdi2", 0.2, 0.3)],
-)
-def test_a_driven_block_is_strained_uniformly(shape: str, h: float, offset: float) -> None:
-    # From rest: 2 % is the jump of stress with which the side starts, 0.002 M over 0.1 M, that runs to and
-    # fro.
-    stress = driven(confined(h, offset, 0.1, shape__method=shape))
-    np.testing.assert_allclose(stress[:, 1, 1], uniaxial(0.9), rtol=0.02)
-    np.testing.assert_allclose(stress[:, 0, 1], 0.0, atol=1e-3 * abs(uniaxial(0.9)))
-
-
-def test_a_pulled_block_too() -> None:
-    stress = driven(confined(0.2, 0.3, -0.1))
-    np.testing.assert_allclose(stress[:, 1, 1], uniaxial(1.1), rtol=0.02)
+@pytest.mark.parametrize(("shape", "strain"), [("cpdi", -0.1), ("cpdi2", 0.1)])
+def test_a_driven_block_is_strained_uniformly(shape: str, strain: float) -> None:
+    """From rest: 2 % is the jump of stress with which the side starts. The validation case
+    ``driven-side`` judges offsets and sizes of cells."""
+    stress = driven(confined(0.2, 0.3, strain, shape__method=shape))
+    np.testing.assert_allclose(stress[:, 1, 1], uniaxial(1.0 - strain), rtol=0.02)
+    np.testing.assert_allclose(stress[:, 0, 1], 0.0, atol=1e-3 * abs(uniaxial(1.0 - strain)))
 
 
 @pytest.mark.parametrize(("shape", "limit"), [("gimp", 0.1), ("bspline", 0.15)])
 def test_points_that_do_not_end_with_the_side_keep_the_mean(shape: str, limit: float) -> None:
-    # What is left is the sum over points in cut cells; before, GIMP had 0.58 to 1.41 of the stress there.
     stress = driven(confined(0.1, 0.3, 0.1, shape__method=shape))
     assert stress[:, 1, 1].mean() == pytest.approx(uniaxial(0.9), rel=0.005)
     np.testing.assert_allclose(stress[:, 1, 1], uniaxial(0.9), rtol=limit)
@@ -86,21 +77,13 @@ def test_a_turned_block_is_driven_by_its_own_sides() -> None:
     assert np.median(np.abs(turned / straight.mean() - 1.0)) < 0.02
 
 
-def test_a_block_turned_by_a_right_angle_is_the_same() -> None:
-    straight = driven(confined(0.2, 0.0, 0.02))
-    turned = driven(confined(0.2, 0.0, 0.02, bodies__solid__geometry__angle="90 deg"))
-    np.testing.assert_allclose(turned[:, 1, 1], straight[:, 1, 1], rtol=1e-6)
-
-
-@pytest.mark.parametrize("angle", ["30 deg", "-70 deg"])
-def test_a_turned_block_hangs_by_its_own_side(angle: str) -> None:
+def test_a_turned_block_hangs_by_its_own_side() -> None:
     # Along its own axes the load is that of the straight block, and so is where its centre comes to rest: at
-    # eight cells to 6 %, at sixteen to 1.5 % (a clamped corner is singular; the straight block itself moves
-    # by 2 % with its place in a cell)
-    down = math.radians(float(angle.split()[0]))
+    # eight cells to 6 %, at sixteen to 1.5 % (a clamped corner is singular)
+    down = math.radians(-70.0)
     fall = 100.0 * np.array([math.sin(down), -math.cos(down)])
     found = []
-    for turn, gravity in ((0.0, np.array([0.0, -100.0])), (angle, fall)):
+    for turn, gravity in ((0.0, np.array([0.0, -100.0])), (down, fall)):
         scene = block(
             bodies__solid__sides=[{"side": "top", "fixed": True}],
             bodies__solid__geometry__angle=turn,

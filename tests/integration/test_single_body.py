@@ -9,7 +9,7 @@ import pytest
 
 from measures_for_tests import angular_momentum, momentum
 from mpmfw.runs.simulation import Simulation
-from scenes_for_tests import ball, block, box, disc
+from scenes_for_tests import ball, block, box, disc, with_changes
 
 SHAPES = ("linear", "gimp", "cpdi", "cpdi2", "bspline")
 SHAPES_3D = ("linear", "gimp", "cpdi", "bspline")
@@ -18,68 +18,55 @@ TRANSFERS = ("flip", "pic", "apic", "tpic", "aflip")
 ROUND_OFF = 1e-12  # some hundred sums of numbers of the order of one
 
 
-def fly(scene: dict[str, Any], velocity: tuple[float, ...], steps: int) -> tuple[Simulation, np.ndarray]:
-    """The simulation after some steps, and where its points started."""
-    sim = Simulation(scene)
-    sim.start()
-    start = sim.state.particles.position.copy()
-    assert np.array_equal(sim.state.particles.velocity, np.tile(velocity, (len(start), 1)))
-    sim.advance(steps)
-    return sim, start
+FAST = [6.123, -4.321, 5.013]
+#: Name → scene, velocity [m/s] and steps: windows are laid anew in the plane, and the outermost row of points
+#: on grid lines has φ = 0 there, but ∇φ of linear functions is not.
+FLIGHTS: dict[str, tuple[dict[str, Any], list[float], int]] = {
+    **{
+        f"2D {shape}": (
+            disc(shape__method=shape, grid__upper=[4.0, 2.0], grid__lower=[-2.0, -3.0]),
+            FAST[:2],
+            200,
+        )
+        for shape in SHAPES
+    },
+    **{f"3D {shape}": (ball(shape__method=shape), FAST, 60) for shape in SHAPES_3D},
+    **{
+        f"grid lines {shape}": (
+            block(
+                shape__method=shape,
+                bodies__solid__geometry__lower=[-0.4375, -0.4375],
+                bodies__solid__geometry__upper=[0.5625, 0.5625],
+            ),
+            [6.0, -4.0],
+            4,
+        )
+        for shape in SHAPES
+    },
+    **{
+        f"{scheme} {transfer}": (disc(stepping={"scheme": scheme, "transfer": transfer}), FAST[:2], 60)
+        for scheme in SCHEMES
+        for transfer in TRANSFERS
+    },
+}
 
 
-def assert_flew(sim: Simulation, start: np.ndarray, velocity: tuple[float, ...]) -> None:
+@pytest.mark.parametrize("name", FLIGHTS)
+def test_free_flight_is_exact(name: str) -> None:
     """x = x_0 + v t, F = 1, σ = 0 to round-off."""
-    p = sim.state.particles
-    np.testing.assert_allclose(
-        p.position, start + sim.state.time * np.array(velocity), rtol=0, atol=ROUND_OFF
-    )
+    scene, velocity, steps = FLIGHTS[name]
+    sim = Simulation(with_changes(scene, bodies__solid__velocity=velocity))
+    sim.start()
+    p, start = sim.state.particles, sim.state.particles.position.copy()
+    assert np.array_equal(p.velocity, np.tile(velocity, (len(start), 1)))
+    sim.advance(steps)
+    if name.startswith("2D"):
+        assert sim.state.grid.frame > 1
+    moved = start + sim.state.time * np.array(velocity)
+    np.testing.assert_allclose(p.position, moved, rtol=0, atol=ROUND_OFF)
     np.testing.assert_allclose(p.velocity - velocity, 0.0, atol=ROUND_OFF * 10)
     np.testing.assert_allclose(p.deformation_gradient - np.eye(p.dim), 0.0, atol=ROUND_OFF)
     np.testing.assert_allclose(p.stress, 0.0, atol=ROUND_OFF * 1e7)
-
-
-@pytest.mark.parametrize("shape", SHAPES)
-def test_free_flight_is_exact_in_2d(shape: str) -> None:
-    velocity = (6.123, -4.321)  # 200 steps of 1.25 ms: six cells in x, so that windows are laid anew
-    scene = disc(
-        shape__method=shape,
-        grid__upper=[4.0, 2.0],
-        grid__lower=[-2.0, -3.0],
-        bodies__solid__velocity=velocity,
-    )
-    sim, start = fly(scene, velocity, 200)
-    assert sim.state.grid.frame > 1
-    assert_flew(sim, start, velocity)
-
-
-@pytest.mark.parametrize("shape", SHAPES_3D)
-def test_free_flight_is_exact_in_3d(shape: str) -> None:
-    velocity = (6.123, -4.321, 5.013)
-    sim, start = fly(ball(shape__method=shape, bodies__solid__velocity=velocity), velocity, 60)
-    assert_flew(sim, start, velocity)
-
-
-@pytest.mark.parametrize("shape", SHAPES)
-def test_free_flight_is_exact_with_points_on_grid_lines(shape: str) -> None:
-    # The points' outermost row reaches the grid line x = 0.5 exactly: φ = 0 there, but ∇φ of linear functions
-    # is not.
-    scene = block(
-        shape__method=shape,
-        bodies__solid__geometry={"type": "rectangle", "lower": [-0.4375, -0.4375], "upper": [0.5625, 0.5625]},
-        bodies__solid__velocity=(6.0, -4.0),
-    )
-    sim, start = fly(scene, (6.0, -4.0), 4)
-    assert_flew(sim, start, (6.0, -4.0))
-
-
-@pytest.mark.parametrize("transfer", TRANSFERS)
-@pytest.mark.parametrize("scheme", SCHEMES)
-def test_free_flight_is_exact_with_every_scheme_and_transfer(scheme: str, transfer: str) -> None:
-    velocity = (6.123, -4.321)
-    scene = disc(stepping={"scheme": scheme, "transfer": transfer}, bodies__solid__velocity=velocity)
-    sim, start = fly(scene, velocity, 60)
-    assert_flew(sim, start, velocity)
 
 
 def strained(scene: dict[str, Any], rate: float) -> Simulation:

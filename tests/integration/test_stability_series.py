@@ -11,7 +11,6 @@ import pytest
 from contact_scenes import impact
 from mpmfw import run
 from mpmfw.errors import ResultsWarning
-from mpmfw.runs.simulation import Simulation
 
 
 def colliding(kappa=1.0, gap=0.01, end=0.12, **keys):
@@ -37,15 +36,11 @@ def test_steps_and_limits_are_recorded():
 
 def test_contacts_are_counted_in_steps():
     """A block touches for 2 L / c; nodes at the rim bounce more often, but none for fewer than 3 steps."""
-    tree = run(colliding())
-    series = tree["series"].to_dataset()
-    ended = series["steps_per_contact"].isel(pair=0).values
-    assert np.isnan(ended[0])
-    assert np.nanmin(ended) >= 3
-    depth = series["penetration"].isel(pair=0).values
-    gap = -series["min_gap"].isel(pair=0).values / 0.1
-    assert depth.max() > 0.0
-    assert depth.max() >= 0.99 * gap.max()
+    series = run(colliding())["series"].to_dataset().isel(pair=0)
+    assert np.isnan(series["steps_per_contact"].values[0])
+    assert np.nanmin(series["steps_per_contact"]) >= 3
+    assert series["penetration"].max() > 0.0
+    assert series["penetration"].max() >= 0.99 * (-series["min_gap"] / 0.1).max()
 
 
 def test_contacts_are_those_of_the_step_whose_force_is_recorded():
@@ -64,18 +59,18 @@ def test_contacts_are_those_of_the_step_whose_force_is_recorded():
 
 
 @pytest.mark.parametrize(
-    ("kappa", "said", "status"),
+    ("kappa", "said"),
     [
-        (0.1, r"left-right: the bodies penetrate by .* cells at time .*, more than 0\.15", "ok"),
-        (0.01, r"suspect: left-right: penetration of .* cells at", "suspect"),
+        (0.1, r"left-right: the bodies penetrate by .* cells at time .*, more than 0\.15"),
+        (0.01, r"suspect: left-right: penetration of .* cells at"),
     ],
 )
-def test_soft_springs_are_reported(kappa, said, status):
+def test_soft_springs_are_reported(kappa, said):
     with pytest.warns(ResultsWarning, match=said):
         tree = run(colliding(kappa=kappa))
     (warning,) = json.loads(tree.attrs["warnings"])
     assert re.search(said, warning)
-    assert tree.attrs["status"].split(":")[0] == status
+    assert tree.attrs["status"].startswith("suspect") == said.startswith("suspect")
 
 
 @pytest.mark.filterwarnings("ignore:suspect. energy of .* without a source")  # the step is past the limit
@@ -84,11 +79,3 @@ def test_contacts_that_steps_do_not_resolve_are_reported():
     scene["time"]["step"] = 1.5e-3
     with pytest.warns(ResultsWarning, match=r"left-right: a contact lasted [12] steps, fewer than 3"):
         run(scene)
-
-
-def test_what_is_not_asked_for_is_not_there():
-    simulation = Simulation({**colliding(), "output": {}})
-    assert simulation.manager.get_plugin("time_step_series") is None
-    assert simulation.manager.get_plugin("contact_events") is None
-    assert not [name for name in simulation.state.arrays if name.startswith("contact_events/")]
-    assert simulation.concerns() == []

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from contact_scenes import disc, impact, scene
+from contact_scenes import disc, scene
 from measures_for_tests import detect
 from mpmfw.runs.simulation import Simulation
 
@@ -33,15 +33,6 @@ def test_every_step_is_within_the_limit_of_its_own_contacts(scheme):
         assert simulation.state.dt == own
         shorter += own < 0.99 * before and simulation.state.steps > 1
     assert shorter > 0  # springs met that the step before did not know
-
-
-def test_the_first_step_has_the_length_of_the_others():
-    simulation = Simulation(impact(gap=0.0, speed=0.0, slide=0.0), contact="penalty")
-    simulation.start()
-    simulation.step()
-    first = simulation.state.dt
-    simulation.step()
-    assert first == pytest.approx(simulation.state.dt, rel=1e-6)
 
 
 @pytest.mark.parametrize("contact", ["penalty", "hamad2017", "bardenhagen"])

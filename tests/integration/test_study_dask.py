@@ -1,7 +1,6 @@
 """A study on a Dask cluster: a scheduler and two workers, processes of their own, one of which is killed."""
 
 import json
-import shutil
 import signal
 import subprocess
 import sys
@@ -88,51 +87,16 @@ def test_a_text_that_is_no_address_is_said_at_once(address):
         mpmfw.study(tiny_study(), executor=address)
 
 
-#: Of a cluster of two workers of one thread each.
-OPTIONS = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None, "silence_logs": 50}
-
-
 @pytest.mark.filterwarnings("ignore::UserWarning")
-@pytest.mark.parametrize("what", ["cluster", "client"])
-def test_a_client_and_a_cluster_are_executors_as_they_are(what):
+def test_a_client_and_a_cluster_are_executors_as_they_are():
     study = tiny_study(vary={"contact": ["separate", "penalty"]})
     here = mpmfw.study(study, jobs=1)
-    with distributed.LocalCluster(**OPTIONS, processes=False) as cluster:
-        if what == "cluster":
-            dataset = mpmfw.study(study, executor=cluster)
-        else:
-            with distributed.Client(cluster, set_as_default=False) as client:
-                dataset = mpmfw.study(study, executor=client)
-                assert client.status == "running"  # it is the caller's own
-    xr.testing.assert_equal(dataset["error"], here["error"])
-    assert dataset.attrs["cores"] == "2 workers of a Dask cluster"
-
-
-@pytest.fixture
-def security(tmp_path):
-    """A certificate of this test's own, for scheduler, workers and clients."""
-    key, certificate = tmp_path / "key.pem", tmp_path / "certificate.pem"
-    request = ["req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=localhost"]
-    made = ["-keyout", str(key), "-out", str(certificate)]
-    subprocess.run(["openssl", *request, *made], check=True, capture_output=True)
-    roles = ("scheduler", "worker", "client")
-    files = {f"tls_{role}_key": str(key) for role in roles} | {
-        f"tls_{role}_cert": str(certificate) for role in roles
-    }
-    return distributed.Security(tls_ca_file=str(certificate), require_encryption=True, **files)
-
-
-@pytest.mark.filterwarnings("ignore::UserWarning")
-@pytest.mark.skipif(shutil.which("openssl") is None, reason="no openssl, which makes the certificate")
-def test_a_cluster_and_a_client_bring_their_certificates(security):
-    study = tiny_study(vary={"contact": ["separate"]})
-    options = {**OPTIONS, "processes": False, "protocol": "tls://", "security": security}
-    with distributed.LocalCluster(**options) as cluster:
-        address = cluster.scheduler_address
-        with distributed.Client(address, security=security, set_as_default=False) as client:
-            of_client = mpmfw.study(study, executor=client)
-        of_cluster = mpmfw.study(study, executor=cluster)
-        with pytest.raises(SceneError, match="for tls:// the certificates in Dask's own configuration"):
-            mpmfw.study(study, executor=address)
-    assert address.startswith("tls://")
-    assert of_client["status"].item() == of_cluster["status"].item() == "ok"
+    options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None, "silence_logs": 50}
+    with distributed.LocalCluster(**options, processes=False) as cluster:
+        by_cluster = mpmfw.study(study, executor=cluster)
+        with distributed.Client(cluster, set_as_default=False) as client:
+            by_client = mpmfw.study(study, executor=client)
+            assert client.status == "running"  # it is the caller's
+    for dataset in (by_cluster, by_client):
+        xr.testing.assert_equal(dataset["error"], here["error"])
+        assert dataset.attrs["cores"] == "2 workers of a Dask cluster"

@@ -5,15 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import mpmfw
-from mpmfw.errors import SceneError
 from mpmfw.geometry.solid import turning
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
 
 CELL = 0.25
 SOFT = {"model": "neo_hookean", "density": 1000.0, "bulk_modulus": 12e6, "shear_modulus": 6e6}
-WALLS = [{"side": s, "fixed": [a]} for s, a in zip(("left", "right", "bottom", "top"), "xxyy", strict=True)]
 
 
 def box(lower, upper, segment, **keys):
@@ -42,34 +39,6 @@ def scene(bodies, upper=(4.0, 4.0, 9.0), **keys):
     }
 
 
-def stacked(place, sides):
-    """Blocks between smooth walls under pressure, with triangles of these sides; the first interface is
-    ``place`` of a cell above a grid line."""
-    ends = [0.0, *(4.0 * k + place for k in range(1, len(sides) + 1))]
-    bodies = {}
-    for k, side in enumerate(sides):
-        held = [{"side": "back", "fixed": ["z"]}] if k == 0 else []
-        held += [{"side": "front", "pressure": "0.2 MPa"}] if k == len(sides) - 1 else []
-        bodies[f"block{k}"] = box((0, 0, ends[k]), (4, 4, ends[k + 1]), side, sides=[*held, *WALLS])
-    return scene(bodies, upper=(4.0, 4.0, 4.0 * len(sides) + 1.0), settle={"tolerance": 3e-4}), ends[1:-1]
-
-
-@pytest.mark.parametrize("sides", [(1 / 3, 1 / 4), (1 / 4, 1 / 3, 1 / 4)], ids=["two", "three"])
-def test_stress_between_blocks_of_other_triangles_is_the_pressure(sides):
-    mapping, interfaces = stacked(0.37, sides)
-    sim = Simulation(load_scene(mapping))
-    sim.start()
-    particles, surface = sim.state.particles, sim.state.surface
-    stress = particles.stress[:, 2, 2] / -0.2e6
-    for start in interfaces:
-        beside = np.abs(surface.position[:, 2] - CELL * start) < 0.2 * CELL
-        interface = surface.position[beside, 2].mean()
-        near = stress[np.abs(particles.position[:, 2] - interface) < 0.5 * CELL]
-        assert len(near) == 128
-        assert near.min() > 0.99
-        assert near.max() < 1.01
-
-
 TURN = np.radians([20.0, 35.0, 50.0])
 
 
@@ -93,8 +62,8 @@ def turned(blocks):
 
 @pytest.mark.parametrize(
     ("blocks", "tolerance"),
-    [((0.5,), 0.005), ((0.5, 0.5), 0.01), ((0.5, 0.4), 0.06)],
-    ids=["one", "two", "other triangles"],
+    [((0.5,), 0.005), ((0.5, 0.4), 0.06)],
+    ids=["one", "other triangles"],
 )
 def test_stress_in_blocks_turned_against_the_grid_is_the_pressure(blocks, tolerance):
     """At the faces as well, where cells are filled in part: loads are mapped by what CPDI makes of the grid's
@@ -125,7 +94,7 @@ def momentum(particles):
     return particles.mass @ particles.velocity
 
 
-@pytest.mark.parametrize("method", ["penalty", "surfaces+hamad2017", "surfaces+impulse", "lcp", "hybrid"])
+@pytest.mark.parametrize("method", ["penalty", "surfaces+hamad2017", "lcp", "hybrid"])
 def test_impact_keeps_momentum_and_pushes_apart(method):
     sim = Simulation(load_scene(impact(method)))
     sim.advance(1)
@@ -138,55 +107,3 @@ def test_impact_keeps_momentum_and_pushes_apart(method):
     assert touched > 20
     assert particles.velocity[ball].mean(axis=0)[2] > speed[2] + 0.3
     np.testing.assert_allclose(momentum(particles), before, atol=1e-12 * np.abs(before).max())
-
-
-@pytest.mark.parametrize("contact", ["penalty", "adhesion"])
-def test_what_friction_has_stored_turns_with_a_table_and_what_rests_on_it(contact):
-    """Springs that are loaded along x between two steps pull, a step on, along what was x: beside those of a
-    run without them.
-    """
-    spin, found = 20.0, []
-    bodies = {
-        "table": box((0, 0, 0), (4, 4, 2), 0.5, angular_velocity=[0.0, 0.0, spin]),
-        "guest": box((0.6, 0.6, 1.99), (3.4, 3.4, 4), 0.5, angular_velocity=[0.0, 0.0, spin]),
-    }
-    mapping = scene(
-        bodies,
-        upper=(4.0, 4.0, 5.0),
-        contact={"method": contact, "friction": 5.0, contact: {"kappa": 1.0}},
-        allow_overlap=True,
-    )
-    for pull in (0.0, 1e-3):
-        sim = Simulation(mapping)
-        sim.start()
-        for _ in range(3):
-            sim.step(2e-4)
-        rows = sim.contact.old
-        touching = (rows.gap[: rows.count] < 0.0) & (np.abs(rows.normal[: rows.count, 2]) > 0.99)
-        rows.own.tangential[: rows.count][touching, 0] += pull
-        identity, normal = rows.identity[: rows.count][touching], rows.normal[: rows.count][touching]
-        sim.step(2e-4)
-        new = sim.contact.old
-        own = np.isin(new.identity[: new.count], identity)
-        assert touching.sum() > 20
-        assert own.sum() == touching.sum()
-        found.append(new.own.tangential[: new.count][own].copy())
-    turned = (found[1] - found[0]) / 1e-3
-    np.testing.assert_allclose(normal[:, :2], 0.0, atol=1e-2)
-    angle = np.arctan2(turned[:, 1], turned[:, 0])
-    np.testing.assert_allclose(np.linalg.norm(turned, axis=1), 1.0, rtol=1e-3)
-    np.testing.assert_allclose(angle, spin * 2e-4, rtol=0.05)  # the bodies stretch as they turn
-
-
-def test_bodies_that_overlap_at_the_start_are_refused():
-    bodies = {"one": box((0, 0, 0), (2, 2, 2), 0.5), "other": box((1, 1, 1.9), (3, 3, 4), 0.5)}
-    with pytest.raises(
-        SceneError, match=r"bodies\.one: overlaps body .other. by 0\.025 m at one node at the start"
-    ):
-        Simulation(load_scene(scene(bodies)))
-
-
-def test_the_least_gap_is_measured():
-    bodies = {"one": box((0, 0, 0), (2, 2, 2), 0.5), "other": box((0.5, 0.5, 2.5), (2, 2, 4), 0.5)}
-    tree = mpmfw.run(scene(bodies, time={"end": 1e-4, "output_interval": 1e-4}))
-    np.testing.assert_allclose(tree["series"]["min_gap"], 0.5 * CELL, rtol=1e-12)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mpmfw.errors import SceneError
-from mpmfw.geometry import Ball, Box, Disc, Polygon, Rectangle, Ring
+from mpmfw.geometry import Ball, Box, Polygon, Ring
 from mpmfw.runs.simulation import Simulation
 
 CELL, BULK, SHEAR, DENSITY = 0.1, 8e5, 4e5, 1000.0
@@ -54,13 +54,13 @@ def growth(mapping: dict[str, Any], step: float, steps: int = 300) -> float:
     return grown
 
 
-@pytest.mark.parametrize(("made", "width"), [(bar, 0.05), (bar, 0.25), (disc, 0.1), (disc, 0.5)])
+@pytest.mark.parametrize(("made", "width"), [(bar, 0.05), (disc, 0.1), (disc, 0.5)])
 def test_default_step_of_a_thin_body_is_stable(made, width):
     mapping = scene(made(width), 0.5 * width)
     assert growth(mapping, Simulation(mapping).stable_step()) < 4.0
 
 
-@pytest.mark.parametrize(("made", "width"), [(bar, 0.1), (disc, 0.1), (disc, 0.25)])
+@pytest.mark.parametrize(("made", "width"), [(bar, 0.1), (disc, 0.25)])
 def test_half_of_the_bulks_limit_is_not(made, width):
     """What the bound is for: at the default share of h/c alone such bodies are torn apart."""
     mapping = scene(made(width), 0.5 * width) | {"allow_unstable": True}
@@ -83,8 +83,6 @@ def test_a_step_past_it_is_refused():
 @pytest.mark.parametrize(
     ("geometry", "width"),
     [
-        (Rectangle(lower=(0.0, 0.0), upper=(3.0, 0.2), angle=0.7), 0.2),
-        (Disc(centre=(0.0, 0.0), radius=0.3), 0.6),
         (Ring(centre=(0.0, 0.0), inner_radius=0.8, outer_radius=1.0), 0.2),
         (Polygon(points=((0.0, 0.0), (3.0, 3.0), (2.9, 3.1), (-0.1, 0.1))), 0.1 * np.sqrt(2.0)),
         (Box(lower=(0.0, 0.0, 0.0), upper=(3.0, 0.2, 2.0), angles=(0.3, 0.5, 0.7)), 0.2),

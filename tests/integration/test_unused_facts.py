@@ -42,25 +42,16 @@ def apart(**changes: Any) -> dict[str, Any]:
     [
         (two_blocks("penalty", **OPTIONS), ["contact.bardenhagen.normal: contact 'penalty' runs"]),
         (
-            two_blocks("bardenhagen", **OPTIONS),
-            [
-                "contact.penalty.kappa: contact 'bardenhagen' runs",
-                "contact.penalty.damping: contact 'bardenhagen' runs",
-            ],
-        ),
-        (
             two_blocks("penalty", shape__gimp={"width": 1}),
             ["shape.gimp.width: shape 'cpdi' runs, not 'gimp'"],
         ),
         (apart(output={"surface": True, "gap": False}), ["output.surface: no surface is tracked"]),
-        (apart(output={"surface": True}), []),
         (apart(output={"surface": False, "gap": False}), []),
         (block(output={"gap": True}), ["output.gap: no gap is measured: one body"]),
         (
             block(output={"particle_interval": 1e-6}),
             ["output.particle_interval: material points are stored at every"],
         ),
-        (block(), []),
         (two_blocks("bardenhagen", output={"stability": True}), ["output.stability: of the time step alone"]),
         (two_blocks("penalty", output={"stability": True, "contact_moment": "centre_of_mass"}), []),
         (

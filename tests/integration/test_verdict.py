@@ -18,7 +18,7 @@ from mpmfw.effects.verdict import SIDES_LATEST
 from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene.toml_text import toml_text
-from scenes_for_tests import block, two_blocks, with_changes
+from scenes_for_tests import block, with_changes
 
 CELL, SPEED = 0.1, 5.0
 SOLID = {"model": "neo_hookean", "density": 1000.0, "bulk_modulus": 1e6, "shear_modulus": 5e5}
@@ -80,7 +80,6 @@ DISCS = [{"type": "disc", "centre": [x, 0.0], "radius": 0.3} for x in (-0.35, 0.
 #: A block, and a sheet of half a cell in its way, in which no node can be deeper than a quarter of a cell.
 SHEET = boxes([-0.45, -0.2], [-0.05, 0.2], [0.0, -0.4], [0.05, 0.4])
 SHEET_3D = boxes([-0.35, -0.1, -0.1], [-0.05, 0.1, 0.1], [0.0, -0.2, -0.2], [0.05, 0.2, 0.2])
-BALLS = [{"type": "ball", "centre": [x, 0.0, 0.0], "radius": 0.2} for x in (-0.25, 0.25)]
 
 
 def run(made: dict[str, Any], contact: Any = None, **options: Any) -> xr.DataTree:
@@ -94,48 +93,31 @@ def run(made: dict[str, Any], contact: Any = None, **options: Any) -> xr.DataTre
     ("bodies", "why", "outputs", "gap"),
     [
         (DISCS, "penetration", 1, False),
-        (DISCS, "penetration", 20, True),
         (SHEET, "changed sides", 20, False),
-        (BALLS, "penetration", 20, False),
         (SHEET_3D, "changed sides", 1, True),
     ],
-    ids=["discs, one output", "discs", "sheet", "balls", "sheet in space, one output"],
+    ids=["discs, one output", "sheet", "sheet in space, one output"],
 )
 def test_bodies_that_pass_through_each_other_are_suspect_however_rare_the_outputs(
     bodies: list[dict[str, Any]], why: str, outputs: int, gap: bool
 ) -> None:
-    """They meet at once and are past each other at the end."""
+    """They meet at once and are past each other at the end; without a contact they are to do so."""
     made = scene((bodies[0], SPEED), (bodies[1], -SPEED), end=0.14, outputs=outputs, output__gap=gap)
     status = run(made, Idle()).attrs["status"]
     assert status.startswith("suspect: a-b: ")
     assert why in status
-
-
-@pytest.mark.parametrize("bodies", [DISCS, SHEET], ids=["discs", "sheet"])
-def test_bodies_that_are_to_pass_through_each_other_are_not(bodies: list[dict[str, Any]]) -> None:
-    made = scene((bodies[0], SPEED), (bodies[1], -SPEED), end=0.14, outputs=2)
     assert run(made).attrs["status"] == "ok"
 
 
-def test_the_depth_is_that_of_the_overlap_of_two_blocks() -> None:
-    """Two blocks of six cells at 5 m/s each, 0.1 m apart, overlap by 0.9 cells after 0.019 s; the end is the
-    deepest.
-    """
-    left, right = boxes([-0.65, -0.3], [-0.05, 0.3], [0.05, -0.3], [0.65, 0.3])
-    status = run(scene((left, SPEED), (right, -SPEED), end=0.019, outputs=3), Idle()).attrs["status"]
-    assert status == "suspect: a-b: penetration of 0.9 cells at 0.019 s"
-
-
 def test_an_overlap_of_the_start_is_not_counted() -> None:
-    """Blocks that overlap by 0.8 cells, and by 1.2 at the end."""
+    """Blocks of 5 m/s that overlap by 0.8 cells, and by 1.2 or 1.4 at the end."""
     left, right = boxes([-0.56, -0.3], [0.04, 0.3], [-0.04, -0.3], [0.56, 0.3])
-    made = scene((left, SPEED), (right, -SPEED), end=0.004, outputs=2, allow_overlap=True)
-    assert run(made, Idle()).attrs["status"] == "ok"
-    made = scene((left, SPEED), (right, -SPEED), end=0.006, outputs=2, allow_overlap=True)
-    assert "penetration of 0.6 cells" in run(made, Idle()).attrs["status"]
+    for end, status in ((0.004, "ok"), (0.006, "suspect: a-b: penetration of 0.6 cells at 0.006 s")):
+        made = scene((left, SPEED), (right, -SPEED), end=end, outputs=2, allow_overlap=True)
+        assert run(made, Idle()).attrs["status"] == status
 
 
-@pytest.mark.parametrize("method", ["penalty", "bardenhagen", "nodes+lcp"])
+@pytest.mark.parametrize("method", ["penalty", "bardenhagen"])
 def test_bodies_that_bounce_slide_or_turn_are_not_suspect(method: str) -> None:
     bodies = ((DISCS[0], 1.0), (DISCS[1], -1.0))
     made = scene(
@@ -150,13 +132,12 @@ def test_bodies_that_bounce_slide_or_turn_are_not_suspect(method: str) -> None:
     assert run(made).attrs["status"] == "ok"
 
 
-def test_a_block_that_slides_past_the_edge_of_another_is_not_suspect() -> None:
+@pytest.mark.parametrize("speed", [-10.0, 10.0])
+def test_a_block_that_slides_past_the_edge_of_another_is_not_suspect(speed: float) -> None:
     """Its corner has been inside the other by a hundredth of a cell, and comes out by the top."""
     left, right = boxes([-0.4, -0.2], [0.001, 0.2], [0.0, -0.4], [0.4, 0.0])
     made = scene((left, 0.0), (right, 0.0), end=0.02, outputs=20, allow_overlap=True)
-    made["bodies"]["a"]["velocity"] = [0.0, -10.0]
-    assert run(made, Idle()).attrs["status"] == "ok"
-    made["bodies"]["a"]["velocity"] = [0.0, 10.0]
+    made["bodies"]["a"]["velocity"] = [0.0, speed]
     assert run(made, Idle()).attrs["status"] == "ok"
 
 
@@ -177,7 +158,6 @@ def test_energy_without_a_source_is_suspect_with_and_without_a_ledger(ledger: bo
 
 MOVED = [{"side": "left", "velocity": [1.0, "free"]}, {"side": "right", "fixed": ["x"]}]
 WORKS = {
-    "gravity": {"gravity": {"vector": [3.0, -10.0]}},
     "gravity that changes": {"gravity": {"table": [[0.0, 0.0, -10.0], [0.01, 200.0, 0.0], [0.02, 0.0, 0.0]]}},
     "moving side": {"bodies__solid__sides": MOVED},
     "pressure": {"bodies__solid__sides": [{"side": "left", "pressure": 2e4}]},
@@ -185,9 +165,7 @@ WORKS = {
 }
 
 
-@pytest.mark.parametrize(
-    ("name", "scheme"), [*((name, "usl") for name in WORKS), ("moving side", "musl"), ("moving side", "usf")]
-)
+@pytest.mark.parametrize(("name", "scheme"), [*((name, "usl") for name in WORKS), ("moving side", "usf")])
 def test_the_work_of_loads_and_sides_is_that_of_the_ledger(name: str, scheme: str) -> None:
     made = block(time__end=0.05, time__output_interval=0.01, stepping__scheme=scheme, time__safety=0.2)
     made["output"] = {"ledger": True}
@@ -202,16 +180,6 @@ def test_the_work_of_loads_and_sides_is_that_of_the_ledger(name: str, scheme: st
     assert work == pytest.approx(
         float(ledger), rel=0.04
     )  # positions move with the velocity at the end of a step
-
-
-@pytest.mark.parametrize(("shape", "scheme"), [("cpdi", "usl"), ("linear", "musl")])
-def test_blocks_of_two_cells_that_stick_as_they_meet_are_not_suspect(shape: str, scheme: str) -> None:
-    """Their kinetic and strain energy, half a step apart, add up to 1.13-1.25 of the start; it is kept to
-    0.05.
-    """
-    made = two_blocks("none", time__end=0.04, time__output_interval=1e-3, shape__method=shape)
-    made["stepping"] = {"scheme": scheme}
-    assert run(made).attrs["status"] == "ok"
 
 
 def test_energy_that_gravity_takes_is_not_missed() -> None:
@@ -241,9 +209,8 @@ def test_bodies_with_loads_that_settle_are_judged_from_time_zero_on() -> None:
         assert run(made).attrs["status"] == "ok"
 
 
-def test_bodies_that_begin_at_rest_are_looked_at_between_outputs() -> None:
-    made = scene((DISCS[0], 0.0), (DISCS[1], 0.0), end=100.0, outputs=1)
-    simulation = Simulation(made, contact="penalty")
+def test_sides_are_looked_at_between_outputs() -> None:
+    simulation = Simulation(scene((DISCS[0], 0.0), (DISCS[1], 0.0), end=100.0, outputs=1), contact="penalty")
     simulation.start()
     judge = simulation.manager.get_plugin("verdict")
     judge.diagnostics(simulation.state, 0.0)  # the first output
@@ -293,55 +260,33 @@ def test_a_slit_that_closes_to_less_than_a_cell_is_named(gap: float) -> None:
     assert ("own surface" in found) == (gap < 1.0)
 
 
-def test_a_ring_a_notch_and_a_turning_body_do_not_come_close_to_themselves() -> None:
+def test_a_notch_of_a_turning_body_does_not_come_close_to_itself() -> None:
     star = [
         [r * math.cos(math.pi * k / 5), r * math.sin(math.pi * k / 5)] for k, r in enumerate([0.8, 0.3] * 5)
     ]
-    for geometry in (
-        {"type": "polygon", "points": star},
-        {"type": "ring", "centre": [0, 0], "inner_radius": 0.15, "outer_radius": 0.5},
-    ):
-        made = scene((geometry, 1.0), end=0.05, outputs=5, shape__method="cpdi")
-        made["bodies"]["a"]["angular_velocity"] = 20.0
-        del made["contact"]
-        assert "own surface" not in str(run(made).attrs.get("warnings", ""))
+    made = scene(({"type": "polygon", "points": star}, 1.0), end=0.05, outputs=5, shape__method="cpdi")
+    made["bodies"]["a"]["angular_velocity"] = 20.0
+    del made["contact"]
+    assert "own surface" not in str(run(made).attrs.get("warnings", ""))
 
 
-def slope(push: float, **changes: Any) -> dict[str, Any]:
-    """A block on a floor with μ = 0.5, which is settled and then pushed by ``push`` m/s² over 0.5 s, against
-    4.905.
-    """
+def test_a_block_flutters_at_the_limit_of_friction_and_not_far_from_it() -> None:
+    """It lies on a floor, is settled and then pushed by 4.9 m/s² over 0.5 s, against μ g."""
     block_, floor = boxes([0.73, 0.33], [1.73, 0.73], [0.0, 0.0], [2.5, 0.33])
     made = scene((block_, 0.0), (floor, 0.0), end=0.9, outputs=45, shape__method="cpdi", settle={})
     made["grid"].update(lower=[-0.5, -0.5], upper=[3.0, 1.5])
     made["contact"] = {"method": "penalty", "friction": 0.5, "penalty": {"kappa": 1.0}}
-    made["materials"]["solid"] = {
-        "model": "neo_hookean",
-        "density": 1000,
-        "youngs_modulus": 1e7,
-        "poissons_ratio": 0.3,
-    }
+    elastic = {"youngs_modulus": 1e7, "poissons_ratio": 0.3}
+    made["materials"]["solid"] = {"model": "neo_hookean", "density": 1000, **elastic}
     for body in made["bodies"].values():
         del body["velocity"]
     made["bodies"]["b"]["sides"] = [{"side": "bottom", "fixed": True}]
-    made["gravity"] = {"table": [[0.0, 0.0, -9.81], [0.5, push, -9.81]]}
-    return with_changes(made, **changes)
-
-
-def test_a_block_that_flutters_at_the_limit_of_friction_says_so() -> None:
-    warned = run(slope(4.9)).attrs["warnings"]
-    assert "a-b: the bodies flutter at the limit of friction" in warned
-
-
-def test_smooth_sliding_and_oblique_impacts_do_not_flutter() -> None:
-    outputs = 60
+    made["gravity"] = {"table": [[0.0, 0.0, -9.81], [0.5, 4.9, -9.81]]}
+    assert "a-b: the bodies flutter at the limit of friction" in run(made).attrs["warnings"]
+    time = {"end": 0.1, "output_interval": 0.1 / 60}
     settle = {"gravity": {"vector": [0.0, -9.81]}}
-    smooth = slope(4.9, time__end=0.1, contact__friction=0.2, gravity={"vector": [4.9, -9.81]}, settle=settle)
-    smooth["time"]["output_interval"] = 0.1 / outputs
-    impact = scene((DISCS[0], 2.0), (DISCS[1], -2.0), end=0.1, outputs=outputs, shape__method="cpdi")
-    impact["contact"] = {"method": "penalty", "friction": 0.1}
-    impact["bodies"]["a"]["geometry"] = {**DISCS[0], "centre": [-0.35, 0.3]}
-    for made in (smooth, impact):
-        tree = run(made)
-        assert (tree["series"]["frictional_work"].values[-1] > 0.0).all()
-        assert "flutter" not in str(tree.attrs.get("warnings", ""))
+    made |= {"gravity": {"vector": [4.9, -9.81]}, "settle": settle, "time": time}
+    made["contact"]["friction"] = 0.2
+    tree = run(made)
+    assert (tree["series"]["frictional_work"].values[-1] > 0.0).all()
+    assert "flutter" not in str(tree.attrs.get("warnings", ""))

@@ -1,9 +1,10 @@
-"""The hard cases as data: name → scene, what must hold of it, and the methods that must hold it."""
+"""The hard cases as data: scenes, what must hold of them, and the methods that must hold it."""
 
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable
+import itertools
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -30,7 +31,7 @@ from hard_scenes_in_space import corner_on_face, edge_on_corner, edge_on_edge, l
 from hard_scenes_in_space import soft_and_stiff as soft_and_stiff_in_space
 from hard_scenes_in_space import stack as stack_in_space
 from hard_scenes_in_space import thin as thin_in_space
-from places import placed
+from places import PLACES, PLACES_IN_SPACE, placed
 
 from mpmfw.api import SimulationError
 from mpmfw.plugin.discovery import load
@@ -89,42 +90,20 @@ def stays(outcome: Invariants) -> list[str]:
 
 @dataclass(frozen=True)
 class Case:
-    """A hard case.
-
-    Parameters
-    ----------
-    build
-        The scene.
-    said
-        What it is, for the table of the documentation.
-    steps
-        Time steps of a run.
-    free
-        Whether no load acts: linear momentum must be kept.
-    depth
-        Bound of the penetration [cells].
-    refusal
-        Words of the refusal that is expected.
-    finish
-        Last changes of the placed scene, by the methods.
-    check
-        What else must hold: complaints about an outcome.
-    growth
-        Bounds of the energy at any time and at the end, of the start.
-    springs
-        Whether the case is about contact springs: for the methods that have them.
-    """
+    """A hard case: its scene, and what must hold of it."""
 
     build: Callable[[], dict[str, Any]]
-    said: str
     steps: int = 200
-    free: bool = True
-    depth: float = 0.1
-    refusal: str | None = None
-    finish: Callable[[dict[str, Any], str], dict[str, Any]] | None = None
-    check: Callable[[Invariants], list[str]] | None = None
-    springs: bool = False
-    growth: tuple[float, float] = (1.005, 1.005)
+    free: bool = True  #: no load acts: linear momentum must be kept
+    depth: float = 0.1  #: bound of the penetration [cells]
+    refusal: str | None = None  #: words of the refusal that is expected
+    finish: Callable[[dict[str, Any], str], dict[str, Any]] | None = None  #: last changes, for a shape
+    check: Callable[[Invariants], list[str]] | None = None  #: complaints about an outcome
+    springs: bool = False  #: about contact springs: for the methods that have them
+    growth: tuple[float, float] = (
+        1.005,
+        1.005,
+    )  #: bounds of energy over the start, at any time and at the end
 
 
 #: At 0.9 of the limit the energy must only stay bounded: springs that let go of a node then may give it much
@@ -132,93 +111,96 @@ class Case:
 NEAR = (1.25, 1.05)
 
 CASES: dict[str, Case] = {
-    "equal": Case(impact, "impact of equal blocks"),
-    "stiffness-100": Case(lambda: soft_and_stiff(1e2), "stiffness ratio 10²", 600),
-    "stiffness-10000": Case(lambda: soft_and_stiff(1e4), "stiffness ratio 10⁴", 1500),
-    "density-10": Case(lambda: impact(other=solid(density=10.0)), "density ratio 10"),
-    "density-1000": Case(lambda: impact(other=solid(density=1e3)), "density ratio 10³"),
-    "nearly-incompressible": Case(lambda: impact(other=solid(poisson=0.49)), "ν = 0.49"),
-    "corner-flat": Case(corner_on_flat, "corner against a flat", depth=0.5),
-    "corner-corner": Case(corner_on_corner, "corner on corner", depth=0.5),
-    "thin": Case(thin, "a plate half a cell thick"),
-    "gap-0": Case(lambda: impact(0.0), "initial gap of 0"),
-    "gap-0.9": Case(lambda: impact(0.9), "initial gap of 0.9 cells (0.1: equal blocks)"),
+    "equal": Case(impact),
+    "stiffness-100": Case(lambda: soft_and_stiff(1e2), 600),
+    "stiffness-10000": Case(lambda: soft_and_stiff(1e4), 1500),
+    "density-10": Case(lambda: impact(other=solid(density=10.0))),
+    "density-1000": Case(lambda: impact(other=solid(density=1e3))),
+    "nearly-incompressible": Case(lambda: impact(other=solid(poisson=0.49))),
+    "corner-flat": Case(corner_on_flat, depth=0.5),
+    "corner-corner": Case(corner_on_corner, depth=0.5),
+    "thin": Case(thin),
+    "gap-0": Case(lambda: impact(0.0)),
+    "gap-0.9": Case(lambda: impact(0.9)),
     "overlap": Case(
         lambda: {**impact(-0.1, 0.01), "allow_overlap": True},
-        "initial overlap of 0.1 cells, allowed",
         depth=0.15,
     ),
-    "overlap-refused": Case(lambda: impact(-0.1), "initial overlap of 0.1 cells", refusal="overlap"),
-    "three-at-a-node": Case(three_at_a_node, "three bodies at one grid node"),
-    "stack": Case(stack, "a stack of five at rest", free=False, check=stays),
-    "oblique": Case(oblique, "oblique impact at 0.3 c", 100, depth=0.5),
-    "long-rest": Case(long_rest, "long rest", 100000 if FULL else 1000, free=False, check=stays),
-    "long-sliding": Case(long_sliding, "long sliding", 8500 if FULL else 850, free=False),
-    "spin": Case(spin, "a disc in fast spin, in contact", depth=0.2),
-    "parting": Case(parting, "separation from contact", check=parts_freely),
-    "step-0.5": Case(slow, "step at 0.5 of the limit", finish=near_limit(0.5)),
-    "step-0.9": Case(slow, "step at 0.9 of the limit", finish=near_limit(0.9), growth=NEAR),
-    "step-1.1": Case(slow, "step at 1.1 of the limit", finish=near_limit(1.1), refusal="stability limit"),
-    "kappa-0.5": Case(slow, "κ at 0.5 of the limit", finish=stiff_springs(0.5), springs=True),
-    "kappa-0.9": Case(slow, "κ at 0.9 of the limit", finish=stiff_springs(0.9), springs=True, growth=NEAR),
-    "kappa-1.1": Case(
-        slow, "κ at 1.1 of the limit", finish=stiff_springs(1.1), springs=True, refusal="stability limit"
-    ),
+    "overlap-refused": Case(lambda: impact(-0.1), refusal="overlap"),
+    "three-at-a-node": Case(three_at_a_node),
+    "stack": Case(stack, free=False, check=stays),
+    "oblique": Case(oblique, 100, depth=0.5),
+    "long-rest": Case(long_rest, 100000 if FULL else 1000, free=False, check=stays),
+    "long-sliding": Case(long_sliding, 8500 if FULL else 850, free=False),
+    "spin": Case(spin, depth=0.2),
+    "parting": Case(parting, check=parts_freely),
+    "step-0.5": Case(slow, finish=near_limit(0.5)),
+    "step-0.9": Case(slow, finish=near_limit(0.9), growth=NEAR),
+    "step-1.1": Case(slow, finish=near_limit(1.1), refusal="stability limit"),
+    "kappa-0.5": Case(slow, finish=stiff_springs(0.5), springs=True),
+    "kappa-0.9": Case(slow, finish=stiff_springs(0.9), springs=True, growth=NEAR),
+    "kappa-1.1": Case(slow, finish=stiff_springs(1.1), springs=True, refusal="stability limit"),
 }
 
 #: Those in space; the bounds are those of the plane.
 IN_SPACE: dict[str, Case] = {
-    "space-stiffness-10000": Case(soft_and_stiff_in_space, "stiffness ratio 10⁴", 400),
-    "space-density-1000": Case(light_and_heavy, "density ratio 10³"),
-    "space-edge-edge": Case(edge_on_edge, "crossed edges", depth=0.5),
-    "space-corner-face": Case(corner_on_face, "corner against a face", depth=0.5),
-    "space-edge-corner": Case(edge_on_corner, "corner on an edge", depth=0.5),
-    "space-thin": Case(thin_in_space, "a plate half a cell thick"),
-    "space-stack": Case(stack_in_space, "a stack of five at rest", free=False, check=stays),
+    "space-stiffness-10000": Case(soft_and_stiff_in_space, 400),
+    "space-density-1000": Case(light_and_heavy),
+    "space-edge-edge": Case(edge_on_edge, depth=0.5),
+    "space-corner-face": Case(corner_on_face, depth=0.5),
+    "space-edge-corner": Case(edge_on_corner, depth=0.5),
+    "space-thin": Case(thin_in_space),
+    "space-stack": Case(stack_in_space, free=False, check=stays),
 }
 _ALL = CASES | IN_SPACE
 
-#: Label → strategy and its options.
-CONTACTS: dict[str, tuple[str, dict[str, Any]]] = {
-    "penalty": ("penalty", {}),
-    "bardenhagen": ("bardenhagen", {}),
-    "none": ("none", {}),
-    "hamad2017": ("hamad2017", {}),
-    "nairn": ("nairn", {}),
-}
 MUST_HOLD = [("penalty", shape) for shape in ("cpdi", "cpdi2", "bspline")]
 MUST_STAY_BOUNDED = [("bardenhagen", shape) for shape in ("gimp", "cpdi")]
-OTHERS = [
-    *(("penalty", shape) for shape in ("gimp", "linear")),
-    *(("bardenhagen", shape) for shape in ("cpdi2", "bspline", "linear")),
-    ("hamad2017", "cpdi"),
-    ("nairn", "cpdi"),
-    ("none", "cpdi"),
-]
-METHODS = MUST_HOLD + MUST_STAY_BOUNDED + OTHERS
+METHODS = MUST_HOLD + MUST_STAY_BOUNDED
 #: In space there is no layout for ``cpdi2``.
-METHODS_IN_SPACE = [*(m for m in MUST_HOLD if m[1] != "cpdi2"), ("bardenhagen", "cpdi")]
+METHODS_IN_SPACE = [("penalty", "cpdi"), ("penalty", "bspline"), ("bardenhagen", "cpdi")]
+
+#: Failures that are known, with the reason found. A method that passes where it is known to fail is an error.
+KNOWN: dict[tuple[str, ...], str] = {
+    ("gap-0.9", "penalty", "bspline"): "energy up to 1.026 of the start in the step after the faces meet: "
+    "springs with κ = 4 shorten it by 40 %, and it takes less from the motion than they have stored. With "
+    "fixed steps of 0.15 to 0.6 ms, or with κ = 1, the energy does not grow",
+    ("step-0.9", "penalty", "cpdi"): "energy up to 1.31 of the start for some steps, 0.66 at the end: at 0.9 "
+    "of the limit with κ = 4 a contact lasts one or two steps, and springs that let go have given more than "
+    "they took. With κ = 1 contact lasts, and the energy is 1.004 at most",
+}
+
+Row = tuple[str, str, str, tuple[float, ...], Any]
 
 
-def applies(case: str, contact: str) -> bool:
-    """Return True if a case is about this contact."""
-    return not CASES[case].springs or CONTACTS[contact][0] in ("penalty", "hamad2017")
+def rows() -> Iterator[Row]:
+    """Yield case, contact, shape, shift [cells] and turn [°] of all runs.
+
+    In the plane a case meets three methods, one at each shift, in space two; in full all methods at all
+    places."""
+    for cases, methods, places, few in (
+        (CASES, METHODS, PLACES, 3),
+        (IN_SPACE, METHODS_IN_SPACE, PLACES_IN_SPACE, 2),
+    ):
+        for i, (name, case) in enumerate(cases.items()):
+            able = [method for method in methods if not case.springs or method[0] == "penalty"]
+            some = [(able[(i + k) % len(able)], places[(i + 2 * k) % len(places)]) for k in range(few)]
+            for method, place in itertools.product(able, places) if FULL else some:
+                yield (name, *method, *place)
 
 
 def outcome(case: str, contact: str, shape: str, shift: tuple[float, ...], turn: Any) -> Invariants:
     """Run a case by a method, shifted by cells and turned by degrees."""
     asked = _ALL[case]
-    method, options = CONTACTS[contact]
     mapping = placed(asked.build(), shift, turn)
-    table = {**mapping["contact"], "method": method, **({method: options} if options else {})}
-    mapping = {**mapping, "contact": table}
+    mapping = {**mapping, "contact": {**mapping["contact"], "method": contact}}
     if asked.finish is not None:
         mapping = asked.finish(mapping, shape)
     return probe(mapping, shape=shape, steps=asked.steps)
 
 
 def complaints(case: str, contact: str, shape: str, found: Invariants) -> list[str]:
-    """What does not hold of an outcome that must; empty if all does."""
+    """Return the properties that must hold of an outcome and do not."""
     asked = _ALL[case]
     if asked.refusal is not None:
         refused = found.status == "refused" and asked.refusal in found.message

@@ -1,10 +1,8 @@
-"""Scenes moved and turned as a whole, and a design that covers all pairs of choices."""
+"""Scenes moved and turned as a whole."""
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -14,16 +12,13 @@ from mpmfw.geometry.solid import turning
 
 CELL = 0.1  # m
 
-#: Shifts of the whole scene [cells], and turns [°].
-SHIFTS = ((0.0, 0.0), (0.31, 0.17), (0.5, 0.77))
-TURNS = (0, 30)
-
-#: As a scene stands, shifted, turned, and both: in the plane, and in space, with turns about x, then y, then
-#: z.
-Place = tuple[tuple[float, ...], Any]
-PLACES: tuple[Place, ...] = tuple((shift, turn) for turn in TURNS for shift in SHIFTS[:2])
-_SPACE = ((0.0, 0.0, 0.0), (0.31, 0.17, 0.77)), ((0, 0, 0), (20, 35, 50))
-PLACES_IN_SPACE: tuple[Place, ...] = tuple((shift, turn) for turn in _SPACE[1] for shift in _SPACE[0])
+#: Shifts of the whole scene [cells] and turns [°]; in space about x, then y, then z.
+PLACES: list[tuple[tuple[float, ...], Any]] = [
+    (shift, turn) for turn in (0, 30) for shift in ((0.0, 0.0), (0.31, 0.17), (0.5, 0.77))
+]
+PLACES_IN_SPACE: list[tuple[tuple[float, ...], Any]] = [
+    (shift, turn) for turn in ((0, 0, 0), (20, 35, 50)) for shift in ((0.0, 0.0, 0.0), (0.31, 0.17, 0.77))
+]
 
 
 def rotation_of(turn: Any) -> Any:
@@ -35,7 +30,7 @@ def rotation_of(turn: Any) -> Any:
 
 
 def placed(mapping: dict[str, Any], shift: tuple[float, ...], turn: Any) -> dict[str, Any]:
-    """The scene turned about the origin by ``turn`` [°], then shifted by cells.
+    """Return the scene turned about the origin by ``turn`` [°], then shifted by cells.
 
     Geometry, velocities and gravity turn; the grid does not. In the plane a ground, which is fixed below,
     keeps a level bottom."""
@@ -76,28 +71,3 @@ def _moved(g: dict[str, Any], rotation: Any, offset: Any, turn: Any, ground: boo
     centre, half = rotation @ (0.5 * (lower + upper)) + offset, 0.5 * (upper - lower)
     turned = {"lower": (centre - half).tolist(), "upper": (centre + half).tolist()}
     return {"type": "rectangle", **turned, "angle": g.get("angle", 0.0) + angle}
-
-
-def covering(*factors: Sequence[Any]) -> list[tuple[Any, ...]]:
-    """Rows in which every two choices of different factors meet, greedily few, and always the same."""
-    pairs = list(itertools.combinations(range(len(factors)), 2))
-    open_ = {
-        ((i, a), (j, b)): None
-        for i, j in pairs
-        for a in range(len(factors[i]))
-        for b in range(len(factors[j]))
-    }
-    rows = []
-    while open_:
-        row = dict(next(iter(open_)))
-        for k in range(len(factors)):
-            if k not in row:
-                gains = [
-                    sum(tuple(sorted([(k, v), other])) in open_ for other in row.items())
-                    for v in range(len(factors[k]))
-                ]
-                row[k] = gains.index(max(gains))
-        for i, j in pairs:
-            open_.pop(((i, row[i]), (j, row[j])), None)
-        rows.append(tuple(factors[k][row[k]] for k in range(len(factors))))
-    return rows

@@ -6,15 +6,14 @@ import numpy as np
 import pytest
 
 from yardstick.block import make_block
-from yardstick.kernels import SHAPES
-from yardstick.plain import PlainLoop, compilers
+from yardstick.plain import ENTRIES, PlainLoop, compilers
 
 #: Dimensions, compiler, and whether the step is the one without a table.
 LOOPS = [(dim, compiler, dim == 3) for dim in (2, 3) for compiler in compilers()]
 
 
 @pytest.mark.parametrize(("dim", "compiler", "whole"), LOOPS)
-@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("shape", ENTRIES)
 def test_plain_loop_takes_the_same_steps(shape, dim, compiler, whole):
     block = make_block(shape, 100, dim)
     plain = PlainLoop(shape, block, compiler=compiler)

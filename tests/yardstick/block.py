@@ -1,30 +1,23 @@
-"""One neo-Hookean body, stepped by the real stepper and plug-ins: a synthetic block, or the points of the
-colliding rings.
-"""
+"""Points of a neo-Hookean body, stepped by the real stepper and plug-ins: a block, or the colliding rings."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from mpmfw.geometry.layout import Layout, layout_of_boxes
-from mpmfw.plugin.discovery import load
-from mpmfw.plugin.hooks import BoundHooks, make_manager
-from mpmfw.plugin.setup import Setup
 from mpmfw.runs.bodies import lay_out
-from mpmfw.scene.loading import load_scene
+from mpmfw.runs.simulation import Simulation
 from mpmfw.state.fields import FloatArray
-from mpmfw.state.structs import Body, Particles, State
-from mpmfw.state.windows import MARGIN, allocate_nodes, make_grid
+from mpmfw.state.structs import State
+from mpmfw.state.windows import MARGIN, allocate_nodes
 from mpmfw.step.schemes import usl
 from mpmfw.step.timestep import Clock
-from mpmfw.step.transfer import Transfer, make_transfer
+from mpmfw.step.transfer import Transfer
 
 #: All is of order one: h = 1 m, density 1 kg/m^3, moduli [Pa]; the step [s] is well below its limit.
-CELL_SIZE, BULK, SHEAR, DT = 1.0, 1.0, 0.5, 0.1
+BULK, SHEAR, DT = 1.0, 0.5, 0.1
 #: Material points along each edge of a cell.
 PER_CELL = 2
 #: Standard deviation of the points' velocities [m/s]: the block jitters and stays where it is.
@@ -47,99 +40,54 @@ class Block:
 
 
 def make_block(shape: str, count: int, dim: int = 2) -> Block:
-    """A cube of about ``count`` points at slightly irregular positions, in the corner of a grid that fits
-    it.
-    """
+    """A cube of about ``count`` points at slightly irregular positions."""
     cells = max(1, round((count / PER_CELL**dim) ** (1.0 / dim)))
-    rng = np.random.default_rng(0)
-    axis = MARGIN + (np.arange(PER_CELL * cells) + 0.5) / PER_CELL
-    position = np.stack(np.meshgrid(*[axis] * dim, indexing="ij"), axis=-1).reshape(-1, dim)
-    position += rng.uniform(-0.1, 0.1, position.shape)
-    layout = layout_of_boxes(position, np.full(position.shape, CELL_SIZE / PER_CELL))
-    return _block_of(layout, shape, cells, rng)
+    corners = {"lower": [float(MARGIN)] * dim, "upper": [float(MARGIN + cells)] * dim}
+    geometry = {"type": "rectangle" if dim == 2 else "box", **corners}
+    block = _block_of({"block": geometry}, {"size": 1.0 / PER_CELL}, shape, cells, dim)
+    position = block.state.particles.position
+    position += np.random.default_rng(1).uniform(-0.1, 0.1, position.shape)
+    return block
 
 
 def make_rings(shape: str) -> Block:
-    """The points of the scene ``colliding-rings``, lengths in cells, as one block in the corner of a square
-    grid.
-    """
-    scene = load_scene("colliding-rings")
-    layouts, h = lay_out(scene), scene.grid.cell_size
-    corners = np.concatenate([layout.corners for layout in layouts if layout.corners is not None]) / h
-    shift = MARGIN - np.floor(
-        corners.min(axis=(0, 1))
-    )  # whole cells: the points lie between grid lines as in the scene
-    layout = Layout(
-        position=np.concatenate([layout.position for layout in layouts]) / h + shift,
-        volume=np.concatenate([layout.volume for layout in layouts]) / h**2,
-        half_edges=np.concatenate([layout.half_edges for layout in layouts]) / h,
-        corners=corners + shift,
-    )
-    cells = math.ceil((corners + shift).max()) - MARGIN
-    return _block_of(layout, shape, cells, np.random.default_rng(0))
+    """The points of the scene ``colliding-rings``, lengths in cells, in one velocity field."""
+    rings = {
+        name: {
+            "type": "ring",
+            "centre": [MARGIN + x, MARGIN + 20.0],
+            "inner_radius": 15.0,
+            "outer_radius": 20.0,
+        }
+        for name, x in (("left", 20.0), ("right", 62.0))
+    }
+    return _block_of(rings, {"layout": "fitted", "size": 0.25}, shape, 82, 2)
 
 
-def _block_of(layout: Layout, shape: str, cells: int, rng: np.random.Generator) -> Block:
-    """A block of these points, on a grid of so many cells along each axis and a margin on both sides."""
-    position = layout.position
-    dim = position.shape[1]
-    particles = _particles(layout, rng)
-    grid = make_grid(CELL_SIZE, np.zeros(dim), np.full(dim, float(cells + 2 * MARGIN)), 1)
-    body = Body(
-        name="block",
-        index=0,
-        particles=slice(0, len(position)),
-        field=0,
-        density=1.0,
-        bulk_modulus=BULK,
-        shear_modulus=SHEAR,
-        lower=tuple(position.min(axis=0)),
-        upper=tuple(position.max(axis=0)),
-        outlines=(),
-    )
-    state = State(particles=particles, grid=grid, bodies=(body,), pairs=())
-    function = load("shape", shape)()
-    material = load("material", "neo_hookean")(bulk_modulus=BULK, shear_modulus=SHEAR, energy="log")
-    material.slices = (body.particles,)
-    setup = Setup(
-        state=state,
-        layouts=(layout,),
-        shape=shape,
-        massless_boundary=function.massless_boundary,
-        scheme="usl",
-        transfer="aflip",
-        flip=1.0,
-        bulk_frequency=2.0 * body.wave_speed / CELL_SIZE,
-        safety=0.5,
-    )
-    manager = make_manager()
-    for plugin in (function, material):
-        manager.register(plugin)
-    manager.check_pending()
-    manager.hook.setup(setup=setup)
-    clock = Clock()
-    hook: Any = BoundHooks(manager, clock)
-    grid.window_shape[:] = grid.nodes  # the plain loop knows one cubic window
+def _block_of(geometries: Any, particles: Any, shape: str, cells: int, dim: int) -> Block:
+    """Bodies that jitter and are slightly deformed, on a grid of so many cells and a margin on both sides."""
+    solid = {"model": "neo_hookean", "density": 1.0, "bulk_modulus": BULK, "shear_modulus": SHEAR}
+    scene = {
+        "grid": {"cell_size": 1.0, "lower": [0.0] * dim, "upper": [cells + 2.0 * MARGIN] * dim},
+        "time": {"end": 1.0, "output_interval": 1.0},
+        "stepping": {"scheme": "usl", "transfer": "aflip"},
+        "shape": {"method": shape},
+        "materials": {"solid": {**solid, "energy": "log"}},
+        "bodies": {
+            name: {"material": "solid", "geometry": geometry, "particles": particles}
+            for name, geometry in geometries.items()
+        },
+        "output": {"particles": False, "gap": False},
+    }
+    if len(geometries) > 1:
+        scene["contact"] = {"method": "none"}
+    else:
+        scene["bodies"]["block"]["rotation"] = "lumped"
+    sim = Simulation(scene)
+    rng, p, grid = np.random.default_rng(0), sim.state.particles, sim.state.grid
+    p.velocity[:] = JITTER * rng.normal(size=p.velocity.shape)
+    p.deformation_gradient += rng.uniform(-1e-3, 1e-3, p.deformation_gradient.shape)
+    grid.window_lower[:], grid.window_shape[:] = 0, grid.nodes  # the plain loop knows one cubic window
     allocate_nodes(grid)
-    transfer = make_transfer("aflip", singular_spread=function.singular_spread)
-    return Block(state, hook, transfer, clock, layout.half_edges)
-
-
-def _particles(layout: Layout, rng: np.random.Generator) -> Particles:
-    """Points of unit density that jitter and are slightly deformed."""
-    position, volume = layout.position, layout.volume
-    n, dim = position.shape
-    tensor = (n, dim, dim)
-    return Particles(
-        position=position,
-        velocity=JITTER * rng.normal(size=(n, dim)),
-        mass=volume.copy(),
-        initial_volume=volume,
-        volume=volume.copy(),
-        deformation_gradient=np.eye(dim) + rng.uniform(-1e-3, 1e-3, tensor),
-        velocity_gradient=np.zeros(tensor),
-        stress=np.zeros(tensor),
-        affine=np.zeros(tensor),
-        moment=None,
-        first=np.array([0, n], dtype=np.int64),
-    )
+    half_edges = np.concatenate([layout.half_edges for layout in lay_out(sim.scene)])
+    return Block(sim.state, sim.hook, sim.transfer, sim.clock, half_edges)

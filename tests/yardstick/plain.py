@@ -116,25 +116,7 @@ def problem_of(block_: Block, shape: str) -> SimpleNamespace:
 
 
 class PlainLoop:
-    """The plain loop on a copy of a block.
-
-    Parameters
-    ----------
-    shape, block_
-        The shape function and the block.
-    compiler
-        Path of the C++ compiler.
-
-    Attributes
-    ----------
-    language
-        The compiler's name.
-    problem
-        Its arrays.
-    stages
-        One call without arguments for each of :data:`STAGES`, with an interpolation table.
-    whole
-        The call of a whole step without a table.
+    """The plain loop of a shape function on a copy of a block, by the C++ compiler of this path.
 
     Raises
     ------
@@ -150,6 +132,7 @@ class PlainLoop:
             raise NotImplementedError(f"{compiler} makes no library of the plain loop")
         self.language = Path(compiler).name
         call = _foreign_calls(library, f"{shape}_{dim}", self.problem)
+        #: A call for each of :data:`STAGES`, with an interpolation table; and that of a step without one.
         self.stages: dict[str, Callable[[], object]] = {stage: call(stage) for stage in STAGES}
         self.whole: Callable[[], object] = call("step")
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -32,7 +31,7 @@ def relabelling(subject: Subject) -> None:
     """The order in which the scene names the bodies does not matter. The order of the bodies in the scene
     changes positions and momenta by at most 1e-9 cells and of the largest momentum.
 
-    Two blocks, or three that meet at one spot, in every order; equal ones and unequal ones.
+    Two blocks, or three that meet at one spot, reversed and moved on by one; equal ones and unequal ones.
     """
 
     def trial(bodies: int, **numbers: Any) -> None:
@@ -40,7 +39,7 @@ def relabelling(subject: Subject) -> None:
         mapping = three_blocks(**numbers) if bodies == 3 else two.mapping()
         names = list(mapping["bodies"])
         reference = simulate(subject, mapping, STEPS)
-        for order in list(itertools.permutations(names))[1:]:
+        for order in dict.fromkeys([(*names[::-1],), (*names[1:], names[0])]):
             changed = {**mapping, "bodies": {name: mapping["bodies"][name] for name in order}}
             off = reference.difference(simulate(subject, changed, STEPS))
             case = {"order": ", ".join(order), "instead of": ", ".join(names)}

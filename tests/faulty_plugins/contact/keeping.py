@@ -1,4 +1,4 @@
-"""Laws that are wrong about options, time step and state."""
+"""Laws that are wrong about options, time step, state, areas and records."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from faulty_plugins.contact.plain import PlainContact
 from faulty_plugins.sealed import Sealed
 from mpmfw.api import AnyArray, State, hookimpl
 from mpmfw_contact.bardenhagen import Bardenhagen
-from mpmfw_contact.penalty import Penalty
+from mpmfw_contact.penalty import Penalty, PenaltyLaw
 
 
 class Softness(BaseModel):
@@ -118,3 +118,31 @@ class RemembersWork(Bardenhagen):
 
 class Closed(Sealed, PlainContact):
     """Holds a function."""
+
+
+class PerPointLaw(PenaltyLaw):
+    def stiffness(self, rows, old):
+        super().stiffness(rows, old)
+        n = rows.count
+        for k in (rows.own.k, rows.own.limit_k):
+            k[:n] *= 0.5 * self.cell_size / rows.tributary_area[:n]
+        return rows.own.limit_k
+
+
+class PerPoint(Penalty):
+    """Every point has half a cell of the surface, however many points there are."""
+
+    name = "per-point"
+    Law = PerPointLaw
+
+
+class HalfTheWork(Penalty):
+    """Reports half of the work of friction."""
+
+    name = "half-the-work"
+
+    @hookimpl
+    def diagnostics(self, state, interval) -> dict[str, Any]:
+        series = Penalty.diagnostics(self, state, interval)
+        series["frictional_work"] = 0.5 * series["frictional_work"]
+        return series

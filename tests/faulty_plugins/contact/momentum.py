@@ -49,22 +49,6 @@ class MassRatio(PlainContact):
         return max(whole) / min(whole) * super().effective_mass(pair, m_a, m_b)
 
 
-class ForceAtDistance(PlainContact):
-    """Bodies whose heaviest nodes are within twelve cells push at each other, a little, from the nodes with
-    most mass.
-    """
-
-    def correct(self, grid):
-        super().correct(grid)
-        for pair in self.pairs:
-            nodes = [grid.field_nodes(body) for body in (pair.first, pair.second)]
-            a, b = (own.start + int(grid.mass[own].argmax()) for own in nodes)
-            apart = grid.position[b] - grid.position[a]
-            if np.linalg.norm(apart) < 12.0 * self.h:
-                grid.momentum[a] -= 1e-6 * apart
-                grid.momentum[b] += 1e-6 * apart
-
-
 class Misreported(PlainContact):
     """Reports the force on the second body."""
 
@@ -115,16 +99,6 @@ class FirstIsMaster(PlainContact):
 
     def normal(self, outward_a, _outward_b, _position):
         return outward_a
-
-
-class MiddleIsLighter(PlainContact):
-    """Of three bodies the one in the middle of the list gets smaller impulses; the same one if the list is
-    reversed.
-    """
-
-    def effective_mass(self, pair, m_a, m_b):
-        middle = len(self.state.bodies) == 3 and 1 in (pair.first, pair.second)
-        return (0.9 if middle else 1.0) * super().effective_mass(pair, m_a, m_b)
 
 
 class FeelsOrigin(PlainContact):

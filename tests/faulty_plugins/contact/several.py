@@ -29,14 +29,6 @@ class FullBuffer(PlainContact):
         return a[:64], b[:64]
 
 
-class EightPairs(PlainContact):
-    """Has room for eight pairs that touch; the rest is dropped."""
-
-    def correct(self, grid):
-        self.shared = [each for each in self.shared if len(each[1])][:8]
-        super().correct(grid)
-
-
 class OneTouch(PlainContact):
     """Bodies that have met and parted are not asked again."""
 
@@ -63,13 +55,6 @@ class AbsoluteSpeed(PlainContact):
 
     def effective_mass(self, pair, m_a, m_b):
         return super().effective_mass(pair, m_a, m_b) / (1.0 + self.fast / 10.0)
-
-
-class TwentiethPerStep(PlainContact):
-    """Takes a twentieth of the approach away in a step, however long that is."""
-
-    def effective_mass(self, pair, m_a, m_b):
-        return 0.05 * super().effective_mass(pair, m_a, m_b)
 
 
 class WritesStress(PlainContact):
@@ -111,59 +96,3 @@ class LightIsNothing(PlainContact):
         a, b = super().shared_nodes(grid, pair)
         heavy = np.minimum(grid.mass[a], grid.mass[b]) > 0.01 * grid.mass.max()
         return a[heavy], b[heavy]
-
-
-class CentreLine(PlainContact):
-    """The normal is the line between the bodies' centres: right for discs, and for blocks that lie opposite
-    each other.
-    """
-
-    def shared_nodes(self, grid, pair):
-        x, bodies = self.state.particles.position, self.state.bodies
-        first, second = (x[bodies[body].particles].mean(axis=0) for body in (pair.first, pair.second))
-        self.line = second - first
-        return super().shared_nodes(grid, pair)
-
-    def normal(self, outward_a, _outward_b, _position):
-        return np.broadcast_to(self.line, outward_a.shape)
-
-
-class StaleNormal(PlainContact):
-    """A node keeps the normal that it had when the bodies first shared it."""
-
-    def shared_nodes(self, grid, pair):
-        self.now = pair.index
-        return super().shared_nodes(grid, pair)
-
-    def normal(self, outward_a, outward_b, position):
-        if not hasattr(self, "kept"):
-            self.kept = np.full((len(self.pairs), 400, 400, position.shape[1]), np.nan)
-        at = tuple(np.round(position[:, :2] / self.h).astype(int).T + 200)
-        found = super().normal(outward_a, outward_b, position)
-        first = np.isnan(self.kept[self.now][at]).any(axis=1)
-        kept = np.where(first[:, None], found, self.kept[self.now][at])
-        self.kept[self.now][at] = kept
-        return kept
-
-
-class PlanarFriction(PlainContact):
-    """Friction along x and y alone."""
-
-    def exchanged(self, pair, m_a, m_b, relative, n):
-        flat = relative.copy()
-        if relative.shape[1] == 3:
-            along = (relative[:, 2] * n[:, 2])[:, None] * n
-            flat[:, 2] = along[:, 2]
-        return super().exchanged(pair, m_a, m_b, flat, n)
-
-
-class DrainsEnergy(PlainContact):
-    """Nodes that touch lose a fiftieth of their motion against each other: momentum stays, energy goes."""
-
-    def apply(self, grid, pair, a, b, j):
-        super().apply(grid, pair, a, b, j)
-        for nodes in (a, b):
-            if len(nodes):
-                mass = grid.mass[nodes]
-                mean = grid.momentum[nodes].sum(axis=0) / mass.sum()
-                grid.momentum[nodes] -= 0.1 * (grid.momentum[nodes] - mass[:, None] * mean)

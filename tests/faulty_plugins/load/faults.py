@@ -2,21 +2,12 @@
 
 from __future__ import annotations
 
-import time as clock
 from typing import Any
 
 import numpy as np
 
-from faulty_plugins.sealed import Forgetful, Sealed
-from mpmfw.api import (
-    BodyLoad,
-    FloatArray,
-    Grid,
-    LoadedFacets,
-    Particles,
-    SurfaceLoad,
-    hookimpl,
-)
+from faulty_plugins.sealed import Sealed
+from mpmfw.api import BodyLoad, FloatArray, Grid, LoadedFacets, Particles, SurfaceLoad, hookimpl
 from mpmfw.kernels import kernel
 from mpmfw.kernels.types import Floats
 
@@ -71,28 +62,12 @@ class Everybody(Sound):
         grid.force[:, 0] += grid.mass * 1.0
 
 
-class MeanOfAll(Sound):
-    """Drag against the mean velocity of all bodies."""
-
-    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:  # noqa: ARG002
-        mean = particles.velocity.mean(axis=0)
-        force: FloatArray = particles.mass[own, None] * (mean - 2.0 * particles.velocity[own])
-        return force
-
-
 class Latching(Sound):
     """Stays on once it was, in an attribute of its own."""
 
     def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
         self.on = getattr(self, "on", False) or time > 1.0
         return super().forces(particles, own, time) * (2.0 if self.on else 1.0)
-
-
-class Noisy(Sound):
-    """Another force in every run."""
-
-    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
-        return super().forces(particles, own, time) * (1.0 + 1e-3 * (clock.perf_counter_ns() % 1000))
 
 
 class Pushing(Sound):
@@ -141,17 +116,5 @@ class PastTheEnd(BodyLoad):
         return force
 
 
-#: The check that is meant for each.
 class Closed(Sealed, Sound):
     """Holds a function."""
-
-
-class Forgetting(Forgetful, Sound):
-    """Is sent without a number that it needs."""
-
-
-class GrowsWithPoints(Sound):
-    """A thousandth more for every point of the body."""
-
-    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
-        return (1.0 + 1e-3 * (own.stop - own.start)) * super().forces(particles, own, time)

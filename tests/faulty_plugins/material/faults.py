@@ -62,29 +62,12 @@ class KirchhoffForCauchy(Sound):
         )
 
 
-class OutputsOfAnother(Sound):
-    """The stress for outputs is 1 % higher than that of the step."""
-
-    def cauchy_stress(self, deformation_gradient: FloatArray) -> FloatArray:
-        return 1.01 * super().cauchy_stress(deformation_gradient)
-
-
 class EverybodysStress(Sound):
     """All points are taken for the material's own."""
 
     @hookimpl
     def update_stress(self, particles: Particles) -> None:
         particles.stress[:] = self.stress(particles.deformation_gradient)
-
-
-class Correcting(Sound):
-    """F is put right to the volume of before."""
-
-    @hookimpl
-    def update_stress(self, particles: Particles) -> None:
-        for own in self.slices:
-            particles.deformation_gradient[own] *= 1.0 - 1e-12
-            particles.stress[own] = self.stress(particles.deformation_gradient[own])
 
 
 class MeanPressure(Sound):

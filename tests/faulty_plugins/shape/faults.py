@@ -6,7 +6,7 @@ import dataclasses
 from typing import Literal
 
 import numpy as np
-from pydantic import BaseModel, Field
+from pydantic import BaseModel
 
 from faulty_plugins.sealed import Sealed
 from faulty_plugins.shape.sound import Sound
@@ -53,21 +53,6 @@ class WrongPiece(Sound):
 
     def base(self, xi: FloatArray) -> FloatArray:
         return np.floor(xi) - 1.0
-
-
-class AlternatingCells(Sound):
-    """Wider functions in every other cell of the background grid: sums hold, but a shift by a cell is
-    felt.
-    """
-
-    def table(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
-        table = super().table(position, first, grid)
-        xi = (position[:, 0] - grid.lower[0]) / grid.cell_size
-        share = 0.02 * np.maximum(np.sin(np.pi * xi), 0.0)
-        ripple = np.array([1.0, -2.0, 1.0])
-        for _ in range(grid.dim - 1):
-            ripple = np.multiply.outer(ripple, np.array([1.0, -2.0, 1.0]))
-        return table.replace(weight=table.weight + np.outer(share, ripple.ravel()).ravel())
 
 
 class UndeclaredSpread(Linear):
@@ -127,13 +112,6 @@ class ReachAtTheStart(Cpdi):
     @hookimpl
     def particle_reach(self, particles: Particles) -> FloatArray:  # noqa: ARG002
         return np.abs(self.half_edges).sum(axis=2)
-
-
-class TabulatedInCompany(Sound):
-    """Weights are looked up to a tenth of a cell as soon as there are several points."""
-
-    def weights(self, t: FloatArray) -> FloatArray:
-        return super().weights(t if len(t) == 1 else np.round(t, 1))
 
 
 class TransposedDeformation(Cpdi):
@@ -200,14 +178,6 @@ class UndeclaredBoundary(Linear):
     """Linear functions that do not say that boundary nodes may be without mass."""
 
     massless_boundary = False
-
-
-class SurfaceWithGradients(Sound):
-    """A surface table with gradients, which nobody reads and every step pays for."""
-
-    @hookimpl
-    def interpolate_surface(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
-        return self.table(np.ascontiguousarray(position), first, grid)
 
 
 class Descending(Sound):
@@ -296,18 +266,6 @@ class Deaf(Sound):
     Options = DeafOptions
 
 
-class OddOptions(BaseModel):
-    """An option that takes none of the values that come to mind."""
-
-    order: int = Field(2, ge=1, multiple_of=1009)
-
-
-class DeafBehindRefusals(Sound):
-    """An option is ignored, and every value but the default that the kit makes up is refused."""
-
-    Options = OddOptions
-
-
 class Flatland(Sound):
     """Says that it works in one dimension, in which there is no grid."""
 
@@ -318,28 +276,3 @@ class Closed(Sealed, Sound):
     """Holds a function."""
 
     name = "closed"
-
-
-class FrozenDomains(Cpdi):
-    """CPDI whose domains keep their shape at the start."""
-
-    @hookimpl
-    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
-        identity = np.tile(np.eye(particles.dim), (particles.count, 1, 1))
-        return super().interpolate(dataclasses.replace(particles, deformation_gradient=identity), grid)
-
-
-class OffByOneAtTheEnd(Sound):
-    """The window's last node is forgotten to be a node: the check is one node too generous."""
-
-    def inside(self, base: FloatArray, shape: IntArray) -> FloatArray:
-        return super().inside(base, shape + 1)
-
-
-class LongNodes(Sound):
-    """Node indices of 64 bits: every kernel would be compiled a second time."""
-
-    @hookimpl
-    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
-        table = super().interpolate(particles, grid)
-        return table.replace(nodes=table.nodes.astype(np.int64))

@@ -1,0 +1,111 @@
+"""Bodies of the plane with a thickness: masses, forces and energies go with it, and motion does not."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import mpmfw
+from mpmfw.errors import SceneError
+from mpmfw.runs.simulation import Simulation
+from scenes_for_tests import SOFT, block, box, two_blocks
+
+HOOKE = {**SOFT, "model": "linear_elastic"}
+
+
+def blocks(contact: str, *thicknesses: float, **changes: Any) -> dict[str, Any]:
+    """The two blocks with these thicknesses [m]."""
+    scene = two_blocks(contact, **changes)
+    for body, thickness in zip(scene["bodies"].values(), thicknesses, strict=False):
+        body["thickness"] = thickness
+    return scene
+
+
+def pressed(load: dict[str, Any], thickness: float | None) -> Any:
+    """Points of a block that has settled between walls under a load on its top."""
+    walls = [{"side": "left", "fixed": ["x"]}, {"side": "right", "fixed": ["x"]}]
+    sides = [{"side": "bottom", "fixed": ["y"]}, *walls, {"side": "top", **load}]
+    scene = block(bodies__solid__sides=sides, materials__soft=HOOKE, settle={})
+    if thickness is not None:
+        scene["bodies"]["solid"]["thickness"] = thickness
+    sim = Simulation(scene)
+    sim.start()
+    return sim.state.particles
+
+
+def test_a_plate_of_another_thickness_has_another_mass_and_the_same_stress_under_pressure() -> None:
+    """The stress is the pressure, to the bit for powers of two."""
+    plain, thin = (pressed({"pressure": 1e4}, thickness) for thickness in (None, 0.25))
+    np.testing.assert_array_equal(thin.mass, 0.25 * plain.mass)
+    np.testing.assert_array_equal(thin.stress, plain.stress)
+    assert thin.stress[:, 1, 1].mean() == pytest.approx(-1e4, rel=0.01)
+
+
+def test_a_force_on_a_thinner_plate_stresses_it_more() -> None:
+    """σ = F / (L t); F in N."""
+    stress = pressed({"force": [0.0, -100.0]}, 0.02).stress
+    assert stress[:, 1, 1].mean() == pytest.approx(-100.0 / 0.02, rel=0.01)
+
+
+@pytest.mark.parametrize("contact", ["penalty", "adhesion", "barrier", "hybrid", "nodes+penalty"])
+def test_every_energy_goes_with_the_thickness(contact: str) -> None:
+    """Half steps and contact's losses too, to the bit."""
+    changes = {"time__end": 0.02, "time__output_interval": 0.01, "output__ledger": True}
+    whole, thin = (mpmfw.run(blocks(contact, t, t, **changes))["series"] for t in (1.0, 0.25))
+    energies = [name for name in whole.data_vars if whole[name].attrs.get("units") == "J"]
+    assert {"half_step_work", "energy_residual", "contact_work"} <= set(energies)
+    assert whole["half_step_work"].values[-1] != 0.0
+    for name in energies:
+        np.testing.assert_array_equal(thin[name], 0.25 * whole[name], err_msg=name)
+
+
+@pytest.mark.parametrize(
+    "contact", ["penalty", "surfaces+lcp", "barrier", "midplane", "nodes+penalty(kappa=1)"]
+)
+def test_two_bodies_touch_over_the_lesser_thickness(contact: str) -> None:
+    """Squares with sides of 0.5 m: the rows have 0.5 m times the lesser one, whichever body is first."""
+
+    def area(*thicknesses: float) -> float:
+        sim = Simulation(blocks("penalty", *thicknesses), contact=contact)
+        sim.advance(3)
+        rows = sim.contact.last_rows  # type: ignore[union-attr]
+        assert rows.count > 0
+        return float(rows.area[: rows.count].sum())
+
+    one = area(1.0, 1.0)
+    assert one == pytest.approx(0.5, rel=0.07)  # the squares' corners are no whole rows
+    for thicknesses in ((2.0, 0.25), (0.25, 2.0)):
+        assert area(*thicknesses) == pytest.approx(0.25 * one, rel=1e-2)
+
+
+def test_traction_acts_on_the_area_of_its_own_body() -> None:
+    """Two blocks apart, of two thicknesses: F = τ L t of each."""
+    scene = blocks("separate", 0.5, 2.0, time__step=1e-5)
+    for body in scene["bodies"].values():
+        body |= {"velocity": [0.0, 0.0], "sides": [{"side": "top", "traction": [3.0, 0.0]}]}
+    sim = Simulation(scene)
+    sim.advance(5)
+    p = sim.state.particles
+    for body, thickness in zip(sim.state.bodies, (0.5, 2.0), strict=True):
+        own = body.particles
+        assert p.mass[own] @ p.velocity[own, 0] == pytest.approx(3.0 * 0.5 * thickness * 5e-5, rel=1e-6)
+
+
+@pytest.mark.parametrize("contact", ["bardenhagen", "lcp"])
+def test_forces_go_with_the_thickness_and_motion_does_not(contact: str) -> None:
+    changes = {"time__end": 0.01, "time__output_interval": 0.01}
+    plain, thick = (mpmfw.run(blocks(contact, *t, **changes))["series"] for t in ((), (4.0, 4.0)))
+    assert [tree["kinetic_energy"].attrs["units"] for tree in (plain, thick)] == ["J m-1", "J"]
+    np.testing.assert_allclose(thick["centre_of_mass"], plain["centre_of_mass"], rtol=1e-9)
+    force = 4.0 * plain["contact_force"].values
+    assert np.abs(force).max() > 0.0
+    np.testing.assert_allclose(thick["contact_force"], force, rtol=1e-9, atol=1e-9 * np.abs(force).max())
+
+
+def test_a_thickness_in_space_and_one_of_nothing_are_refused() -> None:
+    with pytest.raises(SceneError, match=r"bodies\.solid\.thickness: must be greater than 0"):
+        mpmfw.load_scene(block(bodies__solid__thickness=0.0))
+    with pytest.raises(SceneError, match=r"bodies\.solid\.thickness: is for two dimensions"):
+        mpmfw.load_scene(box(bodies__solid__thickness=0.5))
