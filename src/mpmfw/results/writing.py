@@ -198,7 +198,7 @@ class RunWriter:
         self._groups = {place: Timeline(dataset[place], self.header) for place in copy._groups}
         return dataset
 
-    def _repeat(self, content: AnyArray) -> None:
+    def _repeat(self, content: Any) -> None:
         """Write the complete outputs of another file of the same run.
 
         Declared variables are copied. To append to the file itself would be unsafe: HDF5 follows its links,
@@ -227,9 +227,10 @@ class RunWriter:
 
     def _repeat_group(self, place: str, group: netCDF4.Dataset, times: set[float], size: int) -> None:
         """Write the declared variables of a group at ``times``; no frame is larger than ``size`` [bytes]."""
-        columns = []
+        columns: list[tuple[Field, Any]] = []
+        kind: Any = place.partition("/")[0]
         for name, variable in group.variables.items():
-            if (field := self._fields.get((place.partition("/")[0], name))) is not None:
+            if (field := self._fields.get((kind, name))) is not None:
                 columns.append((field, variable))
                 shape = variable.shape[len(variable.dimensions) - len(field.dims) :]
                 if variable.dtype != field.dtype or math.prod(shape) * variable.dtype.itemsize > size:
