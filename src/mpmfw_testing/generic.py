@@ -183,8 +183,8 @@ def unchanged(who: str, *owners: Any, but: Collection[str] = (), **case: object)
     def arrays() -> dict[str, AnyArray]:
         found: dict[str, AnyArray] = {}
         for owner in owners:
-            held = owner.arrays() if hasattr(owner, "arrays") else vars(owner)
-            own = {f"{type(owner).__name__}.{name}": each for name, each in held.items() if name not in but}
+            kind = type(owner).__name__
+            own = {f"{kind}.{name}": each for name, each in vars(owner).items() if name not in but}
             found |= {name: each for name, each in own.items() if isinstance(each, np.ndarray)}
         return found
 

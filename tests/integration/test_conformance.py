@@ -127,7 +127,7 @@ SOUND = {
     ("material", f"linear_elastic({MODULI})"): LINEAR_ELASTIC,
     ("material", f"j2({MODULI}, yield_stress=2e4, hardening_modulus=1e5)"): {},
     ("material", f"mohr_coulomb({MODULI}, friction_angle=0.5, cohesion=1e4)"): {},
-    ("material", f"drucker_prager({MODULI}, friction_angle=0.5, dilation_angle=0.1)"): {},
+    ("material", f"drucker_prager({MODULI}, friction_angle=0.5, dilation_angle=0.1, cohesion=1e4)"): {},
     ("material", SoundMaterial): {},
     ("load", "drag(rate=2, medium=[[0, 1, 0], [1, 0, 3]])"): {},
     ("load", "body_force(force=[3, -2])"): {},

@@ -169,7 +169,11 @@ TAYLOR: dict[str, Any] = {
 
 @pytest.mark.parametrize(
     ("contact", "shape"),
-    [("penalty", "cpdi"), ("penalty", "cpdi2"), ("lcp", "cpdi"), ("bardenhagen(normal=master)", "cpdi")],
+    [
+        *((contact, "cpdi") for contact in ("penalty", "lcp", "surfaces+impulse", "bardenhagen")),
+        ("bardenhagen(criterion=position, normal=master)", "cpdi"),
+        ("penalty", "cpdi2"),
+    ],
 )
 def test_a_taylor_slab_is_as_long_with_every_contact(contact: str, shape: str) -> None:
     """The slab runs at the default step, makes no energy, and keeps 0.68 of its length."""

@@ -244,6 +244,7 @@ class Nodes(AtNodes):
             raise SceneError(
                 f"expected {setup.dim} components, found {len(direction)}", key=f"contact.{owner}.direction"
             )
+        self.bias = None  # of an earlier run
         super().prepare(setup, owner)
         if direction is not None:
             self.given = np.array(direction)

@@ -108,7 +108,8 @@ def _tables(simulation: Simulation) -> int:
     tables += [] if surface is None else [surface.table]
     rows = {id(each): each for name in ("rows", "old") if (each := getattr(contact, name, None)) is not None}
     arrays = [array for table in tables for array in table.kernel_arrays]
-    return sum(int(a.nbytes) for a in [*arrays, *(a for r in rows.values() for a in r.arrays().values())])
+    arrays += [array for each in rows.values() for array in (each.members() | each.of_rows()).values()]
+    return sum(int(array.nbytes) for array in arrays)
 
 
 def driven_speed(simulation: Simulation) -> FloatArray:

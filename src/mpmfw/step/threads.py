@@ -200,7 +200,7 @@ class Threads:
             begins = list(itertools.accumulate((n + n // 128 + 64 for n in self._entries[:-1]), initial=0))
         else:
             begins = [table.room * start // (len(table.row) - 1) for start, _ in parts]
-        ends = [*begins[1:], table.room]
+        ends = [min(end, table.room) for end in (*begins[1:], table.room)]
         codes = self.each(lambda t: fill(firsts[t], begins[t], ends[t]))
         if FULL in codes and self._entries:
             self._entries = []
