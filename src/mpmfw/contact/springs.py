@@ -190,8 +190,7 @@ class SpringLaw(ForceLaw):
     def normal_forces(self, rows: ContactRows, old: ContactRows, records: PairRecords) -> None:
         """Write N and k_t of every row on which the law acts, and add to the pairs' energies.
 
-        N, k_t and pull are 0 before, and entered is 1. The dashpot of :meth:`ForceLaw.forces` is an
-        attribute.
+        N, k_t and pull are 0 before, and entered is 1. The dashpot is an attribute.
         """
         raise NotImplementedError
 
