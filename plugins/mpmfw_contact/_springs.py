@@ -21,7 +21,7 @@ WEAK = 0.1
 #: Depth in cells up to which a node that came in by the side of a corner bears at once where a face takes it.
 SHALLOW = 0.01
 
-#: Relative change of a loaded spring's share that is let be.
+#: Relative change of a loaded spring's share that is ignored.
 NOISE = 0.02
 
 
@@ -77,7 +77,7 @@ def changed_spring(
 
     Where corners meet the normal jumps, and a spring that became stiffer while it is loaded would make
     energy of nothing. One that grows keeps its force, one that shrinks its rest: both lose energy. Small
-    changes are let be, so that noise does not let bodies at rest creep into one another. A rest fades over
+    changes are ignored, so that noise does not let bodies at rest creep into one another. A rest fades over
     a cell of sliding: nodes that come in by a corner would hold less than others for good. A node that
     came in by the side, with next to no share, and is shallow when a face takes it, has half of its length
     under that face: half of its force acts at once.

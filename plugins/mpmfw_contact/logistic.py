@@ -152,7 +152,7 @@ def fit_plane(
 def outermost(
     i: int, clouds: Clouds, points: Points, half_edges: Floats, origin: Floats, direction: Floats, sign: Float
 ) -> Float:
-    """How far the points of node i reach along ``sign`` times the ``direction`` from ``origin`` [m].
+    """Return the reach of node i's points along ``sign`` times the ``direction`` from ``origin`` [m].
 
     A point reaches as the ellipse within its domain, |(F R)ᵀ n| from its centre.
     """

@@ -14,7 +14,7 @@ from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.arithmetic import invert
 from mpmfw.kernels.types import Float, Floats
 from mpmfw_material._isotropic import Moduli, pad_plane_strain
-from mpmfw_material._plastic import SPACE, Flow, Plastic
+from mpmfw_material._plastic import SPACE, Flow, Plastic, pad
 from mpmfw_material._principal import compose, diagonalise, push_forward
 
 
@@ -51,7 +51,7 @@ def flow_stress(a: int, plane: tuple[int, int], bulk: float, shear: float, dilat
 def fall(
     of: tuple[int, int], by: tuple[int, int], bulk: float, shear: float, friction: float, dilation: float
 ) -> Float:
-    """Fall of the yield function of one plane per unit of flow on another, n · D r."""
+    """Fall of the yield function of one plane per unit of flow on another: n · D r, symmetric."""
     return (1.0 + friction) * flow_stress(of[0], by, bulk, shear, dilation) - (1.0 - friction) * flow_stress(
         of[1], by, bulk, shear, dilation
     )
@@ -83,13 +83,12 @@ def return_to_pyramid(tau: Floats, bulk: float, shear: float, surface: tuple[flo
         return True
     beside = (i, j) if tau[j] < tau[k] else (j, k)
     other = (1.0 + friction) * trial[beside[0]] - (1.0 - friction) * trial[beside[1]] - cohesion
-    forth = fall((i, k), beside, bulk, shear, friction, dilation)
-    back = fall(beside, (i, k), bulk, shear, friction, dilation)
-    scale = 1.0 / (own * own - forth * back)
+    both = fall((i, k), beside, bulk, shear, friction, dilation)
+    scale = 1.0 / (own * own - both * both)
     for a in range(3):
         tau[a] = trial[a] - scale * (
-            (own * main - forth * other) * flow_stress(a, (i, k), bulk, shear, dilation)
-            + (own * other - back * main) * flow_stress(a, beside, bulk, shear, dilation)
+            (own * main - both * other) * flow_stress(a, (i, k), bulk, shear, dilation)
+            + (own * other - both * main) * flow_stress(a, beside, bulk, shear, dilation)
         )
     if tau[i] < tau[k]:
         for a in range(3):
@@ -138,12 +137,7 @@ def frictional_stress(
     b, vectors = scratch.matrix(SPACE, SPACE), scratch.matrix(SPACE, SPACE)
     values, strain, tau = scratch.vector(SPACE), scratch.vector(SPACE), scratch.vector(SPACE)
     for p in range(first, last):
-        for i in range(3):
-            for j in range(3):
-                f[i, j] = 1.0 if i == j else 0.0
-        for i in range(dim):
-            for j in range(dim):
-                f[i, j] = deformation_gradient[p, i, j]
+        pad(deformation_gradient, p, f, spacing)
         push_forward(f, flow.metric[p], b)
         diagonalise(b, values, vectors)
         for a in range(3):
@@ -183,13 +177,19 @@ class FrictionalOptions(Moduli):
         description="largest mean tension, at most that of the apex, c cot φ; left out, that of the apex",
     )
 
+    def apex(self) -> float:
+        """Mean tension at which no shear is left, c cot φ [Pa]."""
+        return self.cohesion / math.tan(self.friction_angle) if self.friction_angle > 0.0 else math.inf
+
     @model_validator(mode="after")
     def _in_order(self) -> Self:
         """Refuse ψ > φ, which makes energy, strength that is zero, and a cut-off that does nothing."""
         if self.dilation_angle > self.friction_angle:
             raise ValueError("dilation_angle: expected at most friction_angle")
         if self.friction_angle == 0.0 and self.cohesion == 0.0:
-            raise ValueError("expected friction_angle or cohesion above zero: there is no strength")
+            raise ValueError("friction_angle and cohesion: expected at least one above zero")
+        if self.tension is not None and self.tension > self.apex():
+            raise ValueError(f"tension: expected at most c cot φ, {self.apex():.4g} Pa")
         return self
 
 
@@ -205,17 +205,21 @@ class Frictional(Plastic):
         """Slopes of yield surface and plastic potential [1], and strength without pressure [Pa]."""
         raise NotImplementedError
 
-    def apex(self) -> float:
-        """Mean tension at which no shear is left, c cot φ [Pa]."""
-        phi = self.options.friction_angle
-        return self.options.cohesion / math.tan(phi) if phi > 0.0 else math.inf
+    def largest_tension(self) -> float:
+        """Mean tension that is cut off [Pa]: ``tension``, or that of the apex."""
+        return self.options.apex() if self.options.tension is None else self.options.tension
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
         """Allocate the history, and work out the constants of the surface."""
         super().setup(setup)
-        tension = self.apex() if self.options.tension is None else min(self.options.tension, self.apex())
-        self.constants = self.bulk_modulus, self.shear_modulus, self.surface(), tension, self.cone
+        self.constants = (
+            self.bulk_modulus,
+            self.shear_modulus,
+            self.surface(),
+            self.largest_tension(),
+            self.cone,
+        )
 
     @hookimpl
     def update_stress(self, particles: Particles) -> None:

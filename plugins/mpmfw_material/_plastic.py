@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mpmfw.api.types import AnyArray, Field, FloatArray, Particles, Setup, State, hookimpl
-from mpmfw.kernels import Struct
+from mpmfw.kernels import Struct, device
 from mpmfw.kernels.types import Floats
 from mpmfw_material._isotropic import Isotropic
 
@@ -27,6 +27,17 @@ class Flow(Struct):
     metric: Floats  #: (n, 3, 3) C_p⁻¹
     strain: Floats  #: (n,) equivalent plastic strain
     work: Floats  #: (n,) [J/m³]
+
+
+@device
+def pad(deformation_gradient: Floats, p: int, f: Floats, spacing: tuple[float, ...]) -> None:
+    """Write F of point ``p`` to ``f`` (3, 3); plane strain has F_zz = 1."""
+    for i in range(3):
+        for j in range(3):
+            f[i, j] = 1.0 if i == j else 0.0
+    for i in range(len(spacing)):
+        for j in range(len(spacing)):
+            f[i, j] = deformation_gradient[p, i, j]
 
 
 class Plastic(Isotropic):

@@ -14,7 +14,7 @@ from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.arithmetic import determinant, invert
 from mpmfw.kernels.types import Float, Floats
 from mpmfw_material._isotropic import Moduli, pad_plane_strain
-from mpmfw_material._plastic import SPACE, Flow, Plastic
+from mpmfw_material._plastic import SPACE, Flow, Plastic, pad
 
 ROOT = math.sqrt(2.0 / 3.0)
 
@@ -74,12 +74,7 @@ def j2_stress(
     dim = len(spacing)
     f, be = scratch.matrix(SPACE, SPACE), scratch.matrix(SPACE, SPACE)
     for p in range(first, last):
-        for i in range(3):
-            for j in range(3):
-                f[i, j] = 1.0 if i == j else 0.0
-        for i in range(dim):
-            for j in range(dim):
-                f[i, j] = deformation_gradient[p, i, j]
+        pad(deformation_gradient, p, f, spacing)
         jacobian = elastic_metric(p, f, flow, be)
         mean = (be[0, 0] + be[1, 1] + be[2, 2]) / 3.0
         square = 0.0

@@ -41,10 +41,9 @@ class Point:
         """Kirchhoff's τ at F, (dim, dim) [Pa]; the history moves on."""
         m, dim = self.material, len(self.spacing)
         stress = np.empty((1, dim, dim))
-        tension = m.apex() if m.options.tension is None else float(m.options.tension)
         frictional_stress(
             0, 1, np.ascontiguousarray(f[None, :dim, :dim]), self.flow, stress, m.bulk_modulus,
-            m.shear_modulus, m.surface(), tension, m.cone, self.spacing,
+            m.shear_modulus, m.surface(), m.largest_tension(), m.cone, self.spacing,
         )  # fmt: skip
         found: FloatArray = stress[0] * np.linalg.det(f)
         return found
@@ -207,6 +206,7 @@ def test_any_path_stays_on_the_surface_dissipates_and_turns_with_its_observer(
     ("options", "message"),
     [
         ({"dilation_angle": "40 degree"}, "dilation_angle"),
+        ({"tension": 8e3}, "tension: expected at most"),
         ({"friction_angle": 0.0, "cohesion": 0.0}, "cohesion"),
     ],
 )

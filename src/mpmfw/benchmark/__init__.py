@@ -139,7 +139,7 @@ def table(rows: Sequence[Mapping[str, Any]], title: str = "ns per material point
     keys = list(dict.fromkeys(key for row in rows for key in row))
     for key in keys:
         numeric = any(isinstance(row.get(key), int | float) for row in rows)
-        # The stage that fills the table of the shape function is no second column called shape.
+        # The stage that fills the table of the shape function must not be a second column called shape.
         heading = "fill" if key == "ns_shape" else key.removeprefix("ns_").replace("_", " ")
         made.add_column(heading, justify="right" if numeric else "left", no_wrap=True)
     for row in rows:

@@ -20,7 +20,7 @@ from pydantic import TypeAdapter
 
 from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.results.reading import read_run
-from mpmfw.results.replacing import replace_bytes
+from mpmfw.results.replacing import kind_of_file, replace_bytes
 from mpmfw.state.fields import COSTS as RUN_COSTS
 
 #: Root attributes of a run that are its costs: name, unit, meaning.
@@ -173,8 +173,14 @@ def store_of(output: str | os.PathLike[str] | None) -> Path | None:
     return None if output is None else Path(f"{os.fspath(output)}.runs")
 
 
+# A store's files are known by their names and by what they hold.
+
+#: Fields of every outcome.
+_FIELDS = frozenset({"key", "status", "name", "digest", "costs"})
 _WHOLE = re.compile(r"([0-9a-f]{32})\.(json|nc)")
 _HALF = re.compile(r"\.[0-9a-f]{32}\.[0-9a-f]{32}\.part\.(json|nc)")
+#: First bytes of the files, by ending.
+_HEADS = {"nc": b"\x89HDF\r\n\x1a\n", "json": b"{\n"}
 
 
 def key_in(path: Path, ending: str) -> str:
@@ -184,6 +190,27 @@ def key_in(path: Path, ending: str) -> str:
 
 
 def own_files(folder: Path) -> list[Path]:
-    """Return the files of a folder that have names of a store's, whole or half written."""
-    files = [path for path in sorted(folder.iterdir()) if path.is_file() and not path.is_symlink()]
-    return [path for path in files if _WHOLE.fullmatch(path.name) or _HALF.fullmatch(path.name)]
+    """Return the files of a folder that a store wrote, whole or by half; links are left out."""
+    return [path for path in sorted(folder.iterdir()) if _is_own(path)]
+
+
+def _is_own(path: Path) -> bool:
+    """Return True if a store wrote the file."""
+    if path.is_symlink() or not path.is_file():
+        return False
+    if half := _HALF.fullmatch(path.name):
+        head = _HEADS[half.group(1)]
+        with path.open("rb") as file:
+            return head.startswith(file.read(len(head)))
+    if key_in(path, "nc"):
+        return kind_of_file(path) == "run"
+    return key_in(path, "json") != "" and _holds_outcome(path)
+
+
+def _holds_outcome(path: Path) -> bool:
+    """Return True if a file has the fields of an outcome, with the key of its name."""
+    try:
+        fields = json.loads(path.read_bytes())
+    except (OSError, ValueError, RecursionError):
+        return False
+    return isinstance(fields, dict) and fields.keys() >= _FIELDS and fields["key"] == path.stem

@@ -176,7 +176,7 @@ def direction_out(
 
 @device
 def area_across(i: int, j: int, normal: Floats, grid: GridNodes) -> Float:
-    """What both bodies have across the ``normal``, S_i = Σ V ∇φ = ∮ φ n dS [m^(dim−1)]; 0 without
+    """Area of both bodies across the ``normal``, S_i = Σ V ∇φ = ∮ φ n dS [m^(dim−1)]; 0 without
     gradients."""
     of_first, of_second = 0.0, 0.0
     if len(grid.gradient) > 0:

@@ -160,7 +160,7 @@ def read_surface(path: Path) -> tuple[FloatArray, IntArray]:
     """Read nodes (n, 3) in the file's unit and triangles (k, 3); nodes at one place are one.
 
     Nodes of an STL, whose triangles have their own, are one where they are equal in single precision. A
-    ValueError says that there is no such file, or what is wrong with it.
+    Raise ValueError if the file is missing or damaged.
     """
     if not path.is_file():
         raise ValueError(f"mesh file not found: {path}")

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 import xarray as xr
 
-from mpmfw.errors import SceneError
+from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.results.domains import Corners, loops
 from mpmfw.results.selection import frame_of
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
@@ -186,6 +186,10 @@ def facets_of(tree: xr.DataTree, body: str) -> IntArray:
     if "next" in surface:
         following = np.asarray(surface["next"].values)
         return np.stack([np.arange(len(following)), following], axis=1)
+    if "triangles" not in surface:
+        raise MpmfwError(
+            f"surface/{body}: has no triangles: the file is of an earlier version; run the scene again"
+        )
     return np.asarray(surface["triangles"].values)
 
 
