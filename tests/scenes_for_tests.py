@@ -21,6 +21,39 @@ def with_changes(scene: dict[str, Any], **changes: Any) -> dict[str, Any]:
     return scene
 
 
+def solid(
+    lower: list[float],
+    upper: list[float],
+    size: Any,
+    material: str = "soft",
+    layout: str = "lattice",
+    **keys: Any,
+) -> dict[str, Any]:
+    """A rectangle or a box of points of this size."""
+    geometry = {"type": "rectangle" if len(lower) == 2 else "box", "lower": lower, "upper": upper}
+    return {"material": material, "geometry": geometry, "particles": {"layout": layout, "size": size}, **keys}
+
+
+def scene_of(
+    bodies: dict[str, Any],
+    cell: float,
+    lower: list[float],
+    upper: list[float],
+    end: float,
+    outputs: int = 1,
+    **tables: Any,
+) -> dict[str, Any]:
+    """Bodies in a grid between two corners, with outputs until the end; ``tables`` replace whole ones."""
+    return {
+        "grid": {"cell_size": cell, "lower": lower, "upper": upper},
+        "time": {"end": end, "output_interval": end / outputs},
+        "shape": {"method": "cpdi"},
+        "materials": {"soft": SOFT},
+        "bodies": bodies,
+        **tables,
+    }
+
+
 def one_body(
     geometry: dict[str, Any], *, size: float, layout: str = "lattice", **changes: Any
 ) -> dict[str, Any]:

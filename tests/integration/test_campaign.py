@@ -19,16 +19,15 @@ from typer.testing import CliRunner
 
 import mpmfw
 from mpmfw.api import hookimpl
-from mpmfw.campaigns.measures import MEASURES
 from mpmfw.campaigns.store import Store
 from mpmfw.cli import app
 from mpmfw.cli.compare import print_comparison
 from mpmfw.errors import ResultsWarning, SceneError
-from mpmfw.plugin.measure import Exact, Measure, Measured, Reference
+from mpmfw.plugin.measure import Exact, Reference
 from mpmfw.report import table
-from mpmfw.results.references import declared, described
+from mpmfw.results.references import described
 from mpmfw.runs.identity import counted, is_current, key_of, sources
-from mpmfw.scene import load_scene, shipped_scenes
+from mpmfw.scene import load_scene
 from mpmfw.stability import stability_map
 from mpmfw_contact.penalty import Penalty
 from studies_for_tests import SLIDING
@@ -135,30 +134,6 @@ def test_a_reference_is_what_the_scene_says_it_is():
         SceneError, match=r"reference\.kind: 'slidin-block' is unknown; did you mean 'sliding-block'"
     ):
         load_scene({**SLIDING, "reference": {"kind": "slidin-block"}})
-
-
-def test_the_shipped_scenes_are_of_the_kinds_that_they_name():
-    for name in shipped_scenes():
-        scene = load_scene(name)
-        assert scene.reference is not None, name
-        assert declared(scene) is not None, name
-
-
-def test_a_measure_of_a_plug_in_is_known_by_its_entry_point(monkeypatch):
-    class Mine(Measure):
-        """Two."""
-
-        name, unit, kind = "mine", "1", "number"
-
-        def of(self, run, scene, about):  # noqa: ARG002
-            return Measured(np.array([2.0]), np.empty(0))
-
-    announce(monkeypatch, "mpmfw.measure", Mine)
-    try:
-        data = mpmfw.campaign(SLIDING, {"contact": ["separate"]}, measures=["mine"], repeats=1)
-        assert data["mine"].item() == 2.0
-    finally:
-        MEASURES.pop("mine", None)
 
 
 def test_runs_are_repeated_when_asked():

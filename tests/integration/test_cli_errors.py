@@ -4,14 +4,11 @@
 
 import subprocess
 import sys
-from contextlib import nullcontext
-from types import SimpleNamespace
 
 import pytest
 from typer.testing import CliRunner
 
 from mpmfw.cli import app
-from mpmfw.errors import SimulationError
 
 SCENE = """\
 [grid]
@@ -149,30 +146,3 @@ for arguments, more in ((["--help"], ["pydantic"]), (["compare", "--help"], []))
 """
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert [line for line in found.stdout.splitlines() if line.startswith("#")] == ["# []"] * 3
-
-
-def replaced(monkeypatch, run_on):
-    """Let the command call this instead of a run."""
-    module = SimpleNamespace(begun=lambda scene, **_: nullcontext(scene), run_on=run_on)
-    monkeypatch.setitem(sys.modules, "mpmfw.runs.run", module)
-
-
-def test_a_failing_run_is_status_1_and_says_where(mpmfw, monkeypatch):
-    def run(*_, **__):
-        raise SimulationError("left the grid", body="block", index=3, time=0.5)
-
-    replaced(monkeypatch, run)
-    result = mpmfw("run", "s.toml")
-    assert (result.exit_code, result.stdout) == (1, "")
-    assert result.stderr == "left the grid: body 'block', point 3, at time 0.5 s\n"
-
-
-def test_a_run_gets_the_chosen_scene_and_a_file_named_as_it(mpmfw, monkeypatch):
-    seen = {}
-    replaced(monkeypatch, lambda scene, progress: seen.update(scene=scene, progress=progress))
-    chosen = ["--contact", "separate", "--shape", "gimp", "--set", "grid.cell_size=250 mm"]
-    result = mpmfw("run", "s.toml", *chosen)
-    assert (result.exit_code, result.stdout, result.stderr) == (0, "s.nc\n", "")
-    scene = seen["scene"]
-    assert (scene.contact.method, scene.shape.method, scene.grid.cell_size) == ("separate", "gimp", 0.25)
-    assert seen["progress"] is None  # quiet in a pipe

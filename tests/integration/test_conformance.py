@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Iterator
 from typing import Any
 
 import pytest
 
-import mpmfw.plugin.discovery
-from faulty_plugins.contact import keeping, momentum
+from faulty_plugins.contact import keeping
 from faulty_plugins.contact.plain import PlainContact
 from faulty_plugins.load import faults as load_faults
 from faulty_plugins.material.sound import Sound as SoundMaterial
 from faulty_plugins.planted import PLANTED, WITHOUT, planted
 from faulty_plugins.shape.sound import Sound as SoundShape
 from faulty_plugins.small import friction, geometry, other_kinds
+from kit_for_tests import asked, check_of, entry_points_are_read_once  # noqa: F401
 from mpmfw.api import SceneError, hookimpl
 from mpmfw.campaigns.measures import MEASURES
+from mpmfw.geometry import Extrusion, Polygon, Revolution, Ring
 from mpmfw.plugin.discovery import available, distribution_of
 from mpmfw_testing import subject_of
 from mpmfw_testing.examination import examine_one
@@ -105,6 +105,10 @@ GIMP = {
     "constant-stress-deformed": "uGIMP keeps its squares by definition (Bardenhagen & Kober 2004): after a "
     "deformation they overlap and leave gaps. CPDI is what follows F",
 }
+ELL = Polygon(
+    points=((0, 0), (2, 0), (2, 0.8), (0.9, 1), (0.9, 2), (0, 2)),
+    holes=(((0.3, 0.3), (0.6, 0.3), (0.45, 0.7)),),
+)
 MODULI = "bulk_modulus=5e6, shear_modulus=3e6"
 #: Kind and plug-in, and what it cannot pass, with the reason.
 SOUND = {
@@ -149,27 +153,12 @@ SOUND = {
     ("geometry", "ball(centre=[0, 0, 0], radius=1)"): {},
     ("geometry", "cylinder(centre=[0, 0, 0], radius=1, length=2)"): {},
     ("geometry", "torus(centre=[0, 0, 0], radius=1, tube_radius=0.3)"): {},
+    ("geometry", Extrusion(outline=ELL, low=0.0, high=1.0, angles=(0.3, 0.2, 0.1))): {},
+    ("geometry", Revolution(outline=Ring(centre=(2, 0), inner_radius=0.5, outer_radius=0.9))): {},
     ("boundary", other_kinds.Shaken): {},
     ("output", other_kinds.Fastest): {},
     **{("measure", name): {} for name in MEASURES},
 }
-
-
-@pytest.fixture(autouse=True, scope="module")
-def _entry_points_are_read_once():
-    """Nothing is installed while these tests run; reading it anew for every simulation takes most of their
-    time.
-    """
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(
-            mpmfw.plugin.discovery, "entry_points", functools.cache(mpmfw.plugin.discovery.entry_points)
-        )
-        yield
-
-
-def check_of(kind, name):
-    """The check of a kind with this name."""
-    return next(check for check in checks_of(kind) if check.name == name)
 
 
 def outcome(plugin, name, kind="contact", pictures=None, **options):
@@ -198,7 +187,7 @@ def cases() -> Iterator[Any]:
     ("kind", "plugin", "name"), list(cases()), ids=lambda value: getattr(value, "__name__", value)
 )
 def test_bundled_plugins_pass_but_what_they_are_known_to_lack(kind, plugin, name):
-    found = examine_one(subject_of(plugin, kind), check_of(kind, name), SOUND[kind, plugin].get(name, ""))
+    found = asked(subject_of(plugin, kind), name, SOUND[kind, plugin].get(name, ""))
     assert not found.wrong, found.report
 
 
@@ -218,7 +207,7 @@ WITH_OPTIONS = {
     ("law", "name"), [(law, name) for law, names in WITH_OPTIONS.items() for name in names]
 )
 def test_laws_with_options_pass(law, name):
-    found = outcome(law, name)
+    found = asked(subject_of(law, "contact"), name)
     assert found.status == "passed", found.report
 
 
@@ -237,7 +226,7 @@ def test_every_fault_is_caught_by_the_check_meant_for_it(kind, fault, meant, tmp
     found = outcome(fault, meant, kind, tmp_path if drawn else None)
     assert found.status == "failed", found.report
     if kind in ("contact", "shape", "material"):  # the property is broken; the kit did not stumble
-        assert "Error" not in found.message or fault in (keeping.TooLongStep, momentum.NineEntries)
+        assert "Error" not in found.message or fault in (keeping.TooLongStep, keeping.NineEntries)
     if kind in ("contact", "shape"):
         assert found.counterexample or meant in ("dimensions", "no-growth", "sent")  # which try no cases
     assert (found.picture is not None) == drawn, found.report

@@ -71,18 +71,6 @@ def test_what_makes_no_sense_is_refused_with_the_reason(contact, said):
 
 
 @pytest.mark.parametrize(
-    "contact",
-    [
-        "nodes+penalty(cut_off=0.5)",
-        "adhesion(traction=100, separation=0.02, search_radius=0.2)",
-        "barrier(reach=0.1, search_radius=0.1)",
-    ],
-)
-def test_what_makes_sense_is_not(contact):
-    Simulation(impact(), contact=contact)
-
-
-@pytest.mark.parametrize(
     ("published", "combined"),
     [("penalty", "surfaces+penalty"), ("bardenhagen", "nodes+impulse"), ("nairn", "logistic+impulse")],
 )
@@ -94,12 +82,6 @@ def test_a_published_method_is_its_combination(published, combined):
         run(simulation, 60)
         positions.append(simulation.state.particles.position)
     np.testing.assert_array_equal(*positions)
-
-
-def test_options_of_both_parts_are_the_combination_s():
-    contact = Simulation(impact(), contact="nodes+penalty(kappa=2, cut_off=0.7)").contact
-    assert (contact.law.options.kappa, contact.detection.options.cut_off) == (2.0, 0.7)
-    assert contact.label == "nodes+penalty(cut_off=0.7, kappa=2.0)"
 
 
 def test_a_joined_contact_goes_to_another_process():

@@ -48,8 +48,3 @@ def test_points_and_layer_keep_linear_momentum_while_the_body_vibrates(transfer:
     scale = float(p.mass[own].sum())
     assert np.abs(p.velocity[own] - p.velocity[own].mean(axis=0)).max() > 0.1
     np.testing.assert_allclose(momentum() / scale, before / scale, atol=1e-13)
-
-
-def test_rotational_inertia_is_left_lumped_beside_a_layer() -> None:
-    effects = {effect.name: effect for effect in Simulation(two_discs()).effects}
-    assert "adds inertia" in effects["rotation of solid: lumped"].reason

@@ -117,21 +117,6 @@ def test_the_residual_falls_with_the_time_step():
     assert residuals[2] < 0.65 * residuals[1] < 0.45 * residuals[0]
 
 
-@pytest.mark.filterwarnings("ignore:left-right. the bodies penetrate")
-def test_work_of_penalty_contact_is_in_springs_and_friction():
-    """To the error of the springs' integration in time."""
-    safety, share = 0.1, 0.008
-    mapping = impact(speed=2.0, slide=0.5)
-    mapping["contact"] |= {"method": "penalty", "penalty": {"kappa": 1.0}}
-    mapping["time"] = {"end": 0.08, "output_interval": 0.002}
-    series = ledger(mapping, time__safety=safety)
-    done = series["contact_work"]
-    kept = sum(series[name].sum("pair") for name in ("contact_energy", "frictional_work", "spring_work"))
-    kinetic = float(series["kinetic_energy"].sum("body").isel(time=0))
-    assert float(kept.max()) > 0.02 * kinetic
-    assert float(np.abs(done + kept).max()) < share * kinetic
-
-
 def test_residuals_are_the_half_step_by_which_velocities_are_behind():
     """Of blocks that meet at 0.04 of their wave speed: what is left beside it is of the second order.
 
@@ -185,35 +170,6 @@ def test_growth_is_seen_in_between_outputs():
     first = int(np.argmax(np.array(energy) > (1.0 + GROWTH_LIMIT) * energy[0]))
     assert first > 0
     assert stopped(unstable()).time <= (first + CHECK_EVERY) * 2e-3 < 0.1
-
-
-def test_the_guard_allows_what_there_was_what_springs_held_and_what_loads_gave():
-    guard = EnergyGuard(nothing=0.0, remedies={})
-    guard.restart(10.0)
-    guard.loaded = 4.0
-    guard.set_external_work(6.0)
-    guard.set_external_work(2.0)  # loads take back 4 J/m
-    assert guard.growth(17.0) == pytest.approx(1.0)
-    assert not guard.grown(16.0 + 0.5 * 20.0)
-    assert guard.grown(16.1 + 0.5 * 20.0)
-    assert guard.grown(float("nan"))
-
-
-def test_the_guard_counts_what_adhesion_gave_and_no_more():
-    """Bodies at rest that hold −3 J/m at the start and −5 J/m soon after: 2 J/m of motion are theirs."""
-    guard = EnergyGuard(nothing=0.0, remedies={})
-    guard.restart(0.0)
-    guard.loaded = -3.0
-    guard.set_contact_energy(-3.0, 0.0)
-    assert guard.growth(0.0) == 0.0
-    assert not guard.grown(0.0)
-    guard.set_contact_energy(
-        -4.5, 0.5
-    )  # the step's own work comes on top: positions are those of its beginning
-    assert guard.growth(2.0) == pytest.approx(0.0)
-    assert guard.grown(2.0 + GROWTH_LIMIT * 4.5 + 0.01)
-    guard.set_contact_energy(0.0, 0.0)  # torn apart, which took 3 J/m of motion
-    assert guard.growth(0.0) == pytest.approx(3.0)
 
 
 def sticking(gap, speed, **options):

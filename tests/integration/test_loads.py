@@ -51,26 +51,6 @@ def test_free_fall_is_exact_for_the_integration_scheme(make: Any) -> None:
     np.testing.assert_allclose(f, np.broadcast_to(np.eye(len(g)), f.shape), atol=1e-12)
 
 
-def test_gravity_by_magnitude_and_tilt_drives_towards_positive_x() -> None:
-    sim = after(10, disc(gravity={"magnitude": 10.0, "tilt": "30 deg"}))
-    p, t = sim.state.particles, sim.state.time
-    direction = np.array([math.sin(math.pi / 6), -math.cos(math.pi / 6)])
-    np.testing.assert_allclose(p.velocity, np.tile(10.0 * t * direction, (p.count, 1)), rtol=1e-10)
-
-
-def test_a_table_of_gravity_is_linear_in_between_and_constant_outside() -> None:
-    table = [[0.02, 0.0, -10.0], [0.06, 20.0, -10.0]]
-    sim = Simulation(disc(gravity={"table": table}, time__step=STEP))
-    sim.start()
-    begin = centre(sim)
-    sim.advance(1000)  # to 0.1 s: constant, ramp of 0.04 s, constant
-    ramp, hold = 0.04, 0.04
-    x = 20.0 * (ramp**2 / 6.0 + 0.5 * ramp * hold + 0.5 * hold**2)
-    moved = centre(sim) - begin
-    assert moved[1] == pytest.approx(-0.5 * 10.0 * 0.1**2, rel=2e-3)  # first order: dt / t = 1e-3
-    assert moved[0] == pytest.approx(x, rel=4e-3)
-
-
 def test_a_fixed_component_leaves_the_other_free() -> None:
     scene = block(bodies__solid__sides=[{"side": "bottom", "fixed": ["y"]}], gravity={"vector": [3.0, 0.0]})
     sim = after(40, scene)
@@ -102,15 +82,6 @@ def test_a_load_on_a_side_gives_its_impulse_in_any_direction(key: str, make: Any
     load = [3.0, -2.0, 1.0][: 2 if make is block else 3]
     scene = make(bodies__solid__sides=[{"side": "top", key: load}], materials__soft=HOOKE, time__step=STEP)
     np.testing.assert_allclose(momentum(after(20, scene)), np.multiply(load, 20 * STEP), rtol=1e-6)
-
-
-def test_a_traction_against_the_normal_is_a_pressure() -> None:
-    by_traction, by_pressure = (
-        after(10, block(bodies__solid__sides=[{"side": "top", **load}], time__step=STEP))
-        for load in ({"traction": [0.0, -5.0]}, {"pressure": 5.0})
-    )
-    found, expected = by_traction.state.particles.velocity, by_pressure.state.particles.velocity
-    np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-12)
 
 
 ROWS = [[1e-3, 0.0, 0.0], [2e-3, 4.0, 2.0]]
@@ -204,28 +175,6 @@ def test_drag_lets_the_velocity_decay_towards_the_medium() -> None:
     velocity = momentum(sim) / sim.state.particles.mass.sum()
     np.testing.assert_allclose(velocity, [1.0 - decay, 2.0 * decay], rtol=2 * 20.0 * STEP)
     assert (2e-6, "drag") in after(0, block(loads={"air": {"model": "drag", "rate": 1e6}})).limits()
-
-
-def test_a_load_acts_on_the_bodies_that_it_names_alone() -> None:
-    field = {"model": "body_force", "bodies": ["left"], "force": [0, 9]}
-    at_rest = {f"bodies__{name}__velocity": [0.0, 0.0] for name in ("left", "right")}
-    sim = after(5, two_blocks("bardenhagen", loads={"field": field}, **at_rest))
-    left, right = (sim.state.particles.velocity[body.particles] for body in sim.state.bodies)
-    assert left[:, 1].min() > 0.0
-    assert np.abs(right).max() < 1e-9
-
-
-def test_the_work_of_a_load_is_in_the_ledger() -> None:
-    """Work of the load = what the energy grew by and the transfer took away, to a thousandth."""
-    air = {"model": "drag", "rate": 30.0, "medium": [2.0, 0.0]}
-    scene = block(loads={"air": air}, bodies__solid__velocity=[1.0, 0.5], output__ledger=True)
-    series = mpmfw.run(scene)["series"]
-    work = series["external_work"].values[-1]
-    energy = (series["total_energy"] + series["affine_energy"]).sum("body").values
-    assert abs(work) > 1.0
-    lost = series["transfer_dissipation"].values[-1]
-    assert energy[-1] - energy[0] == pytest.approx(work - lost, abs=1e-3 * abs(work))
-    assert "contact_work" not in series
 
 
 class Wind(SurfaceLoad):

@@ -11,6 +11,7 @@ import pytest
 import mpmfw
 from mpmfw.errors import ResultsWarning, SimulationError
 from mpmfw.runs.simulation import Simulation
+from scenes_for_tests import scene_of, solid
 
 SOFT = {
     "model": "j2",
@@ -21,25 +22,15 @@ SOFT = {
 }
 
 
-def bar(dim: int = 2, **material: Any) -> dict[str, Any]:
+def bar(dim: int = 2) -> dict[str, Any]:
     """A bar that is held at its foot and comes down at a tenth of its wave speed (Taylor's test)."""
     lower, upper = [-0.4, 0.0, -0.4][:dim], [0.4, 1.6, 0.4][:dim]
-    return {
-        "grid": {"cell_size": 0.2, "lower": [-1.6, -0.4, -1.6][:dim], "upper": [1.6, 2.0, 1.6][:dim]},
-        "time": {"end": 0.08, "output_interval": 0.008},
-        "shape": {"method": "cpdi"},
-        "materials": {"soft": {**SOFT, **material}},
-        "bodies": {
-            "bar": {
-                "material": "soft",
-                "geometry": {"type": "rectangle" if dim == 2 else "box", "lower": lower, "upper": upper},
-                "particles": {"size": 0.1},
-                "velocity": [0.0, -10.0, 0.0][:dim],
-                "sides": [{"side": "bottom", "fixed": ["y"]}],
-            }
-        },
-        "output": {"ledger": True},
-    }
+    sides = [{"side": "bottom", "fixed": ["y"]}]
+    made = solid(lower, upper, 0.1, velocity=[0.0, -10.0, 0.0][:dim], sides=sides)
+    corners = [-1.6, -0.4, -1.6][:dim], [1.6, 2.0, 1.6][:dim]
+    return scene_of(
+        {"bar": made}, 0.2, *corners, end=0.08, outputs=10, materials={"soft": SOFT}, output={"ledger": True}
+    )
 
 
 @pytest.mark.parametrize("dim", [2, 3])
@@ -56,59 +47,30 @@ def test_what_is_dissipated_is_in_the_ledger(dim: int) -> None:
     assert strain[height < 0.4].mean() > 3.0 * strain[height > 1.2].mean()
 
 
-def test_two_materials_have_their_own_yield_stress() -> None:
-    """A bar that yields on one that does not: the softer takes all of the plastic strain."""
-    scene = bar()
-    scene["materials"]["hard"] = {**SOFT, "yield_stress": "100 MPa"}
-    scene["bodies"]["base"] = {
-        "material": "hard",
-        "geometry": {"type": "rectangle", "lower": [-1.0, -0.4], "upper": [1.0, 0.0]},
-        "particles": {"size": 0.1},
-        "sides": [{"side": "bottom", "fixed": True}],
-    }
-    scene["bodies"]["bar"].pop("sides")
-    scene["grid"]["lower"] = [-1.6, -0.8]
-    scene["contact"] = {"method": "penalty"}
-    tree = mpmfw.run(scene)
-    last = {
-        name: tree[f"particles/{name}"]["plastic_strain"].isel(time=-1).values for name in ("bar", "base")
-    }
-    assert last["bar"].max() > 0.05
-    assert last["base"].max() == 0.0
-    up = float(tree["series"]["mean_velocity"].sel(body="bar", axis="y")[-1])
-    assert abs(up) < 5.0  # an elastic one would come back at nearly 10 m/s
+def copper(density: float, young: float, poisson: float, strength: float, hardening: float) -> dict[str, Any]:
+    """Copper of some density, moduli [Pa], yield stress [Pa] and hardening [Pa]."""
+    elastic = {"density": density, "youngs_modulus": young, "poissons_ratio": poisson}
+    return {"model": "j2", **elastic, "yield_stress": strength, "hardening_modulus": hardening}
 
 
 #: A copper disc of ten cells on a free copper block, at 500 m/s, until the jets at the rim are drawn out.
-SPRAY: dict[str, Any] = {
-    "grid": {"cell_size": 1e-6, "lower": [-26e-6, -24e-6], "upper": [26e-6, 24e-6]},
-    "time": {"end": 14e-9, "output_interval": 1e-9},
-    "contact": {"method": "penalty", "friction": 0.2},
-    "materials": {
-        "copper": {
-            "model": "j2",
-            "density": 8960,
-            "youngs_modulus": 124e9,
-            "poissons_ratio": 0.34,
-            "yield_stress": 120e6,
-            "hardening_modulus": 300e6,
-        }
-    },
-    "bodies": {
+SPRAY = scene_of(
+    {
         "ball": {
             "material": "copper",
             "geometry": {"type": "disc", "centre": [0, 8.2e-6], "radius": 8e-6},
             "particles": {"size": "0.5 cells"},
             "velocity": [0, -500],
         },
-        "block": {
-            "material": "copper",
-            "geometry": {"type": "rectangle", "lower": [-18e-6, -12e-6], "upper": [18e-6, 0]},
-            "particles": {"size": "0.5 cells"},
-        },
+        "block": solid([-18e-6, -12e-6], [18e-6, 0], "0.5 cells", "copper"),
     },
-    "output": {"ledger": True, "gap": False},
-}
+    *(1e-6, [-26e-6, -24e-6], [26e-6, 24e-6]),
+    end=14e-9,
+    outputs=14,
+    contact={"method": "penalty", "friction": 0.2},
+    materials={"copper": copper(8960, 124e9, 0.34, 120e6, 300e6)},
+    output={"ledger": True, "gap": False},
+)
 
 
 @pytest.mark.parametrize(
@@ -128,43 +90,23 @@ def test_plastic_flow_keeps_momentum_and_makes_no_energy(contact: str, shape: st
     assert total.max() < 1.001 * total[0]
 
 
+STEEL = {"model": "neo_hookean", "density": 7850, "youngs_modulus": 210e9, "poissons_ratio": 0.3}
 #: Taylor's test in the plane: a copper slab of 8 × 40 cells strikes a steel anvil at 227 m/s.
-TAYLOR: dict[str, Any] = {
-    "grid": {"cell_size": 0.8e-3, "lower": [-14.4e-3, -8e-3], "upper": [14.4e-3, 36e-3]},
-    "time": {"end": 80e-6, "output_interval": 4e-6},
-    "contact": {"method": "penalty"},
-    "materials": {
-        "copper": {
-            "model": "j2",
-            "density": 8930,
-            "youngs_modulus": 117e9,
-            "poissons_ratio": 0.35,
-            "yield_stress": 400e6,
-            "hardening_modulus": 100e6,
-        },
-        "steel": {
-            "model": "neo_hookean",
-            "density": 7850,
-            "youngs_modulus": 210e9,
-            "poissons_ratio": 0.3,
-        },
+TAYLOR = scene_of(
+    {
+        "slab": solid([-3.2e-3, 0], [3.2e-3, 32.4e-3], "0.5 cells", "copper", velocity=[0, -227]),
+        "anvil": solid(
+            *([-12.8e-3, -6.4e-3], [12.8e-3, 0], "0.5 cells", "steel"),
+            sides=[{"side": "bottom", "fixed": True}],
+        ),
     },
-    "bodies": {
-        "slab": {
-            "material": "copper",
-            "geometry": {"type": "rectangle", "lower": [-3.2e-3, 0], "upper": [3.2e-3, 32.4e-3]},
-            "particles": {"size": "0.5 cells"},
-            "velocity": [0, -227],
-        },
-        "anvil": {
-            "material": "steel",
-            "geometry": {"type": "rectangle", "lower": [-12.8e-3, -6.4e-3], "upper": [12.8e-3, 0]},
-            "particles": {"size": "0.5 cells"},
-            "sides": [{"side": "bottom", "fixed": True}],
-        },
-    },
-    "output": {"ledger": True, "particles": True, "particle_interval": 80e-6},
-}
+    *(0.8e-3, [-14.4e-3, -8e-3], [14.4e-3, 36e-3]),
+    end=80e-6,
+    outputs=20,
+    contact={"method": "penalty"},
+    materials={"copper": copper(8930, 117e9, 0.35, 400e6, 100e6), "steel": STEEL},
+    output={"ledger": True, "particles": True, "particle_interval": 80e-6},
+)
 
 
 @pytest.mark.parametrize(

@@ -13,12 +13,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mpmfw.errors import MpmfwError
 from mpmfw.plugin.discovery import available
 from mpmfw.runs.restart import read_snapshot, write_snapshot
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene, shipped_scenes
-from mpmfw.state.history import NotSaved
 from scenes_for_tests import two_blocks
 
 pytestmark = pytest.mark.filterwarnings("ignore::mpmfw.errors.ResultsWarning")  # settling is cut short
@@ -151,28 +149,3 @@ def test_every_way_of_stepping_loading_and_recording(tmp_path, way):
     recorded = {"output__ledger": way != "layer", "output__stability": True}
     scene = two_blocks("penalty", time__end=0.02, time__output_interval=0.002, **recorded, **WAYS[way])
     stop_and_go_on(lambda: Simulation(scene), tmp_path / "saved", 7)
-
-
-def test_another_scene_or_method_is_refused(tmp_path):
-    simulation = Simulation(two_blocks("penalty"))
-    write_snapshot(str(tmp_path / "saved"), simulation.snapshot())
-    other = Simulation(two_blocks("bardenhagen"))
-    with pytest.raises(NotSaved, match=r"^state/kept_arrays/bardenhagen/impulse was not saved"):
-        other.restore(read_snapshot(str(tmp_path / "saved"))[0])
-
-
-def test_a_damaged_file_is_named(tmp_path):
-    path, simulation = tmp_path / "saved", Simulation(two_blocks("none"))
-    write_snapshot(str(path), simulation.snapshot())
-    whole = path.read_bytes()
-    for share in (0.0, 0.3, 0.99):
-        path.write_bytes(whole[: int(share * len(whole))])
-        with pytest.raises(MpmfwError, match="saved' was cut short or is damaged"):
-            simulation.restore(read_snapshot(str(path))[0])
-    changed = bytearray(whole)
-    changed[whole.index(simulation.state.particles.position.tobytes())] ^= 1
-    path.write_bytes(changed)
-    with pytest.raises(MpmfwError, match="saved' was cut short or is damaged"):
-        simulation.restore(read_snapshot(str(path))[0])
-    with pytest.raises(MpmfwError, match=r"cannot read '.*nothing': No such file or directory"):
-        simulation.restore(read_snapshot(str(tmp_path / "nothing"))[0])

@@ -182,13 +182,6 @@ def test_a_second_signal_ends_the_run_within_the_step(path, whole):
     same_results(path, whole)
 
 
-def test_a_signal_in_settling_is_no_loss(tmp_path, path):
-    mpmfw.run(SETTLING, output=tmp_path / "reference.nc")
-    assert "keeps the 0 outputs" in str(stopped(SETTLING, path, 5))
-    resume(path)
-    same_results(path, tmp_path / "reference.nc")
-
-
 def test_results_that_a_kill_has_made_unreadable_go_on_from_the_checkpoint(path, whole):
     stopped(BLOCKS, path, 9)
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
@@ -222,28 +215,6 @@ def test_pairs_that_come_near_and_frames_of_points_of_their_own(tmp_path, path, 
     stopped(scene, path, 2 if outputs == "exact" else steps // 2)
     resume(path)
     same_results(path, tmp_path / "reference.nc")
-
-
-def test_a_run_may_be_taken_up_many_times(path, whole):
-    times = []
-
-    def counted(*arguments: Any) -> None:
-        times.append(arguments[3])
-        if len(times) % 4 == 0:
-            os.kill(os.getpid(), signal.SIGTERM)
-        integrate_momentum(*arguments)
-
-    stopped(BLOCKS, path, 3)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("mpmfw.step.schemes.integrate_momentum", counted)
-        for _ in range(100):
-            try:
-                tree = resume(path)
-                break
-            except Interrupted:
-                pass
-    same_results(path, whole)
-    assert len(json.loads(tree.attrs["resumed"])) == math.ceil((read(whole).attrs["steps"] - 3) / 4)
 
 
 def test_a_strategy_object_is_given_again(tmp_path, path):

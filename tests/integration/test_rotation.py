@@ -7,12 +7,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from measures_for_tests import Torque, angular_momentum, angular_velocity, total_energy, turn_under
+from measures_for_tests import Torque, angular_momentum, turn_under
 from mpmfw.api import Grid, State, Stencil, hookimpl
 from mpmfw.runs.simulation import Simulation
-from scenes_for_tests import BULK, DENSITY, SHEAR, ball, block, disc, one_body, with_changes
+from scenes_for_tests import BULK, DENSITY, SHEAR, one_body, with_changes
 
-SPIN = 10.0  # rad/s
 BRICK = {"type": "box", "lower": [-0.47, -0.36, -0.21], "upper": [0.53, 0.39, 0.29]}
 EDGES = np.array([1.0, 0.75, 0.5])
 
@@ -78,18 +77,6 @@ def test_a_brick_that_tumbles_keeps_its_angular_momentum(shape: str) -> None:
     assert tumbled(shape, "lumped") > 0.05
 
 
-def test_a_spinning_ball_keeps_its_spin() -> None:
-    axis = np.array([2.0, 3.0, 6.0]) / 7.0
-    sim = Simulation(ball(bodies__solid__angular_velocity=(SPIN * axis).tolist()))
-    sim.start()
-    before, energy = angular_momentum(sim), total_energy(sim)
-    while sim.state.time < 2.0 * np.pi / SPIN:
-        sim.step(sim.stable_step())
-    np.testing.assert_allclose(angular_momentum(sim), before, atol=5e-4 * np.linalg.norm(before))
-    np.testing.assert_allclose(angular_velocity(sim) / np.linalg.norm(angular_velocity(sim)), axis, atol=5e-3)
-    assert total_energy(sim) == pytest.approx(energy, rel=0.02)
-
-
 class Strike:
     """A force [N/m per kg/m] across the bar on the points of its lower end."""
 
@@ -140,30 +127,3 @@ def test_the_far_end_of_a_struck_bar_waits_for_the_wave(bar: list[list[float]]) 
 def test_the_exact_correction_is_not_causal() -> None:
     # Known of the method: it turns the body as a whole in the step in which the torque acts.
     assert reached("exact", BAR["2D"]) > 0.01
-
-
-@pytest.mark.parametrize("shape", ["linear", "cpdi"])
-def test_the_step_is_as_long_as_without_a_correction(shape: str) -> None:
-    steps = []
-    for rotation in ("spin", "lumped"):
-        sim = Simulation(disc(shape__method=shape, bodies__solid__rotation=rotation))
-        sim.start()
-        steps.append(sim.stable_step())
-    assert steps[0] == steps[1]
-
-
-def test_a_held_body_rests_as_without_a_correction() -> None:
-    """Reactions are no spin: what the fixed nodes take up must not reach their neighbours."""
-    stress = []
-    for how in ("lumped", "spin"):
-        scene = block(
-            bodies__solid__rotation=how,
-            bodies__solid__sides=[{"side": "bottom", "fixed": True}],
-            gravity={"vector": [0, -10]},
-            settle={"tolerance": 1e-3},
-            time__safety=0.2,
-        )
-        sim = Simulation(scene)
-        sim.start()
-        stress.append(sim.state.particles.stress)
-    assert np.abs(stress[1] - stress[0]).max() < 2e-3 * np.abs(stress[0]).max()

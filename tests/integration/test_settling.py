@@ -9,35 +9,19 @@ import pytest
 
 import mpmfw
 from mpmfw.runs.simulation import Simulation
-from scenes_for_tests import disc, two_blocks
+from scenes_for_tests import DENSITY, disc, scene_of, solid, two_blocks
 
-DENSITY, HEIGHT, G = 1000.0, 0.5, 10.0
+HEIGHT, G = 0.5, 10.0
+
+
+STIFF = {"model": "neo_hookean", "density": DENSITY, "bulk_modulus": 12e6, "shear_modulus": 6e6}
 
 
 def column(**tables: Any) -> dict[str, Any]:
     """A column on a fixed bottom, held sideways, of the height 0.5 m."""
-    stiff = {"model": "neo_hookean", "density": DENSITY, "bulk_modulus": 6e6, "shear_modulus": 3e6}
-    sides = [
-        {"side": "bottom", "fixed": True},
-        {"side": "left", "fixed": ["x"]},
-        {"side": "right", "fixed": ["x"]},
-    ]
-    return {
-        "grid": {"cell_size": 0.1, "lower": [-0.3, -0.3], "upper": [0.6, 1.2]},
-        "time": {"end": 0.01, "output_interval": 0.01},
-        "shape": {"method": "cpdi"},
-        "materials": {"stiff": stiff},
-        "bodies": {
-            "column": {
-                "material": "stiff",
-                "geometry": {"type": "rectangle", "lower": [0.0, 0.0], "upper": [0.3, HEIGHT]},
-                "particles": {"size": 0.05},
-                "sides": sides,
-            }
-        },
-        "settle": {},
-        **tables,
-    }
+    walls = [{"side": "left", "fixed": ["x"]}, {"side": "right", "fixed": ["x"]}]
+    made = solid([0.0, 0.0], [0.3, HEIGHT], 0.05, sides=[{"side": "bottom", "fixed": True}, *walls])
+    return scene_of({"column": made}, 0.1, [-0.3, -0.3], [0.6, 1.2], end=0.01, **{"settle": {}, **tables})
 
 
 def least_stress(scene: dict[str, Any]) -> float:
@@ -99,27 +83,21 @@ def test_apic_starts_with_the_spin_that_was_asked_for(shape: str) -> None:
 
 def held_block() -> dict[str, Any]:
     """A block at rest on a plane under gravity that leans by 20°, faces off the grid lines."""
-    stiff = {"model": "neo_hookean", "density": DENSITY, "bulk_modulus": 12e6, "shear_modulus": 6e6}
-
-    def body(lower: list[float], upper: list[float], **keys: Any) -> dict[str, Any]:
-        geometry = {"type": "rectangle", "lower": lower, "upper": upper}
-        particles = {"layout": "fitted", "size": "0.5 cells"}
-        return {"material": "stiff", "geometry": geometry, "particles": particles, **keys}
-
-    return {
-        "grid": {"cell_size": 0.25, "lower": [-1.0, -1.0], "upper": [3.0, 3.0]},
-        "time": {"end": 3.2, "output_interval": 0.8},
-        "shape": {"method": "cpdi"},
-        "contact": {"method": "penalty", "friction": 0.5, "penalty": {"kappa": 1.0}},
-        "materials": {"stiff": stiff},
-        "bodies": {
-            "block": body([0.57, 0.537], [1.32, 0.912]),
-            "plane": body([0.07, 0.0], [2.07, 0.537], sides=[{"side": "bottom", "fixed": True}]),
-        },
-        "gravity": {"vector": [3.420201433, -9.396926208]},
-        "settle": {"tolerance": 3e-4},
-        "output": {"particles": False, "surface": False},
+    points, held = ("0.5 cells", "stiff", "fitted"), [{"side": "bottom", "fixed": True}]
+    bodies = {
+        "block": solid([0.57, 0.537], [1.32, 0.912], *points),
+        "plane": solid([0.07, 0.0], [2.07, 0.537], *points, sides=held),
     }
+    return scene_of(
+        *(bodies, 0.25, [-1.0, -1.0], [3.0, 3.0]),
+        end=3.2,
+        outputs=4,
+        contact={"method": "penalty", "friction": 0.5, "penalty": {"kappa": 1.0}},
+        materials={"stiff": STIFF},
+        gravity={"vector": [3.420201433, -9.396926208]},
+        settle={"tolerance": 3e-4},
+        output={"particles": False, "surface": False},
+    )
 
 
 def test_a_body_at_rest_stays_for_five_thousand_steps() -> None:
@@ -131,27 +109,22 @@ def test_a_body_at_rest_stays_for_five_thousand_steps() -> None:
     assert np.ptp(way[2:]) < 1e-7
 
 
-def press_fit(**tables: Any) -> dict[str, Any]:
-    """Two steel rings without Poisson's effect, radii 0.2, 0.6 and 1 m, with an interference of 3 mm: one
-    frame.
-    """
+def press_fit() -> dict[str, Any]:
+    """Two steel rings without Poisson's effect, radii 0.2, 0.6 and 1 m, with an interference of 3 mm."""
     steel = {"model": "linear_elastic", "density": 1000.0, "youngs_modulus": 1e9, "poissons_ratio": 0.0}
 
     def ring(inner: float, outer: float) -> dict[str, Any]:
         geometry = {"type": "ring", "centre": [0.0, 0.0], "inner_radius": inner, "outer_radius": outer}
         return {"material": "steel", "geometry": geometry, "particles": {"size": 0.05, "layout": "fitted"}}
 
-    return {
-        "allow_overlap": True,
-        "grid": {"cell_size": 0.1, "lower": [-1.3, -1.3], "upper": [1.3, 1.3]},
-        "time": {"end": 1e-4, "output_interval": 1e-4},
-        "shape": {"method": "cpdi"},
-        "contact": {"method": "penalty", "penalty": {"kappa": 16.0, "linear_to": 0.03}},
-        "materials": {"steel": steel},
-        "bodies": {"inner": ring(0.2, 0.603), "outer": ring(0.6, 1.0)},
-        "settle": {},
-        **tables,
-    }
+    return scene_of(
+        *({"inner": ring(0.2, 0.603), "outer": ring(0.6, 1.0)}, 0.1, [-1.3, -1.3], [1.3, 1.3]),
+        end=1e-4,
+        allow_overlap=True,
+        contact={"method": "penalty", "penalty": {"kappa": 16.0, "linear_to": 0.03}},
+        materials={"steel": steel},
+        settle={},
+    )
 
 
 def test_an_overlap_is_a_load_and_settles_to_lames_press_fit() -> None:

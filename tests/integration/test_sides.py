@@ -77,29 +77,6 @@ def test_a_turned_block_is_driven_by_its_own_sides() -> None:
     assert np.median(np.abs(turned / straight.mean() - 1.0)) < 0.02
 
 
-def test_a_turned_block_hangs_by_its_own_side() -> None:
-    # Along its own axes the load is that of the straight block, and so is where its centre comes to rest: at
-    # eight cells to 6 %, at sixteen to 1.5 % (a clamped corner is singular)
-    down = math.radians(-70.0)
-    fall = 100.0 * np.array([math.sin(down), -math.cos(down)])
-    found = []
-    for turn, gravity in ((0.0, np.array([0.0, -100.0])), (down, fall)):
-        scene = block(
-            bodies__solid__sides=[{"side": "top", "fixed": True}],
-            bodies__solid__geometry__angle=turn,
-            bodies__solid__particles={"layout": "fitted", "size": 0.0625},
-            grid__cell_size=0.125,
-            gravity={"vector": gravity.tolist()},
-            settle={},
-        )
-        sim = Simulation(scene)
-        p = sim.state.particles
-        begin = p.position.mean(axis=0)
-        sim.start()
-        found.append((p.position.mean(axis=0) - begin) @ gravity / 100.0)
-    assert found[1] == pytest.approx(found[0], rel=0.06)
-
-
 def test_pressure_acts_on_a_turned_bodys_own_side() -> None:
     sides = [
         {"side": "bottom", "fixed": ["y"]},

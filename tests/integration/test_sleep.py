@@ -11,44 +11,31 @@ import pytest
 from mpmfw.errors import SceneError
 from mpmfw.runs.restart import read_snapshot, write_snapshot
 from mpmfw.runs.simulation import Simulation
-from scenes_for_tests import SOFT, with_changes
+from scenes_for_tests import scene_of, solid, with_changes
 
 SLEEP = {"sleep": {}}
 
 
-def block(lower: tuple[float, float], upper: tuple[float, float], **more: Any) -> dict[str, Any]:
+def block(lower: list[float], upper: list[float], **more: Any) -> dict[str, Any]:
     """A rectangle of points of half a cell."""
-    geometry = {"type": "rectangle", "lower": lower, "upper": upper}
-    return {
-        "material": "soft",
-        "geometry": geometry,
-        "particles": {"layout": "lattice", "size": 0.125},
-        **more,
-    }
+    return solid(lower, upper, 0.125, **more)
 
 
 def scene(bodies: dict[str, Any], contact: str = "penalty", **changes: Any) -> dict[str, Any]:
     """Bodies in a channel of cells of 0.25 m."""
+    table = {"method": contact, "friction": 0.2}
     return with_changes(
-        {
-            "grid": {"cell_size": 0.25, "lower": [-4.0, -4.0], "upper": [12.0, 8.0]},
-            "time": {"end": 1.0, "output_interval": 0.25},
-            "shape": {"method": "cpdi"},
-            "contact": {"method": contact, "friction": 0.2},
-            "materials": {"soft": SOFT},
-            "bodies": bodies,
-        },
-        **changes,
+        scene_of(bodies, 0.25, [-4.0, -4.0], [12.0, 8.0], end=1.0, outputs=4, contact=table), **changes
     )
 
 
 def hit(contact: str = "penalty", **changes: Any) -> dict[str, Any]:
     """A block flies towards two that touch, and a fourth lies behind."""
     bodies = {
-        "flying": block((-0.5, -0.5), (0.5, 0.5), velocity=[4.0, 0.3]),
-        "first": block((4.5, -0.5), (5.5, 0.5)),
-        "second": block((5.5, -0.5), (6.5, 0.5)),
-        "behind": block((9.5, -0.5), (10.5, 0.5)),
+        "flying": block([-0.5, -0.5], [0.5, 0.5], velocity=[4.0, 0.3]),
+        "first": block([4.5, -0.5], [5.5, 0.5]),
+        "second": block([5.5, -0.5], [6.5, 0.5]),
+        "behind": block([9.5, -0.5], [10.5, 0.5]),
     }
     return scene(bodies, contact, **changes)
 
@@ -56,8 +43,8 @@ def hit(contact: str = "penalty", **changes: Any) -> dict[str, Any]:
 def stack(**changes: Any) -> dict[str, Any]:
     """A block on a held one under gravity, settled."""
     bodies = {
-        "base": block((-1.0, -0.5), (1.0, 0.0), sides=[{"side": "bottom", "fixed": True}]),
-        "block": block((-0.5, 0.0), (0.5, 1.0)),
+        "base": block([-1.0, -0.5], [1.0, 0.0], sides=[{"side": "bottom", "fixed": True}]),
+        "block": block([-0.5, 0.0], [0.5, 1.0]),
     }
     gravity = {"gravity": {"vector": [0.0, -1.0]}, "settle": {"tolerance": 1e-3}}
     return scene(bodies, **gravity, sleep={"strain": 1e-4}, **changes)
@@ -119,7 +106,7 @@ def test_a_stack_at_rest_sleeps_and_bears_its_weight() -> None:
 def test_a_load_that_changes_wakes() -> None:
     """A pressure that begins at 0.5 s acts from then on as if nobody had slept."""
     side = {"side": "left", "pressure": [[0.0, 0.0], [0.5, 0.0], [0.6, 2e3], [1.0, 2e3]]}
-    pushed = {"pushed": block((-0.5, -0.5), (0.5, 0.5), sides=[side]), "other": block((6.0, 5.0), (7.0, 6.0))}
+    pushed = {"pushed": block([-0.5, -0.5], [0.5, 0.5], sides=[side]), "other": block([6.0, 5.0], [7.0, 6.0])}
     awake, slept = Watch(scene(pushed)), Watch(scene(pushed, **SLEEP))
     assert [names for _, names in slept.changes] == [{"pushed", "other"}, {"other"}]
     assert 0.5 <= slept.changes[1][0] < 0.505
@@ -127,7 +114,7 @@ def test_a_load_that_changes_wakes() -> None:
     np.testing.assert_allclose(slept.series[-1]["centre_of_mass"][0], moved, rtol=1e-6, atol=1e-9)
     assert moved[0] > 0.1
     gravity = {"table": [[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [0.6, 0.0, -5.0]]}
-    watch = Watch(scene({**pushed, "pushed": block((0.0, 0.0), (1.0, 1.0))}, gravity=gravity, **SLEEP))
+    watch = Watch(scene({**pushed, "pushed": block([0.0, 0.0], [1.0, 1.0])}, gravity=gravity, **SLEEP))
     assert [names for _, names in watch.changes] == [{"pushed", "other"}, set()]
 
 
@@ -136,8 +123,8 @@ def test_the_top_of_a_flight_is_no_rest() -> None:
     not stop.
     """
     bodies = {
-        "thrown": block((0.0, 0.0), (1.0, 1.0), velocity=[0.0, 0.05]),
-        "other": block((6.0, 5.0), (7.0, 6.0)),
+        "thrown": block([0.0, 0.0], [1.0, 1.0], velocity=[0.0, 0.05]),
+        "other": block([6.0, 5.0], [7.0, 6.0]),
     }
     weak = {"gravity": {"vector": [0.0, -0.1]}, "sleep": {"strain": 1e-4, "crossings": 1}}
     watch = Watch(scene(bodies, **weak))

@@ -52,14 +52,6 @@ def test_a_run_is_suspect_whose_energy_alone_would_make_it_stable():
     assert made["class"].item() == CLASSES.index("bounded")
 
 
-def test_steps_per_contact_fall_with_the_step():
-    """The blocks rebound within the steps of both runs."""
-    made = stability_map(blocks(), kappa=[0.5], cfl=[0.2, 0.6], steps=REBOUND)
-    lasted = made["steps_per_contact"].values[0]
-    assert np.isfinite(lasted).all()
-    assert lasted[0] > 2.0 * lasted[1] > 0.0
-
-
 def test_ratio_of_stiffness_lowers_the_share_of_the_springs():
     """Keys that the map does not set are the scene's."""
     made = stability_map(blocks(), ratio=[1.0, 100.0], cfl=[0.3], steps=10)

@@ -201,11 +201,3 @@ def test_exit_statuses_of_the_command(tmp_path):
         assert (done.exit_code, said in " ".join(done.output.split())) == (2, True), arguments
     for name, text in files.items():
         assert (tmp_path / name).read_text(encoding="utf-8") == text
-
-
-def test_runs_past_the_limits_are_refused_unless_forced(tmp_path, monkeypatch):
-    monkeypatch.setattr("mpmfw.runs.limits.MOST_FRAMES", 1)
-    refused = mpmfw.study(tiny_study(), output=tmp_path / "tiny.nc", jobs=1)
-    assert all("--force" in str(status) for status in refused["status"].values.flat)
-    forced = mpmfw.study(tiny_study(), output=tmp_path / "tiny.nc", jobs=1, force=True)
-    assert (forced["status"] == "ok").all()

@@ -80,19 +80,6 @@ def test_two_bodies_touch_over_the_lesser_thickness(contact: str) -> None:
         assert area(*thicknesses) == pytest.approx(0.25 * one, rel=1e-2)
 
 
-def test_traction_acts_on_the_area_of_its_own_body() -> None:
-    """Two blocks apart, of two thicknesses: F = τ L t of each."""
-    scene = blocks("separate", 0.5, 2.0, time__step=1e-5)
-    for body in scene["bodies"].values():
-        body |= {"velocity": [0.0, 0.0], "sides": [{"side": "top", "traction": [3.0, 0.0]}]}
-    sim = Simulation(scene)
-    sim.advance(5)
-    p = sim.state.particles
-    for body, thickness in zip(sim.state.bodies, (0.5, 2.0), strict=True):
-        own = body.particles
-        assert p.mass[own] @ p.velocity[own, 0] == pytest.approx(3.0 * 0.5 * thickness * 5e-5, rel=1e-6)
-
-
 @pytest.mark.parametrize("contact", ["bardenhagen", "lcp"])
 def test_forces_go_with_the_thickness_and_motion_does_not(contact: str) -> None:
     changes = {"time__end": 0.01, "time__output_interval": 0.01}

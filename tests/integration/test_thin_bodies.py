@@ -10,6 +10,7 @@ import pytest
 from mpmfw.errors import SceneError
 from mpmfw.geometry import Ball, Box, Polygon, Ring
 from mpmfw.runs.simulation import Simulation
+from scenes_for_tests import scene_of
 
 CELL, BULK, SHEAR, DENSITY = 0.1, 8e5, 4e5, 1000.0
 TICK = CELL / np.sqrt((BULK + 4.0 / 3.0 * SHEAR) / DENSITY)
@@ -29,15 +30,10 @@ def disc(width: float) -> dict[str, Any]:
 
 def scene(geometry: dict[str, Any], size: float, **time: Any) -> dict[str, Any]:
     """One free body, with points of so many cells."""
-    solid = {"model": "linear_elastic", "density": DENSITY, "bulk_modulus": BULK, "shear_modulus": SHEAR}
-    particles = {"layout": "fitted", "size": size * CELL}
-    return {
-        "grid": {"cell_size": CELL, "lower": [-1.0, -1.0], "upper": [1.0, 1.0]},
-        "time": {"end": 1.0, "output_interval": 1.0, **time},
-        "shape": {"method": "cpdi"},
-        "materials": {"solid": solid},
-        "bodies": {"thin": {"material": "solid", "geometry": geometry, "particles": particles}},
-    }
+    elastic = {"model": "linear_elastic", "density": DENSITY, "bulk_modulus": BULK, "shear_modulus": SHEAR}
+    body = {"material": "solid", "geometry": geometry, "particles": {"layout": "fitted", "size": size * CELL}}
+    made = scene_of({"thin": body}, CELL, [-1.0, -1.0], [1.0, 1.0], end=1.0, materials={"solid": elastic})
+    return made | {"time": {**made["time"], **time}}
 
 
 def growth(mapping: dict[str, Any], step: float, steps: int = 300) -> float:

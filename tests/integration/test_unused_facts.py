@@ -6,10 +6,8 @@ import warnings
 from typing import Any
 
 import pytest
-from typer.testing import CliRunner
 
 import mpmfw
-from mpmfw.cli.app import app
 from mpmfw.cli.explain import unused_facts
 from mpmfw.errors import ResultsWarning
 from mpmfw.runs.simulation import Simulation
@@ -71,12 +69,6 @@ def test_facts_without_effect_are_named_and_no_others(scene: dict[str, Any], sai
     found = facts(scene)
     assert len(found) == len(said)
     assert all(line.startswith(start) for line, start in zip(found, said, strict=True))
-
-
-def test_the_command_prints_them() -> None:
-    arguments = ["explain", "colliding-rings", "--contact", "bardenhagen"]
-    printed = CliRunner().invoke(app, arguments).output.partition("Facts of the scene that are not used")[2]
-    assert "contact.penalty.kappa: contact 'bardenhagen' runs, not 'penalty'" in printed
 
 
 @pytest.mark.parametrize("law", ["coulomb", "literal"])

@@ -14,11 +14,10 @@ from typer.testing import CliRunner
 import mpmfw
 from mpmfw.api import ContactStrategy, hookimpl
 from mpmfw.cli.app import app
-from mpmfw.effects.verdict import SIDES_LATEST
 from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene.toml_text import toml_text
-from scenes_for_tests import block, with_changes
+from scenes_for_tests import block, scene_of, with_changes
 
 CELL, SPEED = 0.1, 5.0
 SOLID = {"model": "neo_hookean", "density": 1000.0, "bulk_modulus": 1e6, "shear_modulus": 5e5}
@@ -47,24 +46,18 @@ class Pump(ContactStrategy):
 def scene(*bodies: tuple[dict[str, Any], float], end: float, outputs: int, **changes: Any) -> dict[str, Any]:
     """A scene of bodies that move along x, in cells of 0.1 m."""
     dim = 2 if bodies[0][0]["type"] in ("disc", "rectangle", "ring", "polygon") else 3
-    made = {
-        "grid": {"cell_size": CELL, "lower": [-2.0] * dim, "upper": [2.0] * dim},
-        "time": {"end": end, "output_interval": end / outputs},
-        "shape": {"method": "linear"},
-        "contact": {"method": "separate"},
-        "materials": {"solid": SOLID},
-        "bodies": {
-            name: {
-                "material": "solid",
-                "geometry": geometry,
-                "particles": {"size": 0.5 * CELL},
-                "velocity": [speed] + [0.0] * (dim - 1),
-            }
-            for name, (geometry, speed) in zip("ab", bodies, strict=False)
-        },
-        "output": {"particles": False},
+    moving = {
+        name: {
+            "material": "solid",
+            "geometry": geometry,
+            "particles": {"size": 0.5 * CELL},
+            "velocity": [speed] + [0.0] * (dim - 1),
+        }
+        for name, (geometry, speed) in zip("ab", bodies, strict=False)
     }
-    return with_changes(made, **changes)
+    tables = {"shape": {"method": "linear"}, "contact": {"method": "separate"}, "materials": {"solid": SOLID}}
+    made = scene_of(moving, CELL, [-2.0] * dim, [2.0] * dim, end, outputs, **tables)
+    return with_changes(made, **{"output": {"particles": False}, **changes})
 
 
 def boxes(*corners: list[float]) -> list[dict[str, Any]]:
@@ -207,16 +200,6 @@ def test_bodies_with_loads_that_settle_are_judged_from_time_zero_on() -> None:
         made = scene((left, 0.0), (right, 0.0), end=0.01, outputs=5, allow_overlap=True, **keys)
         made["contact"]["method"], made["shape"]["method"] = "penalty", "cpdi"
         assert run(made).attrs["status"] == "ok"
-
-
-def test_sides_are_looked_at_between_outputs() -> None:
-    simulation = Simulation(scene((DISCS[0], 0.0), (DISCS[1], 0.0), end=100.0, outputs=1), contact="penalty")
-    simulation.start()
-    judge = simulation.manager.get_plugin("verdict")
-    judge.diagnostics(simulation.state, 0.0)  # the first output
-    assert judge.latest_sides == SIDES_LATEST
-    simulation.advance(SIDES_LATEST + 1)
-    assert judge.latest_sides == 2 * SIDES_LATEST
 
 
 def passes_through() -> dict[str, Any]:

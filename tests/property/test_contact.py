@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import functools
-
 import numpy as np
 import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
-import mpmfw.plugin.discovery
 from contact_scenes import ACTING, CELL, MU, disc, run, scene, simulation, slider
-from mpmfw_testing import checks_of, examine, subject_of
+from kit_for_tests import asked, entry_points_are_read_once  # noqa: F401
+from mpmfw_testing import subject_of
 
 GIVEN = "the normal is given, and the kit's bodies meet in other directions"
 #: Contacts with options, and what they cannot pass.
@@ -34,13 +32,9 @@ CHECKS = (
 
 @pytest.mark.parametrize("name", CHECKS)
 @pytest.mark.parametrize("contact", VARIANTS)
-def test_options_break_no_property(contact, name, monkeypatch):
+def test_options_break_no_property(contact, name):
     """Linear momentum, moment, friction, energy and symmetries; what is listed as lacking must fail."""
-    listed = functools.cache(mpmfw.plugin.discovery.entry_points)
-    monkeypatch.setattr(mpmfw.plugin.discovery, "entry_points", listed)
-    check = next(each for each in checks_of("contact") if each.name == name)
-    lacks = {key: why for key, why in VARIANTS[contact].items() if key == name}
-    (found,) = examine(subject_of(contact, "contact"), [check], lacks)
+    found = asked(subject_of(contact, "contact"), name, VARIANTS[contact].get(name, ""))
     assert not found.wrong, found.report
 
 

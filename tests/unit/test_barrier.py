@@ -102,14 +102,6 @@ def of(function, at):
     return np.array([function(float(s)) for s in at])
 
 
-def test_slope_and_curvature_are_the_barrier_s():
-    step = 1e-6 * AT
-    slope = (of(barrier, AT - step) - of(barrier, AT + step)) / (2.0 * step)
-    np.testing.assert_allclose(of(barrier_slope, AT), slope, rtol=1e-6, atol=1e-9)
-    curvature = (of(barrier_slope, AT - step) - of(barrier_slope, AT + step)) / (2.0 * step)
-    np.testing.assert_allclose(of(barrier_curvature, AT), curvature, rtol=1e-6)
-
-
 @pytest.mark.parametrize("function", [barrier, barrier_slope, barrier_curvature])
 def test_beyond_its_reach_there_is_none(function):
     assert [function(s) for s in (1.0, 1.5)] == [0.0, 0.0]

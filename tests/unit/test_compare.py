@@ -56,31 +56,6 @@ def test_joined_on_contact_and_shape_with_what_failed_and_what_was_refused():
         compare([Choosy()], ["linear"])
 
 
-def test_varied_keys_become_dimensions_and_particles_stay_out():
-    vary = {"contact.friction": [0.0, 0.1]}
-    data = compare(["separate"], ["cpdi"], vary, set={"time.end": 0.01})
-    assert data["centre_of_mass"].dims[:3] == ("contact", "shape", "friction")
-    assert data.attrs["varied"] == '{"friction": "contact.friction"}'
-    assert data["time"].values[-1] == pytest.approx(0.01)
-    assert not any(str(name).startswith("particle_") for name in data.data_vars)
-
-
-@pytest.mark.parametrize(
-    ("contact", "varied", "shared", "message"),
-    [
-        (["none"], {}, {"contact.method": "penalty"}, r"set contact\.method: .* chosen by contact=\[…\]"),
-        (["none"], {"time.end": [1, 2]}, {"time.end": 1}, r"set time\.end: vary time\.end takes its place"),
-        (["none"], {"time.end": [1, 1.0]}, {}, r"vary time\.end: 1\.0 is given twice"),
-        (["none", "none"], {}, {}, "contact: none is given twice"),
-        (["none"], {"contact.penalty.kappa": [1, 2]}, {}, r"vary contact\.penalty\.kappa: has no effect"),
-    ],
-)  # fmt: skip
-def test_requests_that_contradict_themselves_are_refused(contact, varied, shared, message, monkeypatch):
-    monkeypatch.setattr("mpmfw.campaigns.work.run", None)  # no run begins
-    with pytest.raises(SceneError, match=message):
-        compare(contact, ["cpdi"], varied, set=shared)
-
-
 def test_saved_and_opened(tmp_path):
     saved = compare(["penalty", "none"], ["cpdi"], output=tmp_path / "c.nc")
     xr.testing.assert_equal(saved, open_results(tmp_path / "c.nc"))

@@ -71,16 +71,6 @@ def test_it_yields_in_shear_at_the_yield_stress_over_root_three(dim: int) -> Non
     assert point.strain == pytest.approx(2.0 * limit / SHEAR / math.sqrt(3.0), rel=1e-2)
 
 
-def test_it_yields_under_uniaxial_strain_and_goes_on_with_the_bulk_modulus() -> None:
-    """σ_x = K ε + 2 σ_y / 3 past ε = σ_y / 2G."""
-    point = Point()
-    for strain in np.linspace(0.0, 0.01, 101):
-        stress = point.stress(np.diag([1.0 + strain, 1.0, 1.0]))[0, 0]
-        elastic = (BULK + 4.0 * SHEAR / 3.0) * strain
-        expected = elastic if strain < YIELD / (2.0 * SHEAR) else BULK * strain + 2.0 / 3.0 * YIELD
-        assert stress == pytest.approx(expected, rel=0.02, abs=1.0)
-
-
 def pulled(point: Point, stretches: Iterable[float]) -> list[float]:
     """σ along a bar whose sides are free, at each stretch."""
     found, side = [], 1.0

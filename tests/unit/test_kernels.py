@@ -9,8 +9,7 @@ import numpy_twins as twin
 import pytest
 
 from mpmfw.api import Stencil
-from mpmfw.kernels import kernel, particle_grid, struct
-from mpmfw.kernels.arithmetic import determinant, invert
+from mpmfw.kernels import particle_grid, struct
 from mpmfw.step.transfer import make_transfer
 
 N_POINTS, N_NODES = 23, 41
@@ -138,40 +137,3 @@ def test_deformation_and_volume(problem):
     close(p.deformation_gradient, expected)
     close(p.volume, np.linalg.det(expected) * p.initial_volume)
     assert bad == -1
-
-
-@pytest.mark.parametrize("value", [np.nan, -1.0])
-def test_first_inverted_point_is_reported(problem, value):
-    p = problem.points
-    p.deformation_gradient[:] = np.eye(problem.dim)
-    p.deformation_gradient[[7, 11], 0, 0] = value
-    p.velocity_gradient[:] = 0.0
-    assert particle_grid.update_deformation(p, 1.0, problem.spacing) == 7
-
-
-def test_nodal_kernels(problem):
-    x, g, dt = problem, problem.grid, 0.3
-    momentum, velocity = g.velocity.copy(), np.ones((N_NODES, x.dim))
-    has_mass = g.mass[:, None] > 0.0
-    particle_grid.integrate_momentum(g.mass, momentum, g.start_velocity, dt, x.spacing)
-    close(momentum, g.velocity + np.where(has_mass, dt * g.start_velocity, 0.0))
-    particle_grid.velocity_of_momentum(g.mass, momentum, velocity, x.spacing)
-    close(velocity, np.where(has_mass, momentum / np.where(has_mass, g.mass[:, None], 1.0), 0.0))
-    force = g.start_velocity.copy()
-    particle_grid.add_body_force(g.mass, np.arange(1.0, x.dim + 1.0), force, x.spacing)
-    close(force, g.start_velocity + g.mass[:, None] * np.arange(1.0, x.dim + 1.0))
-
-
-@kernel
-def _determinant_and_inverse(matrices, inverses, determinants, spacing):
-    for n in range(len(matrices)):
-        determinants[n] = determinant(matrices[n], spacing)
-        invert(matrices[n], inverses[n], spacing)
-
-
-def test_small_matrices(problem):
-    matrices = problem.points.deformation_gradient
-    inverses, determinants = np.zeros_like(matrices), np.zeros(N_POINTS)
-    _determinant_and_inverse(matrices, inverses, determinants, problem.spacing)
-    close(determinants, np.linalg.det(matrices))
-    close(inverses, np.linalg.inv(matrices))

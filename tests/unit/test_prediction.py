@@ -12,6 +12,7 @@ from mpmfw.runs.prediction import driven_speed, predict, share_of_springs
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
 from mpmfw.state.fields import STEP_STAGES
+from scenes_for_tests import scene_of, solid
 
 
 def made(contact="penalty", shape="cpdi", **tables):
@@ -70,26 +71,13 @@ def pressed(contact: str, **options: Any) -> Simulation:
         name: {"model": "linear_elastic", "density": 1000, "youngs_modulus": young, "poissons_ratio": 0.0}
         for name, young in (("soft", 1e6), ("firm", 4e6))
     }
-    driven = {"side": "top", "velocity": ["free", -0.01]}
+    driven = [{"side": "top", "velocity": ["free", -0.01]}]
     bodies = {
-        name: {"material": name, "geometry": {"type": "rectangle", "lower": lower, "upper": upper}}
-        for name, lower, upper in (
-            ("firm", [0.0, -1.0], [1.0, 0.0]),
-            ("soft", [0.0, 0.0], [1.0, 0.5]),
-        )
+        "firm": solid([0.0, -1.0], [1.0, 0.0], 0.05, "firm"),
+        "soft": solid([0.0, 0.0], [1.0, 0.5], 0.05, sides=driven),
     }
-    for body in bodies.values():
-        body["particles"] = {"size": 0.05}
-    bodies["soft"]["sides"] = [driven]
-    scene = {
-        "grid": {"cell_size": CELL, "lower": [-1.0, -2.0], "upper": [2.0, 2.0]},
-        "time": {"end": 0.01, "output_interval": 0.01},
-        "shape": {"method": "cpdi"},
-        "contact": {"method": contact, **options},
-        "materials": materials,
-        "bodies": bodies,
-    }
-    return Simulation(scene)
+    tables = {"contact": {"method": contact, **options}, "materials": materials}
+    return Simulation(scene_of(bodies, CELL, [-1.0, -2.0], [2.0, 2.0], end=0.01, **tables))
 
 
 SOFT = {"penalty": {"kappa": 1.0}}

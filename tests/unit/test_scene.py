@@ -7,8 +7,7 @@ import pytest
 from pydantic import ValidationError
 
 from mpmfw.errors import SceneError
-from mpmfw.scene import load_scene, located, shipped_scenes
-from mpmfw.scene.toml_text import toml_text
+from mpmfw.scene import load_scene, located
 
 TEXT = """\
 title = "two blocks"
@@ -236,12 +235,6 @@ def test_overrides_are_toml_values_or_text(scene_file):
 def test_the_text_of_an_overridden_scene_is_that_scene(scene_file):
     scene = load_scene(scene_file(), set={"grid.cell_size": 0.25, "title": 'a "quoted" title'})
     assert load_scene(tomllib.loads(scene.text)).to_mapping() == scene.to_mapping()
-
-
-@pytest.mark.parametrize("name", list(shipped_scenes()))
-def test_written_text_reads_back(name):
-    mapping = tomllib.loads(shipped_scenes()[name])
-    assert tomllib.loads(toml_text(mapping)) == mapping
 
 
 def test_gravity_in_time_is_linear_between_rows_and_constant_outside():

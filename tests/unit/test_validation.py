@@ -9,8 +9,10 @@ from dataclasses import replace
 import pytest
 from typer.testing import CliRunner
 
+from mpmfw.campaigns.executors import InProcess
 from mpmfw.cli import app
 from mpmfw.validation import Case, CaseRun, Method, Place, Row, Runs, RunSet, Verdict, methods
+from mpmfw.validation import suite as suites
 from mpmfw.validation.page import BEGIN, END
 from mpmfw.validation.suite import find_cases, kept, run_cases
 
@@ -104,6 +106,20 @@ def suite(tmp_path):
     return make
 
 
+@pytest.fixture
+def here(monkeypatch):
+    """Run cases in this process, but for ``z``: one of its own takes seconds to start."""
+    alone = suites.Pool(1)
+
+    class Here(InProcess):
+        def outcomes(self, work, tasks):
+            for task in tasks:
+                executor = alone if task.name == "z" else super()
+                yield from executor.outcomes(work, [task])
+
+    monkeypatch.setattr(suites, "Pool", lambda _: Here())
+
+
 def results(folder, tmp_path, **options):
     return run_cases(find_cases(folder), tmp_path / "out", jobs=1, **options)
 
@@ -139,6 +155,7 @@ def test_gates_bind_the_recommended_methods_alone(tmp_path):
     assert {row.method for row in case.rows if row.verdict is Verdict.RED} == {"penalty, cpdi", "cpdi"}
 
 
+@pytest.mark.usefixtures("here")
 def test_runs_at_places_and_in_versions(suite, tmp_path):
     (result,) = results(suite(a=RUNS), tmp_path)
     assert result.error == ""
@@ -175,6 +192,7 @@ def test_a_pattern_that_fits_no_method_or_place_is_refused(tmp_path):
             misspelt()
 
 
+@pytest.mark.usefixtures("here")
 def test_whatever_goes_wrong_is_said_and_ends_with_status_1(suite, tmp_path):
     folder = suite(a=GREEN + RED + NINE + FIVE + BROKEN, z=KILLED)
     result = command(folder, tmp_path)
@@ -194,6 +212,7 @@ def test_whatever_goes_wrong_is_said_and_ends_with_status_1(suite, tmp_path):
     assert (wrong.exit_code, "did you mean 'a'?" in wrong.output) == (2, True)
 
 
+@pytest.mark.usefixtures("here")
 def test_table_figures_and_the_marked_part_of_a_page_are_written(suite, tmp_path):
     page = tmp_path / "docs" / "page.md"
     page.parent.mkdir()
@@ -214,6 +233,7 @@ def test_table_figures_and_the_marked_part_of_a_page_are_written(suite, tmp_path
     ]
 
 
+@pytest.mark.usefixtures("here")
 def test_cases_run_one_by_one_make_one_table_of_todays_code(suite, tmp_path):
     folder = suite(a=GREEN, b=RED)
     assert command(folder, tmp_path, "b").exit_code == 1

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mpmfw.state.windows import MARGIN, fit_windows, make_grid
+from mpmfw.state.windows import fit_windows, make_grid
 
 H = 0.25
 
@@ -36,14 +36,6 @@ def test_the_grid_reaches_at_least_to_its_upper_end(length: float, cells: int) -
     assert grid.nodes.tolist() == [cells + 1, 6]
 
 
-def test_a_window_holds_its_points_and_the_margin() -> None:
-    grid = laid([[0.1, 0.1], [0.6, 0.2]], reach=0.05)
-    first = np.array([8, 8]) - MARGIN  # the node below (0.05, 0.05) is the background's (8, 8)
-    last = np.array([10, 9]) + 1 + MARGIN  # above (0.65, 0.25): (11, 10), as 0.25 is on a line
-    assert grid.window_lower[0].tolist() == first.tolist()
-    assert (grid.window_lower[0] + grid.window_shape[0] - 1).tolist() == last.tolist()
-
-
 def test_nodes_of_two_windows_lie_one_after_the_other_and_agree_to_the_last_bit() -> None:
     grid = laid([[0.1, 0.1]], [[0.4, 0.3]])
     assert grid.offset.tolist() == [0, *np.cumsum(np.prod(grid.window_shape, axis=1))]
@@ -62,13 +54,6 @@ def test_nodes_of_two_windows_lie_one_after_the_other_and_agree_to_the_last_bit(
     shared = nodes[0].keys() & nodes[1].keys()
     assert shared
     assert all(nodes[0][key] == nodes[1][key] for key in shared)
-
-
-def test_surface_nodes_widen_their_own_fields_window() -> None:
-    surface = SimpleNamespace(position=np.array([[1.6, 0.1]]), first=np.array([0, 0, 1]))
-    plain, wide = laid([[0.1, 0.1]], [[0.1, 0.1]]), laid([[0.1, 0.1]], [[0.1, 0.1]], surface=surface)
-    assert wide.window_shape[0].tolist() == plain.window_shape[0].tolist()
-    assert wide.window_shape[1].tolist() == [plain.window_shape[1, 0] + 6, plain.window_shape[1, 1]]
 
 
 @pytest.mark.parametrize("far", [np.nan, np.inf, -np.inf, 1e300])

@@ -64,11 +64,11 @@ class InProcess:
 class Pool:
     """Processes of one thread each, by default one for each core.
 
-    One that dies takes no other run with it. If ``fresh``, each task has a process of its own.
+    One that dies takes no other run with it.
     """
 
-    def __init__(self, jobs: int | None = None, fresh: bool = False) -> None:
-        self.jobs, self.fresh = jobs or cores(), fresh
+    def __init__(self, jobs: int | None = None) -> None:
+        self.jobs = jobs or cores()
         self.timing = "exclusive" if self.jobs == 1 else "shared cores"
         self.cores = "one core" if self.jobs == 1 else f"{self.jobs} processes on {cores()} cores"
 
@@ -106,10 +106,7 @@ class Pool:
                     if isinstance(future.exception(), BrokenExecutor):
                         died.append(task)
                         continue
-                    if self.fresh:
-                        process.shutdown(wait=False)
-                    else:
-                        idle.append(process)
+                    idle.append(process)
                     yield task, future.result()
         finally:
             for _, process in under_way.values():  # an interruption: nobody would take what they are doing

@@ -1,4 +1,4 @@
-"""Find the cases of a suite and run each by pytest, in a process of its own."""
+"""Find the cases of a suite and run each by pytest, in processes that take one after the other."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import io
 import os
 import re
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from difflib import get_close_matches
 from pathlib import Path
@@ -72,12 +72,11 @@ def check_once(task: CaseTask) -> Finished:
                 errors.append(report.longreprtext)
 
     plugin.CASES.clear()
-    sys.path.insert(0, str(task.folder.parent))
     options = ["-c", os.devnull, f"--rootdir={task.folder}", "-p", "no:cacheprovider"]
     options += ["--quick"] * task.quick
     printed = io.StringIO()
     try:
-        with journal_style(), contextlib.redirect_stdout(printed):
+        with journal_style(), contextlib.redirect_stdout(printed), _modules_of(task.folder.parent):
             code = pytest.main([*options, "-p", plugin.__name__, str(task.folder)], [Errors()])
         nothing = code == pytest.ExitCode.NO_TESTS_COLLECTED and task.quick  # a case of full runs alone
         if code not in (0, 1) and not nothing and not errors:
@@ -97,6 +96,20 @@ def check_once(task: CaseTask) -> Finished:
         "command": task.command,
     }
     return Finished(Outcome(task.key, status, task.name, values=values, code=task.code))
+
+
+@contextlib.contextmanager
+def _modules_of(suite: Path) -> Iterator[None]:
+    """Find modules in the suite's folder, and forget them afterwards: cases have some of one name."""
+    before = sys.path[:]
+    sys.path.insert(0, str(suite))
+    try:
+        yield
+    finally:
+        sys.path[:] = before
+        for name, module in list(sys.modules.items()):
+            if Path(getattr(module, "__file__", None) or "/").is_relative_to(suite):
+                del sys.modules[name]
 
 
 def shipped_suite() -> Path:
@@ -146,11 +159,11 @@ def run_cases(
     """Run cases, longest first, and save their figures; those that today's code has done are not run again.
 
     ``output`` is the folder for the figures; results are kept in its folder ``runs``. ``jobs``, ``executor``
-    and ``progress`` are as :func:`mpmfw.campaign` takes them; each case has a process of its own. ``command``
-    is the one that the results name. ``force`` runs cases again that are done.
+    and ``progress`` are as :func:`mpmfw.campaign` takes them. ``command`` is the one that the results name.
+    ``force`` runs cases again that are done.
     """
     output.mkdir(parents=True, exist_ok=True)
-    runner = executor_of(executor, jobs) if executor is not None else Pool(jobs, fresh=True)
+    runner = executor_of(executor, jobs) if executor is not None else Pool(jobs)
     store, code = Store(output / "runs"), code_of_plugins()
     by = f"`{command}` on {runner.cores}"
     tasks = {

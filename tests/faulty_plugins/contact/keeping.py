@@ -1,9 +1,10 @@
-"""Laws that are wrong about options, time step, state, areas and records."""
+"""Laws whose fault is more than a change of text: of options, time step, state, areas and records."""
 
 from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from faulty_plugins.contact.plain import PlainContact
@@ -11,6 +12,42 @@ from faulty_plugins.sealed import Sealed
 from mpmfw.api import AnyArray, State, hookimpl
 from mpmfw_contact.bardenhagen import Bardenhagen
 from mpmfw_contact.penalty import Penalty, PenaltyLaw
+
+
+class MassRatio(PlainContact):
+    """The impulse is multiplied by the ratio of the bodies' masses: right for bodies of equal mass."""
+
+    def effective_mass(self, pair, m_a, m_b):
+        bodies, mass = self.state.bodies, self.state.particles.mass
+        whole = [mass[bodies[body].particles].sum() for body in (pair.first, pair.second)]
+        return max(whole) / min(whole) * super().effective_mass(pair, m_a, m_b)
+
+
+class NineEntries(PlainContact):
+    """Takes rows of nine entries for rows of six, which CPDI has as well, but not all of them."""
+
+    @hookimpl
+    def after_momentum_projection(self, grid, phi, particles):
+        if (np.diff(phi.row) == 9).all():
+            six = particles.volume[:, None, None] * phi.gradient.reshape(particles.count, 6, grid.dim)
+            self.outward_sum = six.sum(axis=(0, 1))
+        PlainContact.after_momentum_projection(self, grid, phi, particles)
+
+
+class OneTouch(PlainContact):
+    """Bodies that have met and parted are not asked again."""
+
+    def correct(self, grid):
+        if not hasattr(self, "met"):
+            self.met = np.zeros(len(self.pairs))
+        for pair, a, _b, _n in self.shared:
+            touches = len(a) > 0
+            if touches and self.met[pair.index] == 0.0:
+                self.met[pair.index] = 1.0
+            elif not touches and self.met[pair.index] == 1.0:
+                self.met[pair.index] = 2.0
+        self.shared = [each for each in self.shared if self.met[each[0].index] < 2.0]
+        super().correct(grid)
 
 
 class Softness(BaseModel):

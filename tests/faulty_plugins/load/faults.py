@@ -39,35 +39,12 @@ class SoundWind(SurfaceLoad):
         return -np.maximum(along, 0.0)[:, None] * facets.normal
 
 
-class WrongShape(Sound):
-    """One number for each point."""
-
-    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
-        return super().forces(particles, own, time)[:, 0]
-
-
-class Braking(Sound):
-    """Writes the points' velocity in place of a force."""
-
-    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
-        particles.velocity[own] *= 0.999
-        return super().forces(particles, own, time)
-
-
 class Everybody(Sound):
     """Adds to all nodes, whatever body is theirs."""
 
     @hookimpl
     def add_nodal_force(self, grid: Grid) -> None:
         grid.force[:, 0] += grid.mass * 1.0
-
-
-class Latching(Sound):
-    """Stays on once it was, in an attribute of its own."""
-
-    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
-        self.on = getattr(self, "on", False) or time > 1.0
-        return super().forces(particles, own, time) * (2.0 if self.on else 1.0)
 
 
 class Pushing(Sound):

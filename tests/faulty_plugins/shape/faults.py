@@ -17,93 +17,10 @@ from mpmfw_shape.gimp import WIDTH, Gimp
 from mpmfw_shape.linear import Linear
 
 
-class NotNormalisedIn3D(Sound):
-    """As if a loop over two axes had been left in the kernel for three: right in 2D, wrong in 3D."""
-
-    def table(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
-        table = super().table(position, first, grid)
-        return table.replace(weight=table.weight * 1.01) if grid.dim == 3 else table
-
-
-class HalfCellOff(Sound):
-    """Nodes are taken for the middles of cells: all is shifted by half a cell."""
-
-    def base(self, xi: FloatArray) -> FloatArray:
-        return super().base(xi - 0.5)
-
-    def weights(self, t: FloatArray) -> FloatArray:
-        return super().weights(t - 0.5)
-
-    def slopes(self, t: FloatArray) -> FloatArray:
-        return super().slopes(t - 0.5)
-
-
-class Interpolating(Sound):
-    """Lagrange's parabola through three nodes: sums and gradients are right, outer weights are negative."""
-
-    def weights(self, t: FloatArray) -> FloatArray:
-        return np.stack([0.5 * (t - 1.0) * (t - 2.0), t * (2.0 - t), 0.5 * t * (t - 1.0)], axis=-1)
-
-    def slopes(self, t: FloatArray) -> FloatArray:
-        return np.stack([t - 1.5, 2.0 - 2.0 * t, t - 0.5], axis=-1)
-
-
-class WrongPiece(Sound):
-    """The support is chosen by the cell, and not by the nearest node: sums still hold, the weights jump."""
-
-    def base(self, xi: FloatArray) -> FloatArray:
-        return np.floor(xi) - 1.0
-
-
 class UndeclaredSpread(Linear):
     """Linear functions that do not say that Σ φ q qᵀ vanishes on grid lines."""
 
     singular_spread = False
-
-
-class WrongSign(Sound):
-    """The derivative with respect to x_i is taken for that with respect to x_p."""
-
-    def slopes(self, t: FloatArray) -> FloatArray:
-        return -super().slopes(t)
-
-
-class GradientOfLinear(Sound):
-    """B-spline weights beside the gradients of linear functions: every sum is right."""
-
-    def slopes(self, t: FloatArray) -> FloatArray:
-        first = (t < 1.0).astype(float)
-        return np.stack([-first, 2.0 * first - 1.0, 1.0 - first], axis=-1)
-
-
-class NeverOutside(Sound):
-    """Nothing is checked: at the window's end entries run over into the next row of nodes."""
-
-    def inside(self, base: FloatArray, shape: IntArray) -> FloatArray:  # noqa: ARG002
-        return np.ones(len(base), dtype=bool)
-
-
-class WrongIndex(Sound):
-    """``OutsideGrid`` names the first point, whichever left."""
-
-    def reported(self, index: int) -> int:
-        return 0 * index
-
-
-class SurfaceNeverOutside(Sound):
-    """Material points are checked, surface points are not."""
-
-    @hookimpl
-    def interpolate_surface(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
-        table = NeverOutside().table(position, first, grid)
-        return table.replace(gradient=np.zeros((0, grid.dim)))
-
-
-class OneField(Sound):
-    """Every point writes into the first body's velocity field."""
-
-    def offset(self, grid: Grid, field: IntArray) -> IntArray:
-        return grid.offset[np.zeros_like(field)]
 
 
 class ReachAtTheStart(Cpdi):
@@ -165,15 +82,6 @@ class LinearSurface(Sound):
         return Linear().interpolate_surface(position=position, first=first, grid=grid)
 
 
-class SurfaceNotNormalised(Sound):
-    """The weights of surface points add up to 0.99: a part of the contact force is lost."""
-
-    @hookimpl
-    def interpolate_surface(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
-        table = super().interpolate_surface(position=position, first=first, grid=grid)
-        return table.replace(weight=0.99 * table.weight)
-
-
 class UndeclaredBoundary(Linear):
     """Linear functions that do not say that boundary nodes may be without mass."""
 
@@ -230,28 +138,6 @@ class KeepsElsewhere(Sound):
     def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
         table = super().interpolate(particles, grid)
         return table.replace(weight=table.weight * (1.0 - 1e-9 * _STEPS[0]))
-
-
-class Clamping(Sound):
-    """Points that are near the window's end are put back, quietly."""
-
-    @hookimpl
-    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
-        particles.position[:] = np.round(particles.position, 6)
-        return super().interpolate(particles, grid)
-
-
-class Hoarding(Sound):
-    """Every table is kept."""
-
-    def __init__(self, **options: object) -> None:
-        super().__init__(**options)
-        self.kept: list[Stencil] = []
-
-    @hookimpl
-    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
-        self.kept.append(super().interpolate(particles, grid))
-        return self.kept[-1]
 
 
 class DeafOptions(BaseModel):

@@ -53,53 +53,6 @@ class OneNumberNeedsAnother(Sound):
         rows.friction[: rows.count] *= 1.0 + growth
 
 
-class DividesByNothing(Sound):
-    """Forgets that the first step has no last one."""
-
-    def speed(self, rows: ContactRows, dt: float) -> FloatArray:
-        with np.errstate(all="ignore"):
-            slip: FloatArray = np.linalg.norm(rows.motion[: rows.count], axis=1) / dt
-        return slip
-
-
-class TurnsNormals(Sound):
-    """Writes the normals anew."""
-
-    def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
-        super().slip_limit(rows, friction, dt)
-        rows.normal[: rows.count] *= 1.0 + 1e-9
-
-
-class FirstPair(Sound):
-    """All pairs have the friction of the first."""
-
-    def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
-        super().slip_limit(rows, np.full_like(friction, friction[0]), dt)
-
-
-class WearsOut(Sound):
-    """Falls with every call."""
-
-    def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
-        self.calls = getattr(self, "calls", 0) + 1
-        super().slip_limit(rows, friction / self.calls, dt)
-
-
-class AlongX(Sound):
-    """Knows the motion along x alone."""
-
-    def speed(self, rows: ContactRows, dt: float) -> FloatArray:
-        slip: FloatArray = np.abs(rows.motion[: rows.count, 0])
-        return slip / dt if dt > 0.0 else 0.0 * slip
-
-
-class ByTheStep(Sound):
-    """Takes the motion over a step, times 10 000, for the speed."""
-
-    def speed(self, rows: ContactRows, dt: float) -> FloatArray:  # noqa: ARG002
-        return super().speed(rows, 1e-4)
-
-
 class Factor(BaseModel):
     """An option that a reader would set."""
 
@@ -110,22 +63,6 @@ class Dropped(Sound):
     """Accepts an option and drops it."""
 
     Options = Factor
-
-
-class WholeMotion(Sound):
-    """Takes the approach for slip as well."""
-
-    def speed(self, rows: ContactRows, dt: float) -> FloatArray:
-        moved: FloatArray = np.linalg.norm(rows.motion[: rows.count], axis=1)
-        return moved / dt if dt > 0.0 else 0.0 * moved
-
-
-class ByArea(Sound):
-    """A large row has more of it."""
-
-    def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
-        super().slip_limit(rows, friction, dt)
-        rows.friction[: rows.count] *= 1.0 + rows.area[: rows.count]
 
 
 class Closed(Sealed, Sound):

@@ -92,87 +92,6 @@ class SoundSolid(SolidGeometry):
         return ((nodes, np.array(facets)),)
 
 
-class FlatBounds(Sound):
-    """Bounds as one row."""
-
-    type: Literal["flat-bounds"] = "flat-bounds"
-
-    @property
-    def bounds(self) -> FloatArray:
-        return super().bounds.ravel()
-
-
-class Hole(SoundSolid):
-    """One triangle is left out."""
-
-    type: Literal["hole"] = "hole"
-
-    def surfaces(self, edge: float) -> tuple[tuple[FloatArray, IntArray], ...]:
-        ((nodes, facets),) = super().surfaces(edge)
-        return ((nodes, facets[1:]),)
-
-
-class Eight(Sound):
-    """Two nodes of the outer outline are exchanged."""
-
-    type: Literal["eight"] = "eight"
-
-    def outlines(self, segment: float) -> tuple[FloatArray, ...]:
-        outer, inner = super().outlines(segment)
-        outer[[3, 4]] = outer[[4, 3]]
-        return outer, inner
-
-
-class FilledHole(Sound):
-    """The hole runs the way of the outer outline."""
-
-    type: Literal["filled-hole"] = "filled-hole"
-
-    def outlines(self, segment: float) -> tuple[FloatArray, ...]:
-        outer, inner = super().outlines(segment)
-        return outer, inner[::-1].copy()
-
-
-class Coarse(Sound):
-    """Sixteen nodes, whatever is asked for."""
-
-    type: Literal["coarse"] = "coarse"
-
-    def outlines(self, segment: float) -> tuple[FloatArray, ...]:  # noqa: ARG002
-        return super().outlines(0.4)
-
-
-class Narrow(Sound):
-    """Bounds are those of the unit square."""
-
-    type: Literal["narrow"] = "narrow"
-
-    @property
-    def bounds(self) -> FloatArray:
-        return np.array(self.centre) + np.array([[-0.9, -0.6], [0.9, 0.6]])
-
-
-class Rough(Sound):
-    """The region is a polygon of 24 corners on the ellipse: 1 % is missing."""
-
-    type: Literal["rough"] = "rough"
-
-    @property
-    def region(self) -> Any:
-        outer, inner = (self.loop(half, 24) for half in self.halves())
-        return shapely.Polygon(outer, [inner])
-
-
-class Origin(Sound):
-    """The centroid is the origin."""
-
-    type: Literal["origin"] = "origin"
-
-    @property
-    def centroid(self) -> FloatArray:
-        return np.zeros(2)
-
-
 class SmallDomains(Sound):
     """Domains have not the volume of their points."""
 
@@ -212,16 +131,6 @@ class Hidden(Sound):
     @property
     def exact_volume(self) -> float:
         return float(np.pi * (self.semi_axes[0] * self.semi_axes[1] - self.halves()[1][0] ** 2))
-
-
-class Swelling(Sound):
-    """The hole grows with the distance from the origin."""
-
-    type: Literal["swelling"] = "swelling"
-
-    def halves(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        hole = self.hole * (1.0 + 0.1 * abs(self.centre[0]))
-        return self.semi_axes, (hole, hole)
 
 
 class LeftHanded(Sound):
