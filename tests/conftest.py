@@ -1,6 +1,7 @@
 """Makes ``tests`` importable, and says what all tests share."""
 
 import gc
+from importlib.metadata import EntryPoint
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -41,3 +42,21 @@ def install(tmp_path, monkeypatch):
         monkeypatch.syspath_prepend(str(folder))
 
     return make
+
+
+@pytest.fixture
+def announce(monkeypatch):
+    """Announce a class of a module, by its kind and name, as an installation would."""
+    from mpmfw.plugin import discovery
+
+    known, own = discovery.entry_points, []
+
+    def found(**group):
+        return (
+            [*known(**group), *(entry for entry in own if entry.group == group["group"])]
+            if group
+            else known()
+        )
+
+    monkeypatch.setattr(discovery, "entry_points", found)
+    return lambda kind, name, target: own.append(EntryPoint(name, target, f"mpmfw.{kind}"))

@@ -9,7 +9,6 @@ import stat
 import subprocess
 import sys
 import time
-from importlib import metadata
 from pathlib import Path
 
 import numpy as np
@@ -91,27 +90,19 @@ def test_measures_and_their_errors():
     assert np.isfinite(finest["displacement_error"].values).tolist() == [True, False]
 
 
-def announce(monkeypatch, where, found):
-    """Add an entry point called ``mine`` to those installed."""
-    own = {"name": "mine", "value": "a:b", "module": "a", "dist": None, "load": staticmethod(lambda: found)}
-    mine = type("Entry", (), own)
-    monkeypatch.setattr(
-        "mpmfw.plugin.discovery.entry_points",
-        lambda group: [*metadata.entry_points(group=group), *([mine] if group == where else [])],
-    )
+class Mine(Reference):
+    """The acceleration is 2 m/s²."""
+
+    name = "mine"
+
+    def exact(self, scene, measure, about):  # noqa: ARG002
+        is_known = measure == "acceleration"
+        return Exact("closed-form", "a law of mine", lambda _: np.array([2.0])) if is_known else None
 
 
-def test_a_strangers_scene_has_a_strangers_closed_form(monkeypatch, capsys):
+def test_a_strangers_scene_has_a_strangers_closed_form(announce, capsys):
     """Its error columns come by the command line's way."""
-
-    class Mine(Reference):
-        name = "mine"
-
-        def exact(self, scene, measure, about):  # noqa: ARG002
-            is_known = measure == "acceleration"
-            return Exact("closed-form", "a law of mine", lambda _: np.array([2.0])) if is_known else None
-
-    announce(monkeypatch, "mpmfw.reference", Mine)
+    announce("reference", "mine", f"{__name__}:Mine")
     data = mpmfw.compare({**SLIDING, "reference": {"kind": "mine"}}, ["penalty"], ["cpdi"], repeats=1)
     assert data["acceleration_error"].item() == pytest.approx(abs(data["acceleration"].item() / 2.0 - 1.0))
     assert "end_displacement_error" not in data

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from importlib.metadata import EntryPoint
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,6 @@ import mpmfw
 from measures_for_tests import momentum
 from mpmfw.api import FloatArray, LoadedFacets, SurfaceLoad
 from mpmfw.errors import SceneError
-from mpmfw.plugin import discovery
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import BULK, DENSITY, SHEAR, SOFT, block, box, disc, two_blocks
 
@@ -190,20 +188,9 @@ class Wind(SurfaceLoad):
         return -np.maximum(against, 0.0)[:, None] * facets.normal
 
 
-@pytest.fixture
-def _installed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The load of this module as if it were installed."""
-    known, mine = discovery.entry_points, [EntryPoint("wind", f"{__name__}:Wind", "mpmfw.load")]
-    monkeypatch.setattr(
-        discovery,
-        "entry_points",
-        lambda group: [*known(group=group), *(mine if group == "mpmfw.load" else [])],
-    )
-
-
-@pytest.mark.usefixtures("_installed")
-def test_a_strangers_traction_by_place_and_motion() -> None:
+def test_a_strangers_traction_by_place_and_motion(announce: Any) -> None:
     """On the left side of 1 m alone: c (u − v_x) pushes towards +x."""
+    announce("load", "wind", f"{__name__}:Wind")
     for speed, gained in ((0.0, 3e-4), (1.0, 2e-4)):
         wind = {"model": "wind", "speed": 3.0}
         sim = after(1, block(loads={"wind": wind}, bodies__solid__velocity=[speed, 0.0], time__step=STEP))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from importlib.metadata import EntryPoint
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,6 @@ import pytest
 import mpmfw
 from mpmfw.api import AnyArray, Boundary, Field, FloatArray, OutputSeries, State
 from mpmfw.errors import PluginError, SceneError
-from mpmfw.plugin import discovery
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import block, two_blocks
 
@@ -59,19 +57,10 @@ class Shaken(Boundary):
 
 
 @pytest.fixture(autouse=True)
-def installed(monkeypatch: pytest.MonkeyPatch) -> None:
+def installed(announce: Any) -> None:
     """The classes of this module as if they were installed."""
-    known = discovery.entry_points
-    groups = {"mpmfw.output": ("Places", "Less"), "mpmfw.boundary": ("Shaken",)}
-
-    def found(**select: str) -> list[EntryPoint]:
-        group = select.get("group", "")
-        return [
-            *known(**select),
-            *(EntryPoint(name.lower(), f"{__name__}:{name}", group) for name in groups.get(group, ())),
-        ]
-
-    monkeypatch.setattr(discovery, "entry_points", found)
+    for kind, one in (("output", Places), ("output", Less), ("boundary", Shaken)):
+        announce(kind, one.name, f"{__name__}:{one.__name__}")
 
 
 def test_series_of_ones_own_are_in_the_results_with_unit_and_labels() -> None:

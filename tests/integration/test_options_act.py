@@ -7,14 +7,12 @@ The options are found in the models themselves: one without an entry in ``option
 from __future__ import annotations
 
 import itertools
-from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import Any, Literal, get_args, get_origin
 
 import pytest
 from pydantic import BaseModel
 
-from mpmfw.plugin import discovery
 from mpmfw.plugin.discovery import Kind, available, load
 from options_found import NO_OPTIONS, option_models, outcome
 from options_table import (
@@ -32,25 +30,14 @@ from scenes_for_tests import with_changes
 
 SURFACE_MESH = ("path", "unit", "angles", "shift")
 
-OWN = {
-    "mpmfw.boundary": ("shaken", "faulty_plugins.small.other_kinds:Shaken"),
-    "mpmfw.output": ("fastest", "faulty_plugins.small.other_kinds:Fastest"),
-}
-
 pytestmark = pytest.mark.effects
 
 
 @pytest.fixture(autouse=True)
-def announced(monkeypatch: pytest.MonkeyPatch) -> None:
+def announced(announce: Any) -> None:
     """Announce a boundary condition and an output, since no bundled plug-in is one."""
-    known = discovery.entry_points
-
-    def found(**select: str) -> list[EntryPoint]:
-        group = select.get("group", "")
-        own = [EntryPoint(*OWN[group], group)] if group in OWN else []
-        return [*known(**select), *own]
-
-    monkeypatch.setattr(discovery, "entry_points", found)
+    announce("boundary", "shaken", "faulty_plugins.small.other_kinds:Shaken")
+    announce("output", "fastest", "faulty_plugins.small.other_kinds:Fastest")
 
 
 def test_no_option_is_forgotten() -> None:

@@ -8,8 +8,6 @@ import numpy as np
 import pytest
 
 from mpmfw.api import Stencil
-from mpmfw.effects.exact_rotation import correct_rotation
-from mpmfw.effects.settling import damp_locally
 from mpmfw.effects.side_rows import SideTable, meet, quadrature, splines
 from mpmfw.effects.surface import CRITICAL_MASS, LIGHT, weigh_by_mass, weigh_plain
 from mpmfw.kernels import struct
@@ -87,44 +85,6 @@ def side_table(rows, entries):
     )
 
 
-@pytest.mark.parametrize("dim", [2, 3])
-@pytest.mark.parametrize("dt", [0.0, 0.05])
-def test_rotation_gives_the_torque_the_true_inertia(dim, dt):
-    """With Euler's equations at the middle of the step, of the material and of the nodes."""
-    spacing = (0.1,) * dim
-    x, m = RNG.uniform(-1, 1, (POINTS, dim)), RNG.random(POINTS)
-    node_x, node_m = RNG.uniform(-1.2, 1.2, (NODES, dim)), RNG.random(NODES)
-    f = np.eye(dim) + 0.1 * RNG.normal(size=(POINTS, dim, dim))
-    edges = 0.1 * RNG.normal(size=(POINTS, dim, dim))
-    start, momentum = RNG.normal(size=(NODES, dim)), RNG.normal(size=(NODES, dim))
-    centre = node_m @ node_x / node_m.sum()
-    r, q, e = node_x - centre, x - centre, f @ edges
-    second = np.einsum("p,pi,pj->ij", m, q, q) + np.einsum("p,pia,pja->ij", m, e, e) / 3.0
-    lumped = np.einsum("n,ni,nj->ij", node_m, r, r)
-    change = momentum - node_m[:, None] * start
-    r3, change3 = (np.pad(a, ((0, 0), (0, 3 - dim))) for a in (r, change))
-    torque = np.cross(r3, change3).sum(axis=0)
-    whole = np.cross(r3, np.pad(node_m[:, None] * start, ((0, 0), (0, 3 - dim)))).sum(axis=0)
-
-    def inverse(s):
-        if dim == 2:
-            return np.diag([0.0, 0.0, 1.0 / np.trace(s)])
-        return np.linalg.inv(np.trace(s) * np.eye(3) - s)
-
-    def answer(s, omega):
-        inertia = np.zeros((3, 3)) if dim == 2 else np.trace(s) * np.eye(3) - s
-        return inverse(s) @ (torque - dt * np.cross(omega, inertia @ omega))
-
-    begin = inverse(lumped) @ whole
-    middle = begin + 0.5 * answer(second, begin)
-    spin = answer(second, middle) - answer(lumped, middle)
-    expected = momentum + node_m[:, None] * np.cross(spin, r3)[:, :dim]
-    points = struct(mass=m, position=x, deformation_gradient=f)
-    grid = struct(mass=node_m, position=node_x, start_velocity=start, momentum=momentum)
-    correct_rotation(0, POINTS, points, edges, 0, NODES, grid, dt, spacing)
-    np.testing.assert_allclose(momentum, expected, rtol=1e-10, atol=1e-12)
-
-
 @pytest.mark.parametrize("kind", ["plain", "mass_weighted"])
 def test_surface_maps_weigh_the_nodes_and_sum_to_one(kind):
     row, index, weight = table()
@@ -142,16 +102,6 @@ def test_surface_maps_weigh_the_nodes_and_sum_to_one(kind):
     carried = total[:, 0] > 0.0
     assert carried.sum() > POINTS // 2
     np.testing.assert_allclose(weight.reshape(-1, WIDTH)[carried], new[carried] / total[carried], rtol=1e-13)
-
-
-def test_damping_takes_a_share_of_the_change_against_the_motion():
-    mass, start, momentum = RNG.random(NODES), RNG.normal(size=(NODES, 2)), RNG.normal(size=(NODES, 2))
-    change = np.abs(momentum - mass[:, None] * start)
-    expected = momentum - 0.8 * change * np.sign(momentum)
-    grid = struct(mass=mass, start_velocity=start, momentum=momentum)
-    total = damp_locally(0.8, grid, (1.0, 1.0))
-    np.testing.assert_allclose(momentum, expected, rtol=1e-13)
-    assert total == pytest.approx(change.sum(), rel=1e-12)
 
 
 def quadrilaterals():

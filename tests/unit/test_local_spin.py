@@ -91,54 +91,6 @@ def full(vectors: FloatArray) -> FloatArray:
     return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
 
 
-def inertia(mass: FloatArray, x: FloatArray) -> FloatArray:
-    """Σ m (|x|² 1 − x xᵀ); that about the other axes is not asked for in 2D."""
-    r = full(x)
-    result = np.einsum("n,n,ij->ij", mass, (r**2).sum(1), np.eye(3)) - np.einsum("n,ni,nj->ij", mass, r, r)
-    return result if x.shape[1] == 3 else np.diag([1.0, 1.0, result[2, 2]])
-
-
-def twin(w: Window, momentum: FloatArray, start: FloatArray) -> FloatArray:
-    """The formula, cell by cell."""
-    dim = w.dim
-    nodes, m = w.node[FIRST:], w.node_mass[FIRST:]
-    centre = m @ nodes / m.sum()
-    grid = inertia(m, nodes - centre)
-    edges = (w.deformation @ w.edges).transpose(0, 2, 1).reshape(-1, dim)
-    true = inertia(w.mass, w.position - centre) + inertia(np.repeat(w.mass, dim) / 3.0, edges)
-    if dim == 2:
-        true[:2, :2] = np.eye(2)
-    excess = grid @ np.linalg.inv(true) @ grid - grid
-    with np.errstate(divide="ignore", invalid="ignore"):
-        change = np.where(m[:, None] > 0.0, momentum[FIRST:] / m[:, None], 0.0) - start[FIRST:]
-    number = np.arange(len(m)).reshape(w.shape)
-    cells = []
-    for lowest in itertools.product(*(range(n - 1) for n in w.shape)):
-        corners = number[tuple(slice(k, k + 2) for k in lowest)].ravel()
-        common = 0.0 if (m[corners] == 0.0).any() else len(corners) / (1.0 / m[corners]).sum()
-        cells.append((corners, common))
-    total = max(sum(common for _, common in cells), LEAST_SHARE * m.sum())
-    out = momentum.copy()
-    for corners, common in cells:
-        q = full(nodes[corners] - nodes[corners].mean(axis=0))
-        area = len(corners) * H**2 / 2.0
-        spin = np.cross(q, full(change[corners])).sum(axis=0) / area
-        out[FIRST + corners] += (common / total * np.cross(excess @ spin, q) / area)[:, :dim]
-    return out
-
-
-@DIMENSIONS
-@pytest.mark.parametrize("empty", [0.0, 0.3])
-def test_the_kernel_is_the_formula(dim: int, empty: float) -> None:
-    w, rng = window(dim, 3, empty), np.random.default_rng(4)
-    momentum, start = rng.normal(size=w.node.shape), rng.normal(size=w.node.shape)
-    momentum[w.node_mass == 0.0] = start[w.node_mass == 0.0] = 0.0
-    corrected = w.corrected(momentum, start)
-    np.testing.assert_allclose(corrected, twin(w, momentum, start), rtol=1e-11, atol=1e-12)
-    np.testing.assert_array_equal(corrected[:FIRST], momentum[:FIRST])
-    assert np.abs(corrected - momentum).max() > 1e-3
-
-
 @DIMENSIONS
 def test_a_held_node_turns_no_cell(dim: int) -> None:
     """The change is that of the momenta in which boundary conditions are met, here all of them."""

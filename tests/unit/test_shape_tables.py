@@ -7,7 +7,7 @@ import numpy_twins as twin
 import pytest
 
 import mpmfw
-from mpmfw.api import OutsideGrid, SceneError
+from mpmfw.api import SceneError
 from mpmfw_shape.cubic_bspline import CubicBSpline
 from mpmfw_testing import subject_of
 from mpmfw_testing.shape import boxes, dense, place
@@ -80,31 +80,6 @@ def test_corners_on_grid_lines_keep_their_weight_there(dim, within):
     particles.deformation_gradient[:] = np.eye(dim)
     particles.position[:] = grid.lower + H * (np.floor((particles.position - grid.lower) / H) + within)
     assert (np.diff(check_table("cpdi", grid, particles).row) == 2**dim).all()
-
-
-@DIMENSIONS
-@EVERY_SHAPE
-def test_point_outside_its_own_window_but_inside_the_other(name, dim):
-    grid, particles = make_problem(dim)
-    shape = make_shape(name, particles, grid)
-    particles.position[5] = grid.position[grid.field_nodes(1)].max(axis=0) - 2.0 * H
-    with pytest.raises(OutsideGrid) as error:
-        shape.interpolate(particles=particles, grid=grid)
-    assert error.value.index == 5
-
-
-@DIMENSIONS
-@EVERY_SHAPE
-def test_gradient_is_continuous_across_faces_but_that_of_linear_functions(name, dim):
-    """Entries of points just below and above x = 4 are compared node by node."""
-    grid = make_test_grid([([0] * dim, [10] * dim)], cell_size=1.0, lower=np.zeros(dim))
-    position = np.full((2, dim), 4.3)
-    position[:, 0] = 4.0 - 1e-9, 4.0 + 1e-9
-    particles = make_particles(position, volume=0.5**dim)
-    table = make_shape(name, particles, grid).interpolate(particles=particles, grid=grid)
-    gradient = twin.dense(table, len(grid.position))[1]
-    jump = np.abs(gradient[0] - gradient[1]).max()
-    assert jump > 0.1 if name == "linear" else jump < 1e-7
 
 
 def table_at(position):
