@@ -1,7 +1,5 @@
 """Outlines and arrays on which the kernels of penalty contact can be called alone."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

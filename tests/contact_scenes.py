@@ -1,11 +1,7 @@
 """Small contact scenes as nested mappings, every contact strategy by name, and runs of a few dozen steps."""
 
-from __future__ import annotations
-
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -16,7 +12,7 @@ MU = 0.3
 STEP = 1e-3  # s, below every stability limit of these scenes
 
 #: Name → contact method and its options. Interfaces of the scenes are normal to x, out of the first body.
-STRATEGIES: dict[str, tuple[str, dict[str, Any]]] = {
+STRATEGIES = {
     "none": ("none", {}),
     "separate": ("separate", {}),
     "bardenhagen": ("bardenhagen", {}),
@@ -39,7 +35,7 @@ STRATEGIES: dict[str, tuple[str, dict[str, Any]]] = {
 ACTING = [name for name in STRATEGIES if name not in ("none", "separate")]
 
 
-def material(bulk: float, density: float) -> dict[str, Any]:
+def material(bulk, density):
     """A Neo-Hookean solid with G = K / 2 [Pa]."""
     return {"model": "neo_hookean", "density": density, "bulk_modulus": bulk, "shear_modulus": 0.5 * bulk}
 
@@ -53,27 +49,23 @@ MATERIALS = {
 }
 
 
-def body(
-    geometry: dict[str, Any], *, kind: str = "soft", layout: str = "lattice", **keys: Any
-) -> dict[str, Any]:
+def body(geometry, *, kind="soft", layout="lattice", **keys):
     """A body of particles of half a cell."""
     particles = {"layout": layout, "size": 0.5 * CELL}
     return {"material": kind, "geometry": geometry, "particles": particles, **keys}
 
 
-def rectangle(lower: list[float], upper: list[float], **keys: Any) -> dict[str, Any]:
+def rectangle(lower, upper, **keys):
     """A rectangular body."""
     return body({"type": "rectangle", "lower": lower, "upper": upper}, **keys)
 
 
-def disc(centre: list[float], radius: float, **keys: Any) -> dict[str, Any]:
+def disc(centre, radius, **keys):
     """A disc of quadrilaterals that follow its outline."""
     return body({"type": "disc", "centre": centre, "radius": radius}, layout="fitted", **keys)
 
 
-def scene(
-    bodies: dict[str, Any], *, friction: float = MU, extent: float = 1.2, **keys: Any
-) -> dict[str, Any]:
+def scene(bodies, *, friction=MU, extent=1.2, **keys):
     """A scene of these bodies in a square grid round the origin, without contact as yet."""
     return {
         "grid": {"cell_size": CELL, "lower": [-extent, -extent], "upper": [extent, extent]},
@@ -86,7 +78,7 @@ def scene(
     }
 
 
-def impact(*, gap: float = 0.01, speed: float = 1.0, slide: float = 0.1, right: str = "stiff", **keys: Any):
+def impact(*, gap=0.01, speed=1.0, slide=0.1, right="stiff", **keys):
     """Two blocks that approach along x, the left one soft."""
     return scene(
         {
@@ -99,7 +91,7 @@ def impact(*, gap: float = 0.01, speed: float = 1.0, slide: float = 0.1, right: 
     )
 
 
-def slider(*, gap: float = 0.0, **keys: Any):
+def slider(*, gap=0.0, **keys):
     """A small block pressed against a tall one, along which it slides upwards; both are free."""
     return scene(
         {
@@ -110,7 +102,7 @@ def slider(*, gap: float = 0.0, **keys: Any):
     )
 
 
-def three_meet(order: tuple[str, ...] = ("left", "right", "top"), **keys: Any):
+def three_meet(order=("left", "right", "top"), **keys):
     """Three blocks of different stiffness that meet at one spot."""
     bodies = {
         "left": rectangle([-0.41, -0.3], [-0.01, 0.1], velocity=[1.0, 0.1]),
@@ -120,7 +112,7 @@ def three_meet(order: tuple[str, ...] = ("left", "right", "top"), **keys: Any):
     return scene({name: bodies[name] for name in order}, **keys)
 
 
-def simulation(strategy: str, mapping: dict[str, Any], **options: Any) -> Simulation:
+def simulation(strategy, mapping, **options):
     """The scene under a strategy, started; ``options`` go to the contact's own table."""
     method, given = STRATEGIES[strategy]
     table = {**mapping["contact"], "method": method}
@@ -142,14 +134,12 @@ class Motion:
     work: np.ndarray  # (n, pair) frictional work of every step [J/m]
 
     @property
-    def total_momentum(self) -> np.ndarray:
+    def total_momentum(self):
         """(n + 1, 2)"""
         return np.sum(list(self.momentum.values()), axis=0)
 
 
-def run(
-    sim: Simulation, steps: int, dt: float = STEP, each: Callable[[Simulation], None] | None = None
-) -> Motion:
+def run(sim, steps, dt=STEP, each=None):
     """Take steps of length ``dt``; ``each`` looks at the simulation after every one."""
     rows = [_look(sim)]
     for _ in range(steps):
@@ -167,7 +157,7 @@ def run(
     )
 
 
-def _look(sim: Simulation) -> tuple[Any, ...]:
+def _look(sim):
     p = sim.state.particles
     slices = [b.particles for b in sim.state.bodies]
     centre = [p.mass[s] @ p.position[s] / p.mass[s].sum() for s in slices]
@@ -179,7 +169,7 @@ def _look(sim: Simulation) -> tuple[Any, ...]:
     return centre, momentum, kinetic, records.impulse.copy(), records.frictional_work.copy()
 
 
-def wave_speed(kind: str) -> float:
+def wave_speed(kind):
     """c = sqrt((K + 4 G / 3) / ρ) of a material of this module [m/s]."""
     m = MATERIALS[kind]
     return math.sqrt((m["bulk_modulus"] + 4.0 * m["shear_modulus"] / 3.0) / m["density"])

@@ -1,17 +1,11 @@
 """A disc dropped on a floor, which goes through contact: for tests of what reads results."""
 
-from __future__ import annotations
-
-from typing import Any
-
-import xarray as xr
-
 import mpmfw
 
 RUBBER = {"model": "neo_hookean", "density": 1000, "bulk_modulus": "60 MPa", "shear_modulus": "30 MPa"}
 
 
-def drop_scene(shape: str = "cpdi", contact: str = "penalty") -> dict[str, Any]:
+def drop_scene(shape="cpdi", contact="penalty"):
     """The scene: 5 outputs, contact from the second on."""
     return {
         "title": "A disc dropped on a floor",
@@ -39,6 +33,6 @@ def drop_scene(shape: str = "cpdi", contact: str = "penalty") -> dict[str, Any]:
     }
 
 
-def drop(shape: str = "cpdi", contact: str = "penalty", output: Any = None) -> xr.DataTree:
+def drop(shape="cpdi", contact="penalty", output=None):
     """Run it."""
     return mpmfw.run(drop_scene(shape, contact), output=output)

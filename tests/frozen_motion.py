@@ -9,15 +9,11 @@ Bits depend on the processor, so that both runs belong on one machine. ``--jobs 
 TEXT`` those whose name has the text. Works and energies may change in the last digit where sums are
 reordered: they are listed apart."""  # noqa: E501
 
-from __future__ import annotations
-
 import argparse
 import sys
-from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -53,7 +49,7 @@ SHIPPED = {
 SUMS = ("work", "energy", "dissipat", "ledger")
 
 
-def scenes() -> dict[str, dict[str, Any]]:
+def scenes():
     """Mappings of all scenes by name; those of the suite run a number of steps."""
     found = {f"shipped {name}": {"shipped": name, "set": values} for name, values in SHIPPED.items()}
     cases = {**CASES, **IN_SPACE}
@@ -69,14 +65,14 @@ def scenes() -> dict[str, dict[str, Any]]:
     return found
 
 
-def runs() -> Iterator[tuple[str, str, str]]:
+def runs():
     """Scene, contact and shape: every contact with the scene's shape, every shape with two contacts."""
     for scene in scenes():
         yield from ((scene, contact, "cpdi") for contact in CONTACTS)
         yield from ((scene, contact, shape) for contact in ("penalty", "bardenhagen") for shape in SHAPES)
 
 
-def motion(scene: str, contact: str, shape: str) -> dict[str, Any]:
+def motion(scene, contact, shape):
     """Series of a run and the points' state at its end, by name; why it was refused or failed."""
     given = scenes()[scene]
     try:
@@ -99,7 +95,7 @@ def motion(scene: str, contact: str, shape: str) -> dict[str, Any]:
         return {"ended": np.array(type(error).__name__)}
 
 
-def differences(before: dict[str, Any], after: dict[str, Any]) -> Iterator[tuple[str, float]]:
+def differences(before, after):
     """Names of the values that differ in a bit, and by what share of their largest."""
     for name in sorted({*before, *after}):
         one, other = before.get(name), after.get(name)
@@ -111,7 +107,7 @@ def differences(before: dict[str, Any], after: dict[str, Any]) -> Iterator[tuple
             yield name, float(np.nanmax(np.abs(one - other), initial=0.0) / scale)
 
 
-def main() -> int:
+def main():
     """Freeze, or compare and list what differs."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("what", choices=["freeze", "compare"])
@@ -146,7 +142,7 @@ def main() -> int:
     return 1 if moved else 0
 
 
-def _one(run: tuple[str, str, str]) -> dict[str, Any]:
+def _one(run):
     return motion(*run)
 
 

@@ -1,11 +1,7 @@
 """Kernels as Python runs them, with constants other than those that numba has compiled."""
 
-from __future__ import annotations
-
 import functools
-from collections.abc import Callable
 from types import FunctionType, SimpleNamespace
-from typing import Any
 
 import numpy as np
 
@@ -19,11 +15,11 @@ ON_THE_HEAP = SimpleNamespace(
 )
 
 
-def _set_scaled_row(out: Any, i: int, factor: float, other: Any, j: int, _spacing: Any) -> None:
+def _set_scaled_row(out, i, factor, other, j, _spacing):
     out[i] = factor * other[j]
 
 
-def _add_scaled_row(out: Any, i: int, factor: float, other: Any, j: int, _spacing: Any) -> None:
+def _add_scaled_row(out, i, factor, other, j, _spacing):
     out[i] += factor * other[j]
 
 
@@ -35,16 +31,16 @@ IN_PYTHON = [
 ]
 
 
-def interpreted(kernel: Any, **constants: Any) -> Callable[..., Any]:
+def interpreted(kernel, **constants):
     """The function that was compiled to ``kernel``, and all that it calls, with these constants in place of
     the modules' own.
 
     Slow: for a few dozen points. Division by zero gives inf, as in kernels.
     """
-    made: dict[Any, Any] = {}
-    met: set[str] = set()
+    made = {}
+    met = set()
 
-    def in_python(compiled: Any) -> Any:
+    def in_python(compiled):
         function = compiled.py_func
         if function not in made:
             names = dict(function.__globals__)
@@ -68,7 +64,7 @@ def interpreted(kernel: Any, **constants: Any) -> Callable[..., Any]:
     assert met == set(constants), f"{kernel.__name__} reads none of {set(constants) - met}"
 
     @functools.wraps(kernel.py_func)
-    def call(*arguments: Any) -> Any:
+    def call(*arguments):
         with np.errstate(all="ignore"):
             return function(*arguments)
 

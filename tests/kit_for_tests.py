@@ -1,7 +1,5 @@
 """The conformance kit as the ordinary tests ask it: entry points are read once, and searches try less."""
 
-from __future__ import annotations
-
 import contextlib
 import functools
 import itertools
@@ -10,12 +8,10 @@ import os
 import pytest
 
 import mpmfw.plugin.discovery
-from mpmfw_testing.check import Outcome
 from mpmfw_testing.contact import impact, symmetry
 from mpmfw_testing.examination import examine_one
 from mpmfw_testing.parametrised import checks_of
 from mpmfw_testing.searching import search, try_all
-from mpmfw_testing.subject import Subject
 
 #: ``MPMFW_EXAMPLES=all`` tries all examples of the kit, each of which is a simulation.
 ALL = os.environ.get("MPMFW_EXAMPLES") == "all"
@@ -43,7 +39,7 @@ def quickly():
         yield
 
 
-def asked(subject: Subject, name: str, lacking: str = "") -> Outcome:
+def asked(subject, name, lacking=""):
     """What comes of a check that is expected to pass, or to fail for the reason given."""
     with contextlib.nullcontext() if lacking or ALL else quickly():
         return examine_one(subject, check_of(subject.kind, name), lacking)

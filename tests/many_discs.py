@@ -1,9 +1,6 @@
 """Many equal discs on a square lattice: how cost and results grow with the number of bodies."""
 
-from __future__ import annotations
-
 import math
-from typing import Any
 
 from scenes_for_tests import SOFT, with_changes
 
@@ -11,9 +8,7 @@ from scenes_for_tests import SOFT, with_changes
 RADIUS = 3.0
 
 
-def many_discs(
-    count: int, contact: str = "penalty", *, radius: float = RADIUS, pitch: float = 2.0, **changes: Any
-) -> dict[str, Any]:
+def many_discs(count, contact="penalty", *, radius=RADIUS, pitch=2.0, **changes):
     """A scene of ``count`` discs in cells of a metre, ``pitch`` radii from centre to centre: 2 is touching.
 
     Every second row and column moves against the others at a tenth of a metre a second.

@@ -1,40 +1,37 @@
 """Measures on a simulation, written independently of the series that runs record; and a known torque."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
 
-from mpmfw.api import FloatArray, Grid, Particles, State, Stencil, hookimpl
-from mpmfw.runs.simulation import Simulation
+from mpmfw.api import hookimpl
 from mpmfw.step.schemes import interpolate, project
 
 
-def cross(a: FloatArray, b: FloatArray) -> FloatArray:
+def cross(a, b):
     """a × b, (n,) in 2D and (n, 3) in 3D."""
     return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0] if a.shape[1] == 2 else np.cross(a, b)
 
 
-def relative(particles: Particles) -> tuple[FloatArray, FloatArray]:
+def relative(particles):
     """Positions and velocities relative to those of the centre of mass."""
     share = particles.mass / particles.mass.sum()
     x, v = particles.position, particles.velocity
     return x - share @ x, v - share @ v
 
 
-def momentum(sim: Simulation) -> FloatArray:
+def momentum(sim):
     """Linear momentum Σ m v of all material points."""
     return np.asarray(sim.state.particles.mass @ sim.state.particles.velocity)
 
 
-def angular_momentum(sim: Simulation) -> Any:
+def angular_momentum(sim):
     """Σ m (x − c) × (v − v_c) of all material points."""
     r, w = relative(sim.state.particles)
     return sim.state.particles.mass @ cross(r, w)
 
 
-def angular_velocity(sim: Simulation) -> Any:
+def angular_velocity(sim):
     """ω of L = I ω with the inertia of the points."""
     r, _ = relative(sim.state.particles)
     second = np.einsum("n,ni,nj->ij", sim.state.particles.mass, r, r)
@@ -43,14 +40,14 @@ def angular_velocity(sim: Simulation) -> Any:
     return np.linalg.solve(np.trace(second) * np.eye(3) - second, angular_momentum(sim))
 
 
-def gyration(sim: Simulation) -> float:
+def gyration(sim):
     """Radius of gyration of the points [m]."""
     r, _ = relative(sim.state.particles)
     mass = sim.state.particles.mass
     return float(np.sqrt(mass @ (r**2).sum(axis=1) / mass.sum()))
 
 
-def total_energy(sim: Simulation) -> float:
+def total_energy(sim):
     """Kinetic and strain energy of a scene with the one material ``soft``."""
     p = sim.state.particles
     material = next(plugin for name, plugin in sim.manager.list_name_plugin() if name.endswith(" soft"))
@@ -66,17 +63,17 @@ class Torque:
 
     name = "torque"
 
-    def __init__(self, acceleration: Any, inner: float = 0.0) -> None:
+    def __init__(self, acceleration, inner=0.0):
         self.acceleration, self.inner = np.asarray(acceleration, dtype=float), inner
         self.impulse: Any = 0.0
 
     @hookimpl
-    def after_momentum_projection(self, phi: Stencil) -> None:
+    def after_momentum_projection(self, phi):
         """Keep the table of this step."""
         self.phi = phi
 
     @hookimpl
-    def add_nodal_force(self, grid: Grid, state: State, dt: float) -> None:
+    def add_nodal_force(self, grid, state, dt):
         """Add the forces, and the torque's impulse to the record."""
         p, phi = state.particles, self.phi
         r, _ = relative(p)
@@ -91,7 +88,7 @@ class Torque:
         np.add.at(grid.force, phi.nodes, phi.weight[:, None] * (p.mass[:, None] * a)[point])
 
 
-def turn_under(sim: Simulation, torque: Torque, end: float) -> tuple[FloatArray, FloatArray]:
+def turn_under(sim, torque, end):
     """Impulses of the torque and angular velocities after every step until ``end`` [s]."""
     sim.start()
     rows = []
@@ -103,7 +100,7 @@ def turn_under(sim: Simulation, torque: Torque, end: float) -> tuple[FloatArray,
     return np.array(impulse), np.array(spin)
 
 
-def detect(simulation: Simulation) -> None:
+def detect(simulation):
     """Detect the contacts where the bodies are now, without a step."""
     state = simulation.state
     phi = interpolate(state, simulation.hook, simulation.clock)

@@ -1,14 +1,10 @@
 """Writes gmsh's files of version 2.2."""
 
-from __future__ import annotations
-
-from pathlib import Path
-
 #: gmsh's numbers of kinds of elements.
 KINDS = {"triangle": 2, "quad": 3, "tetra": 4}
 
 
-def write_msh(path: Path, points, cells) -> Path:
+def write_msh(path, points, cells):
     """Points (n, 3) and elements by kind, each by its points counted from 0."""
     elements = [(KINDS[kind], one) for kind, block in cells.items() for one in block]
     lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$Nodes", str(len(points))]

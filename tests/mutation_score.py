@@ -5,18 +5,14 @@ rule.
 ends with 1. A planted fault counts as caught where the check that is meant for it fails; a mutant where any
 check fails."""
 
-from __future__ import annotations
-
 import ast
 import copy
 import inspect
 import sys
 import textwrap
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
-from typing import Any
 
 if __name__ == "__main__":
     sys.path.insert(0, str(Path(__file__).resolve().parent))
@@ -25,7 +21,7 @@ import faulty_plugins.planted
 from faulty_plugins.material import sound
 from mpmfw_testing import checks_of, examine, subject_of
 
-SWAPS: dict[type[ast.operator], type[ast.operator]] = {
+SWAPS = {
     ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult,
 }  # fmt: skip
 
@@ -39,16 +35,16 @@ class Found:
     check: str
 
 
-def planted() -> Iterator[Found]:
+def planted():
     """The hand-planted faults of all kinds, each judged by the check that is meant for it."""
     for kind, fault, meant in faulty_plugins.planted.planted():
-        checks: Any = [check for check in checks_of(kind) if check.name == meant]  # type: ignore[arg-type]
-        (outcome,) = examine(subject_of(fault, kind), checks)  # type: ignore[arg-type]
+        checks = [check for check in checks_of(kind) if check.name == meant]
+        (outcome,) = examine(subject_of(fault, kind), checks)
         yield Found(kind, fault.__name__, meant if outcome.status == "failed" else "")
     yield from (Found("contact", fault.__name__, "") for fault in faulty_plugins.planted.MISSED)
 
 
-def mutants(source: str) -> Iterator[tuple[str, str]]:
+def mutants(source):
     """What was changed, and the source with that change: every + − × ÷ exchanged, every number doubled, every
     call's result negated, one at a time."""
     tree = ast.parse(source)
@@ -56,17 +52,17 @@ def mutants(source: str) -> Iterator[tuple[str, str]]:
         changed = copy.deepcopy(tree)
         twin = list(ast.walk(changed))[index]
         if isinstance(node, ast.BinOp) and type(node.op) in SWAPS:
-            twin.op = SWAPS[type(node.op)]()  # type: ignore[attr-defined]
+            twin.op = SWAPS[type(node.op)]()
         elif isinstance(node, ast.Constant) and type(node.value) is float:
-            twin.value = 2.0 * node.value + (node.value == 0.0)  # type: ignore[attr-defined]
+            twin.value = 2.0 * node.value + (node.value == 0.0)
         elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
-            twin.op = ast.UAdd()  # type: ignore[attr-defined]
+            twin.op = ast.UAdd()
         else:
             continue
         yield f"line {node.lineno}: {ast.unparse(node)} → {ast.unparse(twin)}", ast.unparse(changed)
 
 
-def mutated_materials() -> Iterator[Found]:
+def mutated_materials():
     """Mutants of the sound material's stress and energy, with all checks."""
     names = ("stress", "energy_density")
     for name in names:
@@ -77,19 +73,19 @@ def mutated_materials() -> Iterator[Found]:
             exec(text, module.__dict__)
             mutant = type("Mutant", (sound.Sound,), {"name": "mutant", name: module.__dict__[name]})
             if name == "stress":  # which outputs have as well
-                mutant.cauchy_stress = _outputs_of(mutant)  # type: ignore[attr-defined]
+                mutant.cauchy_stress = _outputs_of(mutant)
             subject = subject_of(mutant, "material")
             outcomes = (examine(subject, [check])[0] for check in checks_of("material"))
             caught = next((outcome.check for outcome in outcomes if outcome.status == "failed"), "")
             yield Found("material", f"{name}, {what}", caught)
 
 
-def _outputs_of(mutant: Any) -> Any:
+def _outputs_of(mutant):
     """The full stress of the same mutant: outputs that agree with the step hide nothing from the other
     checks.
     """
 
-    def cauchy_stress(self: Any, deformation_gradient: Any) -> Any:
+    def cauchy_stress(self, deformation_gradient):
         import numpy as np
 
         f = np.tile(np.eye(3), (len(deformation_gradient), 1, 1))
@@ -100,16 +96,16 @@ def _outputs_of(mutant: Any) -> Any:
     return cauchy_stress
 
 
-def share(found: list[Found]) -> float:
+def share(found):
     """Of the faults, those that were caught."""
     return sum(bool(each.check) for each in found) / len(found)
 
 
-def main() -> int:
+def main():
     """Print each fault with its check as it is judged, then the score of each kind."""
     lowest = 1.0
     for title, faults in (("planted by hand", planted()), ("mutants by rule", mutated_materials())):
-        found: dict[str, list[Found]] = {}
+        found = {}
         for each in faults:
             print(f"{each.kind:10}{each.check or 'NOT CAUGHT':22}{each.fault}", flush=True)
             found.setdefault(each.kind, []).append(each)

@@ -1,10 +1,8 @@
 """The options that a scene and the bundled plug-ins have, and the digest of a run."""
 
-from __future__ import annotations
-
 import hashlib
 import warnings
-from typing import Any, get_args
+from typing import get_args
 
 import numpy as np
 from pydantic import BaseModel
@@ -22,21 +20,21 @@ NO_OPTIONS = {
 }
 
 
-def models_of(annotation: Any) -> set[type[BaseModel]]:
+def models_of(annotation):
     """All models that an annotation names, however deep."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return {annotation}
     return set().union(*(models_of(part) for part in get_args(annotation)))
 
 
-def option_models() -> dict[str, type[BaseModel]]:
+def option_models():
     """Models of all tables that can be reached from a scene, by name, and of the bundled plug-ins, by
     ``kind.plug-in``.
 
     Detections and laws have theirs in those of the contacts that are made of them.
     """
-    found: dict[str, type[BaseModel]] = {}
-    todo: list[type[BaseModel]] = [Tables]
+    found = {}
+    todo = [Tables]
     while todo:
         model = todo.pop()
         if model is not BaseModel and model.__name__ not in found:
@@ -51,7 +49,7 @@ def option_models() -> dict[str, type[BaseModel]]:
     return found
 
 
-def outcome(scene: dict[str, Any]) -> str:
+def outcome(scene):
     """Digest of all that a run records of the motion, or the words of its refusal."""
     try:
         with warnings.catch_warnings():

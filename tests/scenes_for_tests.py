@@ -1,15 +1,12 @@
 """Small scenes as nested mappings: each test states what it changes."""
 
-from __future__ import annotations
-
 import copy
-from typing import Any
 
 BULK, SHEAR, DENSITY = 6e6, 3e6, 1000.0
 SOFT = {"model": "neo_hookean", "density": DENSITY, "bulk_modulus": BULK, "shear_modulus": SHEAR}
 
 
-def with_changes(scene: dict[str, Any], **changes: Any) -> dict[str, Any]:
+def with_changes(scene, **changes):
     """A copy of ``scene`` in which ``a__b=value`` sets the key ``a.b``."""
     scene = copy.deepcopy(scene)
     for key, value in changes.items():
@@ -22,27 +19,27 @@ def with_changes(scene: dict[str, Any], **changes: Any) -> dict[str, Any]:
 
 
 def solid(
-    lower: list[float],
-    upper: list[float],
-    size: Any,
-    material: str = "soft",
-    layout: str = "lattice",
-    **keys: Any,
-) -> dict[str, Any]:
+    lower,
+    upper,
+    size,
+    material="soft",
+    layout="lattice",
+    **keys,
+):
     """A rectangle or a box of points of this size."""
     geometry = {"type": "rectangle" if len(lower) == 2 else "box", "lower": lower, "upper": upper}
     return {"material": material, "geometry": geometry, "particles": {"layout": layout, "size": size}, **keys}
 
 
 def scene_of(
-    bodies: dict[str, Any],
-    cell: float,
-    lower: list[float],
-    upper: list[float],
-    end: float,
-    outputs: int = 1,
-    **tables: Any,
-) -> dict[str, Any]:
+    bodies,
+    cell,
+    lower,
+    upper,
+    end,
+    outputs=1,
+    **tables,
+):
     """Bodies in a grid between two corners, with outputs until the end; ``tables`` replace whole ones."""
     return {
         "grid": {"cell_size": cell, "lower": lower, "upper": upper},
@@ -54,9 +51,7 @@ def scene_of(
     }
 
 
-def one_body(
-    geometry: dict[str, Any], *, size: float, layout: str = "lattice", **changes: Any
-) -> dict[str, Any]:
+def one_body(geometry, *, size, layout="lattice", **changes):
     """A free Neo-Hookean body called ``solid``, in cells of 0.25 m round the origin."""
     dim = 2 if geometry["type"] in ("disc", "ring", "rectangle", "polygon", "mesh") else 3
     scene = {
@@ -71,31 +66,31 @@ def one_body(
     return with_changes(scene, **changes)
 
 
-def disc(layout: str = "lattice", **changes: Any) -> dict[str, Any]:
+def disc(layout="lattice", **changes):
     """A disc of R = 1 m, four cells, its centre off the grid lines."""
     geometry = {"type": "disc", "centre": [0.03, 0.07], "radius": 1.0}
     return one_body(geometry, size=0.125, layout=layout, **changes)
 
 
-def block(**changes: Any) -> dict[str, Any]:
+def block(**changes):
     """A square of 1 m, four cells, on grid lines."""
     geometry = {"type": "rectangle", "lower": [-0.5, -0.5], "upper": [0.5, 0.5]}
     return one_body(geometry, size=0.125, **changes)
 
 
-def box(**changes: Any) -> dict[str, Any]:
+def box(**changes):
     """A cube of 1 m, four cells, off the grid lines."""
     geometry = {"type": "box", "lower": [-0.47, -0.43, -0.41], "upper": [0.53, 0.57, 0.59]}
     return one_body(geometry, size=0.125, **changes)
 
 
-def ball(**changes: Any) -> dict[str, Any]:
+def ball(**changes):
     """A ball of R = 0.75 m, three cells, its centre off the grid lines."""
     geometry = {"type": "ball", "centre": [0.03, 0.07, 0.05], "radius": 0.75}
     return one_body(geometry, size=0.125, **changes)
 
 
-def two_blocks(method: str, **changes: Any) -> dict[str, Any]:
+def two_blocks(method, **changes):
     """Two squares of 0.5 m, a hundredth of a metre apart, that meet at 2 m/s within the first steps."""
     scene = block(contact={"method": method, "friction": 0.2})
     bodies = {}
@@ -111,7 +106,7 @@ def two_blocks(method: str, **changes: Any) -> dict[str, Any]:
     return with_changes(scene, **changes)
 
 
-def ball_on_a_box() -> dict[str, Any]:
+def ball_on_a_box():
     """A ball pressed 5 mm into a box, and sliding."""
     scene = box(time__end=4e-4, time__output_interval=2e-4)
     scene["bodies"]["solid"]["geometry"] = {"type": "box", "lower": [-0.5] * 3, "upper": [0.5, 0.5, 0.0]}

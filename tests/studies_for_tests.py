@@ -1,18 +1,14 @@
 """Small studies: a coarse block on an inclined plane, cheap to run, with a closed form of its own."""
 
-from __future__ import annotations
-
 import copy
-from typing import Any
 
-from mpmfw.campaigns.grid import RunGrid
 from mpmfw.campaigns.judging import Judge
 from mpmfw.studies.loading import load_study
 from mpmfw.studies.study import make_grid
 from scenes_for_tests import SOFT
 
 #: A block of 6 × 4 points on a plane, not settled: a run of milliseconds. Surfaces lie off the grid lines.
-SLIDING: dict[str, Any] = {
+SLIDING = {
     "grid": {"cell_size": 0.2, "lower": [-0.6, -0.6], "upper": [1.8, 1.0]},
     "time": {"end": 0.02, "output_interval": 0.002},
     "shape": {"method": "cpdi"},
@@ -36,7 +32,7 @@ SLIDING: dict[str, Any] = {
 }
 
 
-def tiny_study(**changes: Any) -> dict[str, Any]:
+def tiny_study(**changes):
     """Two contacts at two cell sizes; ``changes`` replace whole tables."""
     study = {
         "title": "tiny",
@@ -48,7 +44,7 @@ def tiny_study(**changes: Any) -> dict[str, Any]:
     return {**study, **changes}
 
 
-def judge_of(study: Any) -> tuple[Judge, RunGrid]:
+def judge_of(study):
     """All that is checked before the first run."""
     loaded = load_study(study)
     grid = make_grid(loaded)

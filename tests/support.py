@@ -1,17 +1,13 @@
 """Small factories of state, for tests of kernels and shape functions."""
 
-from __future__ import annotations
-
 import numpy as np
 
-from mpmfw.api import FloatArray, Grid, Particles, Setup, ShapeFunction, State
+from mpmfw.api import Particles, Setup, State
 from mpmfw.plugin.discovery import load
 from mpmfw.state.windows import make_grid
 
 
-def make_test_grid(
-    windows: list[tuple[list[int], list[int]]], *, cell_size: float, lower: FloatArray
-) -> Grid:
+def make_test_grid(windows, *, cell_size, lower):
     """A grid with the given windows (background index of the first node, number of nodes), one per field."""
     dim = len(lower)
     extent = max(max(np.add(first, shape)) for first, shape in windows)
@@ -27,12 +23,12 @@ def make_test_grid(
 
 
 def make_particles(
-    position: FloatArray,
-    first: list[int] | None = None,
+    position,
+    first=None,
     *,
-    deformation_gradient: FloatArray | None = None,
-    volume: float = 0.25,
-) -> Particles:
+    deformation_gradient=None,
+    volume=0.25,
+):
     """Points at rest at ``position``, (n, dim); ``first`` are the ranges of the velocity fields."""
     n, dim = position.shape
     eye = np.tile(np.eye(dim), (n, 1, 1))
@@ -55,9 +51,7 @@ def make_particles(
 SHAPES = ("linear", "gimp", "bspline", "cpdi", "cubic_bspline", "ck")
 
 
-def make_shape(
-    name: str, particles: Particles, grid: Grid, *, half_edges: FloatArray | None = None
-) -> ShapeFunction:
+def make_shape(name, particles, grid, *, half_edges=None):
     """The shape function ``name``, set up for ``particles``; CPDI domains are squares unless given."""
     setup = Setup(
         state=State(particles=particles, grid=grid, bodies=(), pairs=()),
@@ -66,6 +60,6 @@ def make_shape(
     half = 0.5 * particles.initial_volume ** (1.0 / particles.dim)
     squares = half[:, None, None] * np.eye(particles.dim)
     vars(setup)["half_edges"] = squares if half_edges is None else half_edges
-    shape: ShapeFunction = load("shape", name)()
+    shape = load("shape", name)()
     shape.setup(setup)
     return shape

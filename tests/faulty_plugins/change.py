@@ -1,19 +1,16 @@
 """Plant a fault in a sound plug-in: the class as it is, but for a text of its source."""
 
-from __future__ import annotations
-
 import inspect
 import sys
 import textwrap
-from typing import Any
 
 
-def fault(base: type, name: str, *changes: str) -> Any:
+def fault(base, name, *changes):
     """Return ``base`` under another name, with changes: a method, a text that it has once, and another text.
 
     A text of several lines is indented as its place is.
     """
-    texts: dict[str, str] = {}
+    texts = {}
     for method, old, new in zip(changes[::3], changes[1::3], changes[2::3], strict=True):
         text = texts.get(method) or source_of(base, method)
         assert text.count(old) == 1, f"{name}: '{old}' is {text.count(old)} times in {method}"
@@ -27,7 +24,7 @@ def fault(base: type, name: str, *changes: str) -> Any:
     return names[name]
 
 
-def source_of(base: type, method: str) -> str:
+def source_of(base, method):
     """Return the source of a method or property; what it calls of its base stays that of its base."""
     found = inspect.getattr_static(base, method)
     source = textwrap.dedent(inspect.getsource(getattr(found, "fget", found)))

@@ -2,11 +2,7 @@
 
 Most are one change of the text of a sound plug-in; the others are classes in the modules beside this one."""
 
-from __future__ import annotations
-
-from collections.abc import Iterator
 from functools import partial
-from typing import Any
 
 from faulty_plugins.change import fault
 from faulty_plugins.contact import keeping
@@ -29,7 +25,7 @@ TABLE = "return self.table(particles.position, particles.first, grid)"
 WEIGHTS = "0.5 * (1.5 - t) ** 2, 0.75 - (t - 1.0) ** 2, 0.5 * (t - 0.5) ** 2"
 SLOPES = "t - 1.5, -2.0 * (t - 1.0), t - 0.5"
 
-PLANTED: dict[str, dict[str, tuple[Any, ...]]] = {
+PLANTED = {
     "contact": {
         "equal-and-opposite": (law("UnequalImpulse", "apply", "-= j", "-= 0.99 * j"),),
         "moment-balance": (law("OneNodeOn", "apply", "-= j", "-= np.roll(j, 1, axis=0)"),),
@@ -293,7 +289,7 @@ WITHOUT = {"contact": {"runs"}, "shape": {"runs"}}
 MISSED = (keeping.HalfTheWork,)
 
 
-def planted(*kinds: str) -> Iterator[tuple[str, Any, str]]:
+def planted(*kinds):
     """Yield kind, fault and check of all faults of these kinds, or of all kinds."""
     for kind in kinds or PLANTED:
         for check, faults in PLANTED[kind].items():

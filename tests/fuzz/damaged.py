@@ -3,8 +3,6 @@
 Reading may end well or with one message: no import of what was not imported, no other process, no file
 written elsewhere, at most 1 GB, and no hanging."""
 
-from __future__ import annotations
-
 import json
 import os
 import random
@@ -15,9 +13,7 @@ import sys
 import tempfile
 import traceback
 import warnings
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -47,7 +43,7 @@ SCENE = two_blocks(
     output={"particles": True, "surface": True, "ledger": True, "stability": True},
 )
 #: What reads results of a run and of a comparison.
-READERS: dict[str, Callable[[Path, Path], Any]] = {
+READERS = {
     "open": lambda path, _: mpmfw.open(path),
     "field": lambda path, _: mpmfw.plots.field(path),
     "gap": lambda path, _: mpmfw.gap(path),
@@ -57,15 +53,15 @@ READERS: dict[str, Callable[[Path, Path], Any]] = {
 OF_COMPARISONS = ("open", "gap")
 
 
-def compare(folder: Path) -> Any:
+def compare(folder):
     """Compare, with the finished runs in the folder."""
     return mpmfw.compare(SCENE, ["penalty", "none"], ["linear"], output=folder / "compare.nc")
 
 
-def make(folder: Path) -> None:
+def make(folder):
     """Write sound files: a stopped run with its checkpoint, one that ended, a comparison with its store."""
 
-    def stop(time: float, steps: int) -> None:  # noqa: ARG001
+    def stop(time, steps):  # noqa: ARG001
         os.kill(os.getpid(), signal.SIGINT)
 
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -84,7 +80,7 @@ def make(folder: Path) -> None:
                 reads(folder / f"{kind}.nc", Path(beside))
 
 
-def _bytes(draw: random.Random, path: Path) -> None:
+def _bytes(draw, path):
     """Flip bits, overwrite, cut or take out stretches."""
     changed = bytearray(path.read_bytes())
     for _ in range(draw.choice((1, 1, 2, 8, 64))):
@@ -97,7 +93,7 @@ def _bytes(draw: random.Random, path: Path) -> None:
     path.write_bytes(changed[: draw.choice((None, None, None, len(changed) // 2))])
 
 
-def _elsewhere(draw: random.Random, tree: Any) -> None:
+def _elsewhere(draw, tree):
     """Replace, drop or rename one value somewhere in nested lists and tables."""
     keys = list(tree) if isinstance(tree, dict) else list(range(len(tree)))
     if not keys:
@@ -113,7 +109,7 @@ def _elsewhere(draw: random.Random, tree: Any) -> None:
         tree[key] = draw.choice(_VALUES)
 
 
-def _checkpoint(draw: random.Random, path: Path) -> None:
+def _checkpoint(draw, path):
     """Change facts, places or numbers of a checkpoint, such that its checksums are right."""
     facts, arrays = opened(path)
     for _ in range(draw.choice((1, 1, 2, 5))):
@@ -133,7 +129,7 @@ def _checkpoint(draw: random.Random, path: Path) -> None:
     write(path, facts, **arrays)
 
 
-def _results(draw: random.Random, path: Path) -> None:
+def _results(draw, path):
     """Change a name, an attribute or a number of a results' file by the library that wrote it."""
     import netCDF4
 
@@ -158,7 +154,7 @@ def _results(draw: random.Random, path: Path) -> None:
     return None
 
 
-def _store(draw: random.Random, path: Path) -> None:
+def _store(draw, path):
     """Change what an outcome in a store says."""
     fields = json.loads(path.read_bytes())
     for _ in range(draw.choice((1, 1, 2, 5))):
@@ -166,7 +162,7 @@ def _store(draw: random.Random, path: Path) -> None:
     path.write_text(draw.choice((json.dumps(fields), json.dumps(fields), "[" * 10**5)))
 
 
-def case(number: int, sound: Path, folder: Path) -> tuple[str, Callable[[], Any]]:
+def case(number, sound, folder):
     """Damage a copy of the sound files in a folder; what was damaged, and what reads it."""
     draw = random.Random(f"mpmfw damaged {number}")
     shutil.copytree(sound, folder, dirs_exist_ok=True)
@@ -188,7 +184,7 @@ def case(number: int, sound: Path, folder: Path) -> tuple[str, Callable[[], Any]
     return f"{what} {name}", lambda: READERS[name](path, folder)
 
 
-def read_apart(number: int, sound: Path, folder: Path) -> tuple[str, str, str]:
+def read_apart(number, sound, folder):
     """Damage and read one file in a child of this process; what it was, ``ok`` or what is wrong, and why."""
     what, reads = case(number, sound, folder)
     inlet, outlet = os.pipe()
@@ -210,14 +206,14 @@ def read_apart(number: int, sound: Path, folder: Path) -> tuple[str, str, str]:
     return what, *json.loads(text)
 
 
-def _watched(reads: Callable[[], Any], folder: Path) -> tuple[str, str]:
+def _watched(reads, folder):
     """Outcome and message of reading, or what it must not do."""
-    seen: list[str] = []
+    seen = []
     known = {name.partition(".")[0] for name in sys.modules} | set(sys.stdlib_module_names)
     caches = filter(None, (os.environ.get("NUMBA_CACHE_DIR"),))
     mine = (str(folder), *caches, f"{os.sep}kernels{os.sep}", "/proc/self/clear_refs")
 
-    def audit(event: str, given: tuple[Any, ...]) -> None:
+    def audit(event, given):
         if event == "import" and given[0].partition(".")[0] not in known:
             seen.append(f"import {given[0]}")
         elif event == "subprocess.Popen" and given[0] not in ("uname", "git"):  # machine and version

@@ -1,7 +1,5 @@
 """Mutants of scenes: what slips and ill will make of a valid one, each from a number alone."""
 
-from __future__ import annotations
-
 import random
 import re
 
@@ -50,7 +48,7 @@ _VALUE = re.compile(
 _LINE = re.compile(r"(?m)^(\w+) = (.*)$")
 
 
-def mutant(number: int) -> str:
+def mutant(number):
     """The mutant of that number, always the same one."""
     # The sequence of random.Random does not depend on the platform or the version of Python
     draw = random.Random(f"mpmfw mutant {number}")
@@ -60,7 +58,7 @@ def mutant(number: int) -> str:
     return text
 
 
-def _replace_value(draw: random.Random, text: str) -> str:
+def _replace_value(draw, text):
     """Put another value in the place of one."""
     found = draw.choice(list(_VALUE.finditer(text)) or [None])
     if found is None:
@@ -69,7 +67,7 @@ def _replace_value(draw: random.Random, text: str) -> str:
     return text[: found.start()] + draw.choice(pool) + text[found.end() :]
 
 
-def _replace_entry(draw: random.Random, text: str) -> str:
+def _replace_entry(draw, text):
     """Put another value in the place of all that stands right of an equals sign."""
     found = draw.choice(list(_LINE.finditer(text)) or [None])
     if found is None:
@@ -78,7 +76,7 @@ def _replace_entry(draw: random.Random, text: str) -> str:
     return text[: found.start(2)] + draw.choice(pool) + text[found.end(2) :]
 
 
-def _scale_number(draw: random.Random, text: str) -> str:
+def _scale_number(draw, text):
     """Shift the decimal point of a number, as where millimetres were meant, or turn its sign."""
     numbers = [found for found in _VALUE.finditer(text) if re.fullmatch(r"-?[0-9][0-9.e+-]*", found.group())]
     if not numbers:
@@ -91,38 +89,38 @@ def _scale_number(draw: random.Random, text: str) -> str:
     return text[: found.start()] + repr(value) + text[found.end() :]
 
 
-def _drop_line(draw: random.Random, text: str) -> str:
+def _drop_line(draw, text):
     lines = text.splitlines(keepends=True)
     del lines[draw.randrange(len(lines))]
     return "".join(lines)
 
 
-def _repeat_line(draw: random.Random, text: str) -> str:
+def _repeat_line(draw, text):
     lines = text.splitlines(keepends=True)
     lines.insert(draw.randrange(len(lines)), draw.choice(lines))
     return "".join(lines)
 
 
-def _rename_key(draw: random.Random, text: str) -> str:
+def _rename_key(draw, text):
     found = draw.choice(list(re.finditer(r"\b\w+(?= = )", text)) or [None])
     if found is None:
         return text
     return text[: found.start()] + draw.choice(_KEYS) + text[found.end() :]
 
 
-def _add_line(draw: random.Random, text: str) -> str:
+def _add_line(draw, text):
     lines = text.splitlines(keepends=True)
     value = draw.choice(draw.choice((_NUMBERS, _TEXTS, _TABLES)))
     lines.insert(draw.randrange(len(lines)), f"{draw.choice(_KEYS)} = {value}\n")
     return "".join(lines)
 
 
-def _cut(draw: random.Random, text: str) -> str:
+def _cut(draw, text):
     """Break off, as a file does that was cut short."""
     return text[: draw.randrange(len(text))]
 
 
-def _change_character(draw: random.Random, text: str) -> str:
+def _change_character(draw, text):
     at = draw.randrange(len(text))
     return text[:at] + draw.choice("[]{}\"'=.,#\n\0\x7f\ufeff0-e\\") + text[at + 1 :]
 

@@ -1,9 +1,6 @@
 """Small valid scenes that mutants are made from: between them they name every table and most keys."""
 
-from __future__ import annotations
-
 import functools
-from typing import Any
 
 from mpmfw.scene.toml_text import toml_text
 from scenes_for_tests import one_body, with_changes
@@ -12,14 +9,14 @@ SOFT = {"model": "neo_hookean", "density": "1 g/cm^3", "bulk_modulus": "1 MPa", 
 HARD = {"model": "linear_elastic", "density": 2000.0, "bulk_modulus": 2e6, "shear_modulus": 1e6}
 
 
-def scene(geometry: dict[str, Any], shape: str, **changes: Any) -> dict[str, Any]:
+def scene(geometry, shape, **changes):
     """A body of a few points in cells of half a metre, for two outputs."""
     time = {"end": "1 ms", "output_interval": 5e-4, "safety": 0.4}
     made = one_body(geometry, size=0.25, shape__method=shape, materials__soft=SOFT, time=time)
     return with_changes(made, grid__cell_size=0.5, **changes)
 
 
-def two(contact: str, shape: str) -> dict[str, Any]:
+def two(contact, shape):
     """A disc on a floor, with most of what two bodies may have."""
     disc = {"type": "disc", "centre": [0.2, 0.61], "radius": 0.5}
     floor = {"type": "rectangle", "lower": [-1.0, -0.5], "upper": [1.5, 0.1]}
@@ -82,6 +79,6 @@ SEEDS = {
 
 
 @functools.cache
-def seeds() -> list[tuple[str, str]]:
+def seeds():
     """Name and TOML text of every seed."""
     return [(name, toml_text(mapping)) for name, mapping in SEEDS.items()]

@@ -1,7 +1,5 @@
 """Damaged and crafted checkpoints, results and stores do no harm, and end well or in one message."""
 
-from __future__ import annotations
-
 import os
 import shutil
 

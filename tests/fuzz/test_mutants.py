@@ -1,14 +1,11 @@
 """Mutated scenes: none ends in a traceback, hangs, is "ok" with NaN, runs code or touches other files."""
 
-from __future__ import annotations
-
 import os
 import sys
 import time
 import tracemalloc
 import warnings
 from pathlib import Path
-from typing import Any
 from unittest import mock
 
 import numpy as np
@@ -38,11 +35,11 @@ STEPS = 3
 MAY_BE_NAN = {"time_step", "steps_per_contact"}
 
 #: Files that were opened to be written, and processes and connections that were begun, while a test watches.
-_SEEN: list[str] | None = None
+_SEEN = None
 _BEGINS = ("subprocess.Popen", "os.system", "os.exec", "os.fork", "socket.connect", "os.remove", "os.chdir")
 
 
-def _audit(event: str, arguments: tuple[Any, ...]) -> None:
+def _audit(event, arguments):
     """Remember what a scene must never cause. Python cannot take an audit hook off again."""
     if _SEEN is None:
         return
@@ -61,7 +58,7 @@ def _audit(event: str, arguments: tuple[Any, ...]) -> None:
 sys.addaudithook(_audit)
 
 
-def steps(scene: Any) -> list[str]:
+def steps(scene):
     """Take three steps; names of arrays that are not finite."""
     simulation, frames = Simulation(scene), list[Frame]()
     check_length(simulation)
@@ -70,7 +67,7 @@ def steps(scene: Any) -> list[str]:
     return sorted({name for name, a in arrays if not np.isfinite(a).all() and name not in MAY_BE_NAN})
 
 
-def attempt(path: Path, *, memory: bool) -> str:
+def attempt(path, *, memory):
     """Load, build and step a scene: ``ok``, ``refused`` or ``failed``; anything else is an error.
 
     ``memory`` measures what it allocates, at twice the time."""

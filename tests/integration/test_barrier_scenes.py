@@ -1,7 +1,5 @@
 """Barriers in motion: what began apart never overlaps, and steps are cut before nodes touch."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

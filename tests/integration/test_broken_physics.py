@@ -3,8 +3,6 @@
 A copy of the plug-in package with that line changed takes the package's place in a process of its own, which
 runs the reduced version of a case."""
 
-from __future__ import annotations
-
 import csv
 import os
 import shutil
@@ -82,12 +80,12 @@ FAULTS = {
 IGNORED = shutil.ignore_patterns("__pycache__")
 
 
-def source(fault: Fault) -> Path:
+def source(fault):
     """Path of the file that is broken."""
     return ROOT / ("src" if fault.file.startswith("mpmfw/") else "plugins") / fault.file
 
 
-def gates(fault: Fault, folder: Path) -> dict[tuple[str, str], str]:
+def gates(fault, folder):
     """Verdicts of the gates that the broken package reaches, by (method, quantity)."""
     package = fault.file.partition("/")[0]
     shutil.copytree(source(fault).parents[fault.file.count("/") - 1], folder / package, ignore=IGNORED)

@@ -1,12 +1,9 @@
 """``mpmfw check --bounds`` finds what is written past the end of an array, in a process of its own."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import pytest
 from typer.testing import CliRunner
@@ -16,11 +13,11 @@ from mpmfw.cli import app
 TESTS = Path(__file__).resolve().parents[1]
 
 
-def test_the_process_gets_the_request_and_its_status_is_the_commands(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[Any] = []
+def test_the_process_gets_the_request_and_its_status_is_the_commands(monkeypatch):
+    asked = []
     ended = {}
 
-    def run(command: list[str], env: dict[str, str], **_: object) -> subprocess.CompletedProcess[bytes]:
+    def run(command, env, **_):
         asked.append((command, env))
         return subprocess.CompletedProcess(command, ended["status"])
 
@@ -40,7 +37,7 @@ def test_the_process_gets_the_request_and_its_status_is_the_commands(monkeypatch
 
 
 @pytest.mark.long
-def test_a_row_past_the_end_is_an_error_that_points_at_the_kernel(tmp_path: Path) -> None:
+def test_a_row_past_the_end_is_an_error_that_points_at_the_kernel(tmp_path):
     """Without it the check passes, which is why it is needed."""
     plugin = "faulty_plugins.load.faults:PastTheEnd"
     command = [sys.executable, "-m", "mpmfw", "check", plugin, "--kind", "load", "--only", "runs"]

@@ -1,11 +1,7 @@
 """A choice among methods of a scene of milliseconds: pilots, answer, messages, and the command."""
 
-from __future__ import annotations
-
 import copy
 import json
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -21,7 +17,7 @@ from studies_for_tests import SLIDING
 pytestmark = pytest.mark.filterwarnings("default::mpmfw.errors.ResultsWarning")
 
 
-def scene(**changes: Any) -> dict[str, Any]:
+def scene(**changes):
     """The small block, its particles in cells; its motion has just begun, so that no error is small."""
     found = copy.deepcopy(SLIDING)
     for body in found["bodies"].values():
@@ -29,16 +25,16 @@ def scene(**changes: Any) -> dict[str, Any]:
     return {**found, **changes}
 
 
-METHODS: dict[str, Any] = {"contact": ["penalty", "separate"], "shape": ["cpdi"]}
+METHODS = {"contact": ["penalty", "separate"], "shape": ["cpdi"]}
 
 
 @pytest.fixture(scope="module")
-def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def store(tmp_path_factory):
     """Runs that all tests share."""
     return tmp_path_factory.mktemp("runs")
 
 
-def test_the_first_method_that_meets_the_target_ends_the_ladder(store: Path) -> None:
+def test_the_first_method_that_meets_the_target_ends_the_ladder(store):
     found = mpmfw.choose(scene(), "90 %", store=store, **METHODS)
     assert found["cell_size"].values.tolist() == [0.4, 0.2, 0.1, 0.05]
     best = method_rows(found)[0]
@@ -53,7 +49,7 @@ def test_the_first_method_that_meets_the_target_ends_the_ladder(store: Path) -> 
     assert "Error of end-displacement" in advice(found)[1]
 
 
-def test_what_comes_after_the_answer_is_not_run(store: Path) -> None:
+def test_what_comes_after_the_answer_is_not_run(store):
     found = mpmfw.choose(scene(), "99 %", contact=["separate", "lcp"], shape=["cpdi"], store=store)
     first, last = method_rows(found)
     assert (first["contact"], first["verdict"], first["cell_size_needed"]) == ("separate", "meets", 0.4)
@@ -61,7 +57,7 @@ def test_what_comes_after_the_answer_is_not_run(store: Path) -> None:
     assert int((found["status"] == "ok").sum()) == 1
 
 
-def test_what_nobody_meets_is_undecided_and_says_what_is_nearest(store: Path) -> None:
+def test_what_nobody_meets_is_undecided_and_says_what_is_nearest(store):
     found = mpmfw.choose(scene(), 1e-6, store=store, **METHODS)
     assert not found["answer"].any()
     assert advice(found)[0].startswith("Undecided for 0.0001 %: the nearest is ")
@@ -71,7 +67,7 @@ def test_what_nobody_meets_is_undecided_and_says_what_is_nearest(store: Path) ->
     assert (found["status"].sel(cell_size=0.2) == "not run").all()
 
 
-def test_without_a_closed_form_two_laws_say_what_errors_are_against(store: Path) -> None:
+def test_without_a_closed_form_two_laws_say_what_errors_are_against(store):
     methods = {"contact": ["penalty", "impulse"], "shape": ["cpdi"]}
     found = mpmfw.choose(scene(), "50 %", measure="kinetic-energy", finest=0.1, store=store, **methods)
     assert found["cell_size"].values.tolist() == [0.4, 0.2, 0.1]
@@ -85,14 +81,14 @@ def test_without_a_closed_form_two_laws_say_what_errors_are_against(store: Path)
     assert "uncertain by" in advice(found)[1]
 
 
-def test_one_law_alone_decides_nothing(store: Path) -> None:
+def test_one_law_alone_decides_nothing(store):
     methods = {"contact": ["penalty", "penalty(kappa=8)"], "shape": ["cpdi"]}
     found = mpmfw.choose(scene(), "90 %", measure="force-noise", finest=0.2, store=store, **methods)
     assert found.attrs["uncertainty"] == np.inf
     assert not found["answer"].any()
 
 
-def test_a_motion_along_y_is_judged_along_y() -> None:
+def test_a_motion_along_y_is_judged_along_y():
     falling = copy.deepcopy(SLIDING)
     del falling["reference"], falling["bodies"]["plane"], falling["contact"]
     falling["gravity"] = {"vector": [0.0, -10.0]}
@@ -104,13 +100,13 @@ def test_a_motion_along_y_is_judged_along_y() -> None:
         mpmfw.choose(falling, "50 %", axis="x", **asked)
 
 
-def no_reference() -> dict[str, Any]:
+def no_reference():
     found = scene()
     del found["reference"]
     return found
 
 
-def no_contact() -> dict[str, Any]:
+def no_contact():
     found = scene()
     del found["contact"], found["bodies"]["block"], found["reference"]
     return found
@@ -132,14 +128,12 @@ def no_contact() -> dict[str, Any]:
         (no_contact(), {"contact": ["penalty"], "measure": "kinetic-energy"}, "contact: the scene has none"),
     ],
 )  # fmt: skip
-def test_what_cannot_be_answered_is_refused_with_what_can(
-    given: dict[str, Any], options: dict[str, Any], message: str
-) -> None:
+def test_what_cannot_be_answered_is_refused_with_what_can(given, options, message):
     with pytest.raises(SceneError, match=message):
         mpmfw.choose(given, **{**METHODS, **options} if "contact" in given else options)
 
 
-def test_the_command_prints_a_table_and_the_answer_and_rows_for_other_programs(tmp_path: Path) -> None:
+def test_the_command_prints_a_table_and_the_answer_and_rows_for_other_programs(tmp_path):
     (tmp_path / "s.toml").write_text(toml_text(scene()), encoding="utf-8")
     methods = ["--contact", "penalty,separate", "--shape", "cpdi"]
     asked = ["choose", str(tmp_path / "s.toml"), *methods, "-o", str(tmp_path / "c.nc")]

@@ -2,8 +2,6 @@
 other's.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from mpmfw.api import ContactStrategy, SimulationError, hookimpl

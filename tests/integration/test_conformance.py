@@ -1,10 +1,5 @@
 """The conformance kit: bundled plug-ins pass, and each planted fault is caught by the check meant for it."""
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-from typing import Any
-
 import pytest
 
 from faulty_plugins.contact import keeping
@@ -175,7 +170,7 @@ ASKED_OF_ALL = {
 }
 
 
-def cases() -> Iterator[Any]:
+def cases():
     """Yield kind, plug-in and check; those of the long form are marked."""
     for kind, plugin in SOUND:
         for name in (check.name for check in checks_of(kind)):

@@ -1,11 +1,8 @@
 """Constants of settling, flutter and the verdict: each decides what its comment says, and no more."""
 
-from __future__ import annotations
-
 import math
 import warnings
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -20,7 +17,7 @@ from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import block, two_blocks
 
 
-def hanging(**changes: Any) -> dict[str, Any]:
+def hanging(**changes):
     """A square that rests on its lower side under its own weight."""
     scene = block(
         gravity={"vector": [0.0, -10.0]},
@@ -33,14 +30,14 @@ def hanging(**changes: Any) -> dict[str, Any]:
     return scene
 
 
-def settled_stress(scene: dict[str, Any]) -> np.ndarray[Any, Any]:
+def settled_stress(scene):
     """Stress of the material points after settling [Pa]."""
     simulation = Simulation(scene)
     simulation.start()
     return simulation.state.particles.stress.copy()
 
 
-def test_the_way_to_equilibrium_does_not_decide_where_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_way_to_equilibrium_does_not_decide_where_it_is(monkeypatch):
     shipped = settled_stress(hanging())
     for name, value in (("DAMPING", 0.5), ("FLIP_SHARE", 0.5), ("STEPS_OF_MEAN", 20)):
         with monkeypatch.context() as patch:
@@ -50,13 +47,13 @@ def test_the_way_to_equilibrium_does_not_decide_where_it_is(monkeypatch: pytest.
 
 
 @pytest.mark.filterwarnings("ignore:the scene still moved")
-def test_settling_gives_up_after_its_crossings(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_settling_gives_up_after_its_crossings(monkeypatch):
     monkeypatch.setattr(settling, "CROSSINGS", 0.5)
     with pytest.warns(mpmfw.ResultsWarning, match="settling stopped"):
         mpmfw.run(hanging())
 
 
-def test_motion_left_is_a_share_of_the_strain_energy(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_motion_left_is_a_share_of_the_strain_energy(monkeypatch):
     assert settling.concern({"settle_motion": 0.9e-3}) == []
     assert settling.concern({"settle_motion": 1.1e-3})
     monkeypatch.setattr(settling, "MOTION_LEFT", 1e-2)
@@ -65,13 +62,13 @@ def test_motion_left_is_a_share_of_the_strain_energy(monkeypatch: pytest.MonkeyP
 
 def flutters(
     *,
-    outputs: int = 12,
-    share: float = 0.9,
-    swing: float = 0.05,
-    every: int = 1,
-    slip: float = 1.0,
-    way: float = 0.01,
-) -> bool:
+    outputs=12,
+    share=0.9,
+    swing=0.05,
+    every=1,
+    slip=1.0,
+    way=0.01,
+):
     """Return whether a contact is noted whose normal force swings by a share of its mean, and turns at
     ``every`` output.
 
@@ -81,7 +78,7 @@ def flutters(
     records = {f"law/{name}": np.zeros((1, 2) if "impulse" in name else 1) for name in names}
     position, mu, interval = np.array([[0.0, 1.0], [0.0, 0.0]]), 0.5, 0.1
     bodies = [SimpleNamespace(particles=slice(0, 1)), SimpleNamespace(particles=slice(1, 2))]
-    state: Any = SimpleNamespace(
+    state = SimpleNamespace(
         arrays=records, pairs=[SimpleNamespace(first=0, second=1, mu=mu, label="a-b")], bodies=bodies,
         time=0.0,
         centres_of_mass=position.copy(), pair_bodies=np.array([[0, 1]]),
@@ -113,20 +110,18 @@ def flutters(
         ("CREEP", {"way": 1.1 * flutter.CREEP}, {"way": 0.9 * flutter.CREEP}),
     ],
 )
-def test_flutter_is_noted_past_each_bound_alone(
-    name: str, just: dict[str, Any], missed: dict[str, Any]
-) -> None:
+def test_flutter_is_noted_past_each_bound_alone(name, just, missed):
     assert flutters(**just), name
     assert not flutters(**missed), name
 
 
-def status_of(scene: dict[str, Any], contact: Any) -> str:
+def status_of(scene, contact):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", mpmfw.ResultsWarning)
         return str(mpmfw.run(scene, contact=contact).attrs["status"])
 
 
-def pumped(growth: float, speed: float) -> str:
+def pumped(growth, speed):
     """Status of two blocks that part at a speed and whose kinetic energy grows by a share."""
     scene = two_blocks("separate", time__end=0.01, time__output_interval=2e-3, shape__method="linear")
     scene["bodies"]["left"]["velocity"], scene["bodies"]["right"]["velocity"] = [-speed, 0.0], [speed, 0.0]
@@ -135,20 +130,20 @@ def pumped(growth: float, speed: float) -> str:
     return status_of(scene, pump)
 
 
-def test_growth_is_the_share_of_energy_past_which_a_run_is_suspect(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_growth_is_the_share_of_energy_past_which_a_run_is_suspect(monkeypatch):
     assert pumped(0.9 * verdict.GROWTH, 1.0) == "ok"
     assert pumped(1.2 * verdict.GROWTH, 1.0).startswith("suspect: energy")
     monkeypatch.setattr(verdict, "GROWTH", 0.3)
     assert pumped(0.2, 1.0) == "ok"
 
 
-def test_energy_below_rounding_is_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_energy_below_rounding_is_nothing(monkeypatch):
     assert pumped(1.0, 1e-7) == "ok"
     monkeypatch.setattr(energies, "NOTHING", 0.0)
     assert pumped(1.0, 1e-7).startswith("suspect: energy")
 
 
-def test_too_deep_is_in_cells_however_often_runs_are_judged(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_too_deep_is_in_cells_however_often_runs_are_judged(monkeypatch):
     """At 1 m/s each the blocks are 0.09 m deep at the end, in cells of 0.25 m."""
     scene = two_blocks("separate", time__end=0.05, time__output_interval=2e-3, shape__method="linear")
     assert status_of(scene, Idle()) == "ok"
@@ -159,7 +154,7 @@ def test_too_deep_is_in_cells_however_often_runs_are_judged(monkeypatch: pytest.
     assert status_of(scene, Idle()).startswith("suspect: left-right: penetration of 0.36 cells")
 
 
-def test_a_node_enters_by_a_facet_that_faces_it() -> None:
+def test_a_node_enters_by_a_facet_that_faces_it():
     """Of a square that is turned by 30° and lies in another, one side faces its top, cos 30° > −FACING, the
     other not.
     """

@@ -1,9 +1,5 @@
 """The moment of contact on every body, against forces of surface nodes, momenta, and the other body's."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -14,7 +10,7 @@ from mpmfw_testing.contact.motion import moment
 from scenes_for_tests import box, two_blocks, with_changes
 
 
-def cubes(method: str, **changes: Any) -> dict[str, Any]:
+def cubes(method, **changes):
     """Two cubes of 0.5 m that meet askew at 2 m/s and turn each other."""
     scene, bodies = box(contact={"method": method, "friction": 0.3}), {}
     for name, left, low, speed in (("left", -0.505, -0.2, 1.0), ("right", 0.005, -0.3, -1.0)):
@@ -27,7 +23,7 @@ def cubes(method: str, **changes: Any) -> dict[str, Any]:
     return with_changes({**scene, "bodies": bodies}, **changes)
 
 
-def recorded(scene: dict[str, Any], about: Any, steps: int = 12, **output: Any) -> Any:
+def recorded(scene, about, steps=12, **output):
     """A run with an output after every step."""
     step = 5e-4
     time = {"end": steps * step, "step": step, "output_interval": step}

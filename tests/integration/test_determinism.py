@@ -1,12 +1,9 @@
 """The same scene gives the same bits, whatever else runs in the process."""
 
-from __future__ import annotations
-
 import hashlib
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -17,7 +14,7 @@ from scenes_for_tests import two_blocks
 SCENES = [two_blocks("penalty"), two_blocks("bardenhagen", shape__method="gimp")]
 
 
-def digests() -> list[str]:
+def digests():
     """Hashes of every variable in the results of both scenes."""
     found = []
     for scene in SCENES:
@@ -30,7 +27,7 @@ def digests() -> list[str]:
     return found
 
 
-def test_a_run_repeats_bit_by_bit_in_one_process_and_in_another() -> None:
+def test_a_run_repeats_bit_by_bit_in_one_process_and_in_another():
     here = Path(__file__).resolve().parent
     paths = f"import sys; sys.path[:0] = {[str(here), str(here.parent)]}"
     code = f"{paths}; import test_determinism as t; print(*t.digests())"
@@ -40,14 +37,14 @@ def test_a_run_repeats_bit_by_bit_in_one_process_and_in_another() -> None:
     assert done.stdout.split() == first
 
 
-def arrays(simulation: Simulation) -> list[Any]:
+def arrays(simulation):
     """Points, surface, and the plug-ins' own arrays."""
     p, state = simulation.state.particles, simulation.state
     own = [state.arrays[name] for name in sorted(state.arrays)]
     return [p.position, p.velocity, p.stress, p.deformation_gradient, state.surface.position, *own]
 
 
-def test_simulations_side_by_side_share_nothing() -> None:
+def test_simulations_side_by_side_share_nothing():
     alone, beside = ([Simulation(scene) for scene in (*SCENES, SCENES[0])] for _ in range(2))
     for simulation in alone:
         simulation.advance(30)

@@ -1,10 +1,6 @@
 """How often hooks and the kernels of contact are called."""
 
-from __future__ import annotations
-
 from collections import Counter
-from collections.abc import Callable
-from typing import Any
 
 import pytest
 
@@ -34,9 +30,9 @@ PER_STEP = {
 }
 
 
-def counted(sim: Simulation) -> Counter[tuple[str, str]]:
+def counted(sim):
     """Count the calls of every hook's implementations from now on, by hook and plug-in."""
-    calls: Counter[tuple[str, str]] = Counter()
+    calls = Counter()
     for hook in sim.hook_callers():
         for implementation in getattr(sim.manager.hook, hook).get_hookimpls():
             implementation.function = _spy(calls, (hook, implementation.plugin_name), implementation.function)
@@ -44,8 +40,8 @@ def counted(sim: Simulation) -> Counter[tuple[str, str]]:
     return calls
 
 
-def _spy(calls: Counter[Any], key: Any, function: Callable[..., Any]) -> Callable[..., Any]:
-    def spy(*arguments: Any) -> Any:
+def _spy(calls, key, function):
+    def spy(*arguments):
         calls[key] += 1
         return function(*arguments)
 
@@ -58,7 +54,7 @@ RUNS = [("usl", name) for name in CASES] + [(s, name) for s in ("musl", "usf") f
 
 
 @pytest.mark.parametrize(("scheme", "name"), RUNS)
-def test_every_hook_is_called_so_often_a_step(scheme: str, name: str) -> None:
+def test_every_hook_is_called_so_often_a_step(scheme, name):
     case = CASES[name]
     sim = Simulation(with_changes(case.scene, stepping__scheme=scheme))
     sim.advance(0, [].append)  # from the first output on the ledger runs
@@ -69,7 +65,7 @@ def test_every_hook_is_called_so_often_a_step(scheme: str, name: str) -> None:
     assert calls == {(hook, who): STEPS * times[hook] for hook, who in hooks_of(sim) if times[hook]}
 
 
-def test_diagnostics_are_called_at_outputs_alone() -> None:
+def test_diagnostics_are_called_at_outputs_alone():
     sim = Simulation(
         with_changes(CASES["stability of contact"].scene, time__end=4e-3, time__output_interval=2e-3)
     )
@@ -91,8 +87,8 @@ KERNELS = {
 }
 
 
-def test_bodies_apart_cost_a_comparison_of_boxes(monkeypatch: pytest.MonkeyPatch) -> None:
-    calls: Counter[str] = Counter()
+def test_bodies_apart_cost_a_comparison_of_boxes(monkeypatch):
+    calls = Counter()
     for module, names in KERNELS.items():
         for name in names:
             monkeypatch.setattr(module, name, _spy(calls, name, getattr(module, name)))

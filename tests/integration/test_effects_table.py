@@ -1,7 +1,5 @@
 """Exactly the arrays, hooks, modules and variables of the effects that a scene calls for, scene by scene."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys
@@ -9,7 +7,7 @@ import sys
 import pytest
 
 import mpmfw
-from effects_table import CASES, LEAST, Case, arrays_of, hooks_of
+from effects_table import CASES, LEAST, arrays_of, hooks_of
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import with_changes
 
@@ -44,7 +42,7 @@ print(json.dumps(found))
 
 
 @pytest.fixture(scope="module")
-def imported() -> dict[str, list[str]]:
+def imported():
     """Modules of plug-ins and effects that each scene of the table imports, in a process of their own."""
     scenes = json.dumps({name: case.scene for name, case in CASES.items()})
     done = subprocess.run(
@@ -54,14 +52,14 @@ def imported() -> dict[str, list[str]]:
 
 
 @each_case
-def test_exactly_the_arrays(case: Case) -> None:
+def test_exactly_the_arrays(case):
     sim = Simulation(case.scene)
     sim.advance(STEPS)
     assert arrays_of(sim) == case.expected("arrays")
 
 
 @each_case
-def test_hooks_of_exactly_the_plug_ins(case: Case) -> None:
+def test_hooks_of_exactly_the_plug_ins(case):
     sim = Simulation(case.scene)
     hooks = hooks_of(sim)
     assert {who for _, who in hooks} == case.expected("owners")
@@ -70,14 +68,14 @@ def test_hooks_of_exactly_the_plug_ins(case: Case) -> None:
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_exactly_the_modules(name: str, imported: dict[str, list[str]]) -> None:
+def test_exactly_the_modules(name, imported):
     own = WITH_THE_PACKAGE if name == next(iter(CASES)) else set()
     assert set(imported[name]) - own == CASES[name].expected("modules")
     assert set(imported[""]) <= LEAST.modules | WITH_THE_PACKAGE
 
 
 @each_case
-def test_exactly_the_variables_and_the_plan(case: Case) -> None:
+def test_exactly_the_variables_and_the_plan(case):
     tree = mpmfw.run({**case.scene, "time": {"end": 1e-3, "output_interval": 1e-3}})
     assert set(tree["series"].data_vars) == case.expected("series")
     assert ("surface" in tree.children) == ("surface" in case.expected("owners"))
@@ -87,13 +85,13 @@ def test_exactly_the_variables_and_the_plan(case: Case) -> None:
     assert all(effect.reason for effect in effects)
 
 
-def test_the_plan_says_why_bodies_apart_are_not_searched() -> None:
+def test_the_plan_says_why_bodies_apart_are_not_searched():
     effects = {effect.name: effect for effect in Simulation(CASES["two bodies apart"].scene).effects}
     assert not effects["contact search"].on
     assert "no two bodies' boxes are within its reach" in effects["contact search"].reason
 
 
-def test_structures_of_absent_effects_are_none_and_energies_are_left_out() -> None:
+def test_structures_of_absent_effects_are_none_and_energies_are_left_out():
     state = Simulation(CASES["one body"].scene).state
     assert (state.surface, state.particles.affine, state.particles.moment) == (None, None, None)
     tree = mpmfw.run(with_changes(CASES["apic"].scene, output={"energy": False}))

@@ -1,9 +1,6 @@
 """What goes wrong is named: body, point, position, time and what to do; what was reached is kept."""
 
-from __future__ import annotations
-
 import math
-from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +15,7 @@ from scenes_for_tests import disc, two_blocks
 LEAVES = disc(bodies__solid__velocity=[20.0, 0.0], time={"end": 0.1, "output_interval": 0.02})
 
 
-def assert_named(error: SimulationError, what: str) -> None:
+def assert_named(error, what):
     """The message says what, which body and point, where, when, and what to try."""
     message = str(error)
     for part in (what, "body 'solid'", f"point {error.index}", "at (", " m", "at time", "Try: "):
@@ -30,7 +27,7 @@ def assert_named(error: SimulationError, what: str) -> None:
 
 
 @pytest.mark.parametrize("shape", ["linear", "cpdi2"])
-def test_a_body_that_leaves_the_grid(shape: str) -> None:
+def test_a_body_that_leaves_the_grid(shape):
     with pytest.raises(SimulationError) as caught:
         mpmfw.run(LEAVES, shape=shape)
     error = caught.value
@@ -50,7 +47,7 @@ def test_a_body_that_leaves_the_grid(shape: str) -> None:
         ("deformation_gradient", np.diag([-1.0, 1.0]), "a material point inverted (det F = -1)"),
     ],
 )
-def test_what_a_point_cannot_have_is_named(field: str, value: Any, what: str) -> None:
+def test_what_a_point_cannot_have_is_named(field, value, what):
     sim = Simulation(disc())
     sim.advance(3)
     getattr(sim.state.particles, field)[11] = value
@@ -60,7 +57,7 @@ def test_what_a_point_cannot_have_is_named(field: str, value: Any, what: str) ->
     assert field == "velocity" or caught.value.index == 11
 
 
-def test_the_index_counts_within_the_body() -> None:
+def test_the_index_counts_within_the_body():
     sim = Simulation(two_blocks("separate"))
     sim.advance(1)
     first = sim.state.bodies[1].particles.start
@@ -70,7 +67,7 @@ def test_the_index_counts_within_the_body() -> None:
     assert (caught.value.body, caught.value.index) == ("right", 2)
 
 
-def test_the_limit_is_the_courant_number_one() -> None:
+def test_the_limit_is_the_courant_number_one():
     # c = sqrt(10 MPa / 1000 kg/m³) = 100 m/s, h = 0.25 m; half of it by default
     sim = Simulation(disc())
     assert sim.limits()[0][0] == pytest.approx(0.25 / 100.0)
@@ -81,7 +78,7 @@ def test_the_limit_is_the_courant_number_one() -> None:
     ("time", "key"),
     [({"step": 2.6e-3}, "time.step"), ({"safety": 1.1}, "time.safety")],
 )
-def test_a_step_past_the_limit_is_refused(time: dict[str, float], key: str) -> None:
+def test_a_step_past_the_limit_is_refused(time, key):
     scene = disc(time={"end": 0.05, "output_interval": 0.05, **time})
     with pytest.raises(SceneError, match=key):
         Simulation(scene)
@@ -89,7 +86,7 @@ def test_a_step_past_the_limit_is_refused(time: dict[str, float], key: str) -> N
     assert Simulation(scene).stable_step() == pytest.approx(time.get("step", 1.1 * 2.5e-3))
 
 
-def test_a_step_past_the_limit_of_the_meeting_nodes_is_refused_when_it_shows() -> None:
+def test_a_step_past_the_limit_of_the_meeting_nodes_is_refused_when_it_shows():
     """Surfaces that meet in the middle of a cell share its nodes, which lowers the limit after the build."""
     mapping = impact(right="soft")
     limit = CELL / wave_speed("soft") / math.sqrt(1.0 + 4.0)  # 2 / sqrt(ω_bulk² (1 + κ)) of equal bodies
@@ -102,7 +99,7 @@ def test_a_step_past_the_limit_of_the_meeting_nodes_is_refused_when_it_shows() -
         mpmfw.run(mapping)
 
 
-def test_initial_overlap_is_refused_unless_allowed() -> None:
+def test_initial_overlap_is_refused_unless_allowed():
     overlapping = impact(gap=-0.02)
     overlapping["contact"] = {"method": "penalty", "friction": 0.3}
     overlapping["time"] = {"end": 0.01, "output_interval": 0.01}
@@ -113,7 +110,7 @@ def test_initial_overlap_is_refused_unless_allowed() -> None:
     assert float(result["series"]["min_gap"][0, 0]) == pytest.approx(-0.02, abs=1e-12)
 
 
-def test_a_body_outside_the_grid_is_refused() -> None:
+def test_a_body_outside_the_grid_is_refused():
     with pytest.raises(SceneError, match="solid"):
         Simulation(disc(grid__upper=[1.0, 2.0]))
 
@@ -122,24 +119,24 @@ class Misspelt(ContactStrategy):
     name = "misspelt"
 
     @hookimpl
-    def add_nodal_forces(self, grid: Any) -> None: ...
+    def add_nodal_forces(self, grid): ...
 
 
 class WrongArgument(ContactStrategy):
     name = "wrong_argument"
 
     @hookimpl
-    def add_nodal_force(self, gird: Any) -> None: ...
+    def add_nodal_force(self, gird): ...
 
 
 @pytest.mark.parametrize(("strategy", "named"), [(Misspelt, "add_nodal_forces"), (WrongArgument, "gird")])
-def test_a_misspelt_hook_is_an_error(strategy: Any, named: str) -> None:
+def test_a_misspelt_hook_is_an_error(strategy, named):
     with pytest.raises(Exception, match=named):
         Simulation(two_blocks("separate"), contact=strategy())
 
 
 @pytest.mark.parametrize("name", ["body", "axis", "particle", "series"])
-def test_a_body_may_have_any_name_that_a_scene_accepts(name: str) -> None:
+def test_a_body_may_have_any_name_that_a_scene_accepts(name):
     scene = disc()
     scene["bodies"] = {name: scene["bodies"]["solid"]}
     try:

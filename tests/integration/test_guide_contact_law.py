@@ -2,8 +2,6 @@
 checked.
 """
 
-from __future__ import annotations
-
 import contextlib
 import importlib
 import io
@@ -59,7 +57,7 @@ def package(blocks, tmp_path_factory):
         del sys.modules[name]
 
 
-def output_of(kind: str, text: str) -> str:
+def output_of(kind, text):
     """What a block of commands, or of Python, prints."""
     caught = io.StringIO()
     with contextlib.redirect_stdout(caught):
@@ -71,7 +69,7 @@ def output_of(kind: str, text: str) -> str:
     return caught.getvalue()
 
 
-def run_command(words: list[str]) -> None:
+def run_command(words):
     assert words[0] == "mpmfw"
     # without standalone mode the exit status is what the call returns
     assert app(words[1:], prog_name="mpmfw", standalone_mode=False) in (None, 0), words

@@ -1,9 +1,5 @@
 """The surface layer's inertia keeps linear momentum, moves with its body, and reaches every projection."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -13,7 +9,7 @@ from scenes_for_tests import disc
 THICKNESS = 0.02
 
 
-def two_discs(**stepping: Any) -> dict[str, Any]:
+def two_discs(**stepping):
     """Two discs apart, one of them moving: contact is named and never acts."""
     layer = {"method": "penalty", "penalty": {"interface_thickness": THICKNESS}}
     scene = disc("fitted", stepping=stepping, contact=layer, bodies__solid__velocity=[1.0, 0.5])
@@ -24,7 +20,7 @@ def two_discs(**stepping: Any) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("scheme", ["usl", "musl", "usf"])
-def test_a_moving_body_with_a_layer_is_not_strained(scheme: str) -> None:
+def test_a_moving_body_with_a_layer_is_not_strained(scheme):
     sim = Simulation(two_discs(scheme=scheme))
     sim.advance(20)
     strain = np.abs(sim.state.particles.deformation_gradient - np.eye(2)).max()
@@ -32,7 +28,7 @@ def test_a_moving_body_with_a_layer_is_not_strained(scheme: str) -> None:
 
 
 @pytest.mark.parametrize("transfer", ["pic", "aflip"])
-def test_points_and_layer_keep_linear_momentum_while_the_body_vibrates(transfer: str) -> None:
+def test_points_and_layer_keep_linear_momentum_while_the_body_vibrates(transfer):
     sim = Simulation(two_discs(scheme="usl", transfer=transfer))
     sim.start()
     p, layer = sim.state.particles, sim.manager.get_plugin("surface_layer")
@@ -40,7 +36,7 @@ def test_points_and_layer_keep_linear_momentum_while_the_body_vibrates(transfer:
     p.deformation_gradient[own] = np.diag([1.02, 0.99])  # it springs back
     sim.step(1e-6)
 
-    def momentum() -> np.ndarray:
+    def momentum():
         return np.asarray(p.mass @ p.velocity + layer.mass @ layer.velocity)
 
     before = momentum()

@@ -1,7 +1,5 @@
 """Impulses of all rows at once in motion: first touch, and what is said of solutions that were cut short."""
 
-from __future__ import annotations
-
 import pytest
 
 import mpmfw

@@ -2,8 +2,6 @@
 much.
 """
 
-from __future__ import annotations
-
 import json
 import math
 

@@ -1,9 +1,6 @@
 """Gravity, loads on sides and loads that a scene names, each against a closed form."""
 
-from __future__ import annotations
-
 import math
-from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +8,7 @@ from pydantic import BaseModel
 
 import mpmfw
 from measures_for_tests import momentum
-from mpmfw.api import FloatArray, LoadedFacets, SurfaceLoad
+from mpmfw.api import SurfaceLoad
 from mpmfw.errors import SceneError
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import BULK, DENSITY, SHEAR, SOFT, block, box, disc, two_blocks
@@ -22,7 +19,7 @@ WALLS = [{"side": "left", "fixed": ["x"]}, {"side": "right", "fixed": ["x"]}]
 STEP = 1e-4  # s
 
 
-def after(steps: int, scene: dict[str, Any]) -> Simulation:
+def after(steps, scene):
     """The simulation of a scene after some steps."""
     sim = Simulation(scene)
     sim.start()
@@ -30,14 +27,14 @@ def after(steps: int, scene: dict[str, Any]) -> Simulation:
     return sim
 
 
-def centre(sim: Simulation) -> np.ndarray:
+def centre(sim):
     """Centre of mass."""
     p = sim.state.particles
     return np.asarray(p.mass @ p.position / p.mass.sum())
 
 
 @pytest.mark.parametrize("make", [disc, box])
-def test_free_fall_is_exact_for_the_integration_scheme(make: Any) -> None:
+def test_free_fall_is_exact_for_the_integration_scheme(make):
     g = np.array([1.0, -9.0, 4.0][: 2 if make is disc else 3])
     sim = Simulation(make(gravity={"vector": g.tolist()}, time__step=1e-3))
     sim.start()
@@ -49,7 +46,7 @@ def test_free_fall_is_exact_for_the_integration_scheme(make: Any) -> None:
     np.testing.assert_allclose(f, np.broadcast_to(np.eye(len(g)), f.shape), atol=1e-12)
 
 
-def test_a_fixed_component_leaves_the_other_free() -> None:
+def test_a_fixed_component_leaves_the_other_free():
     scene = block(bodies__solid__sides=[{"side": "bottom", "fixed": ["y"]}], gravity={"vector": [3.0, 0.0]})
     sim = after(40, scene)
     p = sim.state.particles
@@ -61,7 +58,7 @@ def test_a_fixed_component_leaves_the_other_free() -> None:
 
 
 @pytest.mark.parametrize(("shape", "tolerance"), [("cpdi", 0.03), ("cpdi2", 0.03), ("gimp", 0.05)])
-def test_a_block_under_pressure(shape: str, tolerance: float) -> None:
+def test_a_block_under_pressure(shape, tolerance):
     """Settled between frictionless walls under 10 kPa; balance holds in the mean with a mass-weighted map."""
     sides = [{"side": "bottom", "fixed": ["y"]}, *WALLS, {"side": "top", "pressure": 1e4}]
     made = block(shape__method=shape, bodies__solid__sides=sides, materials__soft=HOOKE, settle={})
@@ -75,7 +72,7 @@ def test_a_block_under_pressure(shape: str, tolerance: float) -> None:
 
 @pytest.mark.parametrize("make", [block, box])
 @pytest.mark.parametrize("key", ["traction", "force"])
-def test_a_load_on_a_side_gives_its_impulse_in_any_direction(key: str, make: Any) -> None:
+def test_a_load_on_a_side_gives_its_impulse_in_any_direction(key, make):
     """The side of 1 m or 1 m² gets t A; so small a load that A does not change."""
     load = [3.0, -2.0, 1.0][: 2 if make is block else 3]
     scene = make(bodies__solid__sides=[{"side": "top", key: load}], materials__soft=HOOKE, time__step=STEP)
@@ -94,7 +91,7 @@ ROWS = [[1e-3, 0.0, 0.0], [2e-3, 4.0, 2.0]]
     ],
     ids=["traction", "pressure", "point force"],
 )
-def test_loads_in_time_are_linear_in_between_and_constant_outside(tables: dict[str, Any]) -> None:
+def test_loads_in_time_are_linear_in_between_and_constant_outside(tables):
     # From the start of every step: 0 to 1 ms, the sum of 1 … 9 tenths to 2 ms, then 20 steps of the whole
     exact = np.array([4.0, 2.0]) * (0.1 * sum(range(10)) + 20) * STEP
     found = momentum(after(40, block(time__step=STEP, **tables)))
@@ -103,7 +100,7 @@ def test_loads_in_time_are_linear_in_between_and_constant_outside(tables: dict[s
 
 
 @pytest.mark.parametrize("shape", ["cpdi", "gimp"])
-def test_tractions_on_all_sides_shear_a_free_block_uniformly(shape: str) -> None:
+def test_tractions_on_all_sides_shear_a_free_block_uniformly(shape):
     """τ rises in twelve periods of the block: σ_xy = τ everywhere and γ = τ / G."""
     tau, rise = 1e3, 0.24  # s; a shear wave takes 0.018 s across
     directions = {"top": (1, 0), "bottom": (-1, 0), "right": (0, 1), "left": (0, -1)}
@@ -123,7 +120,7 @@ def test_tractions_on_all_sides_shear_a_free_block_uniformly(shape: str) -> None
 
 
 @pytest.mark.parametrize(("shape", "size"), [("cpdi", 0.125), ("cpdi", 0.0625), ("gimp", 0.125)])
-def test_a_total_force_on_a_side_does_not_depend_on_the_mesh(size: float, shape: str) -> None:
+def test_a_total_force_on_a_side_does_not_depend_on_the_mesh(size, shape):
     """Half of the height, or another division into points: the sum is the force that was asked for."""
     sides = [{"side": "right", "force": [30.0, 5.0]}]
     for height in (0.5, 1.0):
@@ -137,7 +134,7 @@ def test_a_total_force_on_a_side_does_not_depend_on_the_mesh(size: float, shape:
 
 
 @pytest.mark.parametrize("make", [block, box])
-def test_a_point_force_gives_its_impulse(make: Any) -> None:
+def test_a_point_force_gives_its_impulse(make):
     force = [3.0, -2.0, 1.0][: 2 if make is block else 3]
     load = {"model": "point_force", "at": [0.2, 0.1, 0.0][: len(force)], "force": force}
     sim = after(20, make(loads={"push": load}, time__step=STEP))
@@ -145,7 +142,7 @@ def test_a_point_force_gives_its_impulse(make: Any) -> None:
 
 
 @pytest.mark.parametrize("at", [[0.31, -0.17], [0.5, 0.5]])
-def test_a_point_force_has_its_moment(at: list[float]) -> None:
+def test_a_point_force_has_its_moment(at):
     """One step gives L = Δt x × F, at a corner as well: the force acts at the place that was asked for."""
     load = {"model": "point_force", "at": at, "force": [3.0, -2.0]}
     sim = after(1, block(loads={"push": load}, time__step=STEP, bodies__solid__rotation="lumped"))
@@ -155,7 +152,7 @@ def test_a_point_force_has_its_moment(at: list[float]) -> None:
     assert moment == pytest.approx(STEP * (at[0] * -2.0 - at[1] * 3.0), abs=1e-12)
 
 
-def test_a_body_force_goes_with_the_undeformed_volume_and_that_of_rho_g_is_gravity() -> None:
+def test_a_body_force_goes_with_the_undeformed_volume_and_that_of_rho_g_is_gravity():
     weight = {"weight": {"model": "body_force", "force": [0.0, -10.0 * DENSITY]}}
     sim = Simulation(block(loads=weight, time__step=STEP))
     sim.start()
@@ -165,7 +162,7 @@ def test_a_body_force_goes_with_the_undeformed_volume_and_that_of_rho_g_is_gravi
     np.testing.assert_allclose(momentum(sim), momentum(by_gravity), rtol=1e-10, atol=1e-12)
 
 
-def test_drag_lets_the_velocity_decay_towards_the_medium() -> None:
+def test_drag_lets_the_velocity_decay_towards_the_medium():
     """v = u + (v_0 − u) exp(−c t), first order in Δt; so fast a decay limits the step."""
     load = {"model": "drag", "rate": 20.0, "medium": [1.0, 0.0]}
     sim = after(500, block(loads={"air": load}, bodies__solid__velocity=[0.0, 2.0], time__step=STEP))
@@ -183,12 +180,12 @@ class Wind(SurfaceLoad):
     class Options(BaseModel):
         speed: float = 3.0
 
-    def traction(self, facets: LoadedFacets, time: float) -> FloatArray:  # noqa: ARG002
+    def traction(self, facets, time):  # noqa: ARG002
         against = (facets.velocity - [self.options.speed, 0.0])[:, 0] * facets.normal[:, 0]
         return -np.maximum(against, 0.0)[:, None] * facets.normal
 
 
-def test_a_strangers_traction_by_place_and_motion(announce: Any) -> None:
+def test_a_strangers_traction_by_place_and_motion(announce):
     """On the left side of 1 m alone: c (u − v_x) pushes towards +x."""
     announce("load", "wind", f"{__name__}:Wind")
     for speed, gained in ((0.0, 3e-4), (1.0, 2e-4)):
@@ -217,7 +214,7 @@ PUSH = {"model": "point_force", "at": [0, 0], "force": [1, 0]}
         (PUSH, r"a\.bodies: a point force acts on one body, not on left, right"),
     ],
 )
-def test_a_load_that_cannot_be_meant_is_refused(load: dict[str, Any], said: str) -> None:
+def test_a_load_that_cannot_be_meant_is_refused(load, said):
     with pytest.raises(SceneError, match=rf"loads\.{said}"):
         Simulation(two_blocks("penalty", loads={"a": load}))
 
@@ -233,6 +230,6 @@ def test_a_load_that_cannot_be_meant_is_refused(load: dict[str, Any], said: str)
         ({"pressure": 1.0, "traction": [1.0, 0.0]}, "has pressure and traction; expected exactly one of"),
     ],
 )
-def test_a_load_on_a_side_that_cannot_be_meant_is_refused(load: dict[str, Any], said: str) -> None:
+def test_a_load_on_a_side_that_cannot_be_meant_is_refused(load, said):
     with pytest.raises(SceneError, match=said):
         mpmfw.load_scene(block(bodies__solid__sides=[{"side": "top", **load}]))

@@ -2,11 +2,6 @@
 bodies.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-from typing import Any
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -25,7 +20,7 @@ METHODS = ("none", "penalty")
 FAST = pytest.mark.filterwarnings("ignore::mpmfw.errors.ResultsWarning")
 
 
-def small(count: int, contact: str, **changes: Any) -> dict[str, Any]:
+def small(count, contact, **changes):
     """Discs of three cells across, as few points as carry contact, and no frames but where they are asked
     for.
     """
@@ -33,12 +28,12 @@ def small(count: int, contact: str, **changes: Any) -> dict[str, Any]:
     return many_discs(count, contact, radius=1.5, **{**least, **changes})
 
 
-def sizes_of(owner: Any, path: str, seen: set[int]) -> Iterator[tuple[str, int]]:
+def sizes_of(owner, path, seen):
     """Sizes of all arrays that an object holds, and those that it holds hold, by the way to them."""
     if id(owner) in seen:
         return
     seen.add(id(owner))
-    inner: dict[Any, Any] = {}
+    inner = {}
     if isinstance(owner, np.ndarray):
         yield path, owner.size
     elif isinstance(owner, dict):
@@ -52,7 +47,7 @@ def sizes_of(owner: Any, path: str, seen: set[int]) -> Iterator[tuple[str, int]]
         yield from sizes_of(value, f"{path}.{name}", seen)
 
 
-def all_sizes(count: int, method: str) -> tuple[int, dict[str, int]]:
+def all_sizes(count, method):
     """Number of pairs, and sizes of the arrays of state, plug-ins and frame after a step."""
     sim = Simulation(small(count, method, output={"stability": True}))
     sim.advance(1)
@@ -63,7 +58,7 @@ def all_sizes(count: int, method: str) -> tuple[int, dict[str, int]]:
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_no_array_has_a_place_for_every_two_bodies(method: str) -> None:
+def test_no_array_has_a_place_for_every_two_bodies(method):
     """Four times the bodies: what is in proportion grows by four, and at most by half more since fewer are at
     an edge.
     """
@@ -76,7 +71,7 @@ def test_no_array_has_a_place_for_every_two_bodies(method: str) -> None:
     assert len(many) > 40
 
 
-def row_meets_row(method: str, count: int = FEW + 4, **changes: Any) -> dict[str, Any]:
+def row_meets_row(method, count=FEW + 4, **changes):
     """Two rows of discs, ten cells apart, that meet at 120 m/s."""
     half = count // 2
     scene = small(count, method, **{"time": {"end": 0.15, "output_interval": 0.0125}, **changes})
@@ -89,7 +84,7 @@ def row_meets_row(method: str, count: int = FEW + 4, **changes: Any) -> dict[str
 
 
 @FAST
-def test_pairs_that_meet_during_the_run_are_in_the_results_of_memory_and_file(tmp_path: Any) -> None:
+def test_pairs_that_meet_during_the_run_are_in_the_results_of_memory_and_file(tmp_path):
     scene = row_meets_row("none")
     half = len(scene["bodies"]) // 2
     kept = mpmfw.run(scene)
@@ -106,9 +101,7 @@ def test_pairs_that_meet_during_the_run_are_in_the_results_of_memory_and_file(tm
 
 @FAST
 @pytest.mark.parametrize("method", ["bardenhagen", "penalty"])
-def test_a_body_moves_and_is_pushed_as_it_is_where_all_pairs_are_listed(
-    method: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_body_moves_and_is_pushed_as_it_is_where_all_pairs_are_listed(method, monkeypatch):
     scene = row_meets_row(method)
     near = mpmfw.run(scene)["series"].to_dataset()
     monkeypatch.setattr("mpmfw.runs.build.FEW", 1000)
@@ -130,7 +123,7 @@ def test_a_body_moves_and_is_pushed_as_it_is_where_all_pairs_are_listed(
     assert np.isfinite(energy_kept(near)).all()
 
 
-def test_pairs_that_the_scene_names_are_listed_from_the_start() -> None:
+def test_pairs_that_the_scene_names_are_listed_from_the_start():
     scene = row_meets_row("penalty")
     scene["contact"]["pairs"] = [{"bodies": ["d20", "d3"], "friction": 0.7}]
     sim = Simulation(scene)
@@ -142,12 +135,12 @@ def test_pairs_that_the_scene_names_are_listed_from_the_start() -> None:
     assert not effects["contact search"].on
 
 
-def test_a_strategy_that_does_not_take_pairs_as_they_come_is_given_all() -> None:
+def test_a_strategy_that_does_not_take_pairs_as_they_come_is_given_all():
     class Plain(ContactStrategy):
         name = "plain"
 
         @hookimpl
-        def setup(self, setup: Any) -> None:
+        def setup(self, setup):
             self.pairs = setup.pairs
 
     n = FEW + 1
@@ -156,10 +149,10 @@ def test_a_strategy_that_does_not_take_pairs_as_they_come_is_given_all() -> None
     assert len(sim.contact.pairs) == n * (n - 1) // 2
 
 
-def test_a_file_of_many_bodies_grows_in_proportion(tmp_path: Any) -> None:
+def test_a_file_of_many_bodies_grows_in_proportion(tmp_path):
     """Bytes of two frames; HDF5's lists of who uses a dimension would make it grow with the square."""
 
-    def size(n: int) -> int:
+    def size(n):
         path = tmp_path / f"{n}.nc"
         mpmfw.run(
             many_discs(n, "penalty", radius=1.5, time={"end": 1e-4, "output_interval": 1e-4}), output=path

@@ -2,19 +2,17 @@
 check.
 """
 
-from __future__ import annotations
-
 import pytest
 
 import mutation_score
 from faulty_plugins.planted import MISSED, planted
 
 
-def test_one_in_twenty_of_the_planted_faults_may_pass() -> None:
+def test_one_in_twenty_of_the_planted_faults_may_pass():
     assert len(MISSED) <= 0.05 * len(list(planted("contact")))
 
 
-def test_a_rule_changes_one_thing_at_a_time() -> None:
+def test_a_rule_changes_one_thing_at_a_time():
     found = dict(mutation_score.mutants("def f(a):\n    return a + 0.5 * -a\n"))
     assert list(found) == [
         "line 2: a + 0.5 * -a → a - 0.5 * -a",
@@ -26,7 +24,7 @@ def test_a_rule_changes_one_thing_at_a_time() -> None:
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
-def test_mutants_of_a_sound_material_are_caught() -> None:
+def test_mutants_of_a_sound_material_are_caught():
     found = list(mutation_score.mutated_materials())
     missed = [each.fault for each in found if not each.check]
     assert mutation_score.share(found) >= 0.95, missed

@@ -1,14 +1,10 @@
 """Series and boundary conditions that a scene names, by classes as a stranger would write them."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
 import pytest
 
 import mpmfw
-from mpmfw.api import AnyArray, Boundary, Field, FloatArray, OutputSeries, State
+from mpmfw.api import Boundary, Field, OutputSeries
 from mpmfw.errors import PluginError, SceneError
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import block, two_blocks
@@ -19,13 +15,13 @@ class Places(OutputSeries):
 
     name = "places"
 
-    def series(self) -> list[Field]:
+    def series(self):
         return [
             Field("lowest", ("body", "axis"), "m", "least coordinate of the material points"),
             Field("asked", (), "1", "number of outputs"),
         ]
 
-    def values(self, state: State, interval: float) -> dict[str, Any]:
+    def values(self, state, interval):
         self.asked = 1 if interval == 0.0 else self.asked + 1
         lowest = [state.particles.position[body.particles].min(axis=0) for body in state.bodies]
         return {"lowest": np.array(lowest), "asked": self.asked}
@@ -36,7 +32,7 @@ class Less(Places):
 
     name = "less"
 
-    def values(self, state: State, interval: float) -> dict[str, Any]:  # noqa: ARG002
+    def values(self, state, interval):  # noqa: ARG002
         return {"asked": 1}
 
 
@@ -47,23 +43,23 @@ class Shaken(Boundary):
 
     name = "shaken"
 
-    def holds(self, position: FloatArray) -> AnyArray:
+    def holds(self, position):
         return position[:, 1] < -0.1
 
-    def velocity(self, position: FloatArray, time: float) -> FloatArray:
+    def velocity(self, position, time):
         velocity = np.full_like(position, np.nan)
         velocity[:, 0] = 10.0 * time
         return velocity
 
 
 @pytest.fixture(autouse=True)
-def installed(announce: Any) -> None:
+def installed(announce):
     """The classes of this module as if they were installed."""
     for kind, one in (("output", Places), ("output", Less), ("boundary", Shaken)):
         announce(kind, one.name, f"{__name__}:{one.__name__}")
 
 
-def test_series_of_ones_own_are_in_the_results_with_unit_and_labels() -> None:
+def test_series_of_ones_own_are_in_the_results_with_unit_and_labels():
     scene = two_blocks("separate", time__end=2e-3, time__output_interval=1e-3)
     series = mpmfw.run({**scene, "outputs": {"box": {"model": "places"}}})["series"]
     assert series["box_lowest"].dims == ("time", "body", "axis")
@@ -72,14 +68,14 @@ def test_series_of_ones_own_are_in_the_results_with_unit_and_labels() -> None:
     np.testing.assert_array_equal(series["box_asked"], [1, 2, 3])
 
 
-def test_a_series_that_is_declared_and_not_given_ends_the_run() -> None:
+def test_a_series_that_is_declared_and_not_given_ends_the_run():
     with pytest.raises(
         PluginError, match=r"'a' \(less\) answered with values of asked; expected asked, lowest"
     ):
         mpmfw.run(block(outputs={"a": {"model": "less"}}))
 
 
-def test_what_is_held_moves_as_prescribed_and_its_work_is_in_the_ledger() -> None:
+def test_what_is_held_moves_as_prescribed_and_its_work_is_in_the_ledger():
     """∫ V·dP of what is held, which all moves with V(t), and the energy that the body has got by it."""
     changes = {"time__step": 1e-4, "time__output_interval": 1e-4, "output__ledger": True}
     simulation, frames = Simulation(block(boundaries={"table": {"model": "shaken"}}, **changes)), []
@@ -97,6 +93,6 @@ def test_what_is_held_moves_as_prescribed_and_its_work_is_in_the_ledger() -> Non
     assert float(energy) == pytest.approx(work, rel=2e-3)
 
 
-def test_a_body_that_shares_its_velocity_field_cannot_be_held() -> None:
+def test_a_body_that_shares_its_velocity_field_cannot_be_held():
     with pytest.raises(SceneError, match=r"boundaries\.table: the bodies share one velocity field"):
         Simulation(two_blocks("none", boundaries={"table": {"model": "shaken", "bodies": ["left"]}}))

@@ -4,16 +4,13 @@ refused where it could not.
 The options are found in the models themselves: one without an entry in ``options_table`` fails here.
 """
 
-from __future__ import annotations
-
 import itertools
-from pathlib import Path
-from typing import Any, Literal, get_args, get_origin
+from typing import Literal, get_args, get_origin
 
 import pytest
 from pydantic import BaseModel
 
-from mpmfw.plugin.discovery import Kind, available, load
+from mpmfw.plugin.discovery import available, load
 from options_found import NO_OPTIONS, option_models, outcome
 from options_table import (
     ASKED_BY_THE_KIT,
@@ -21,8 +18,6 @@ from options_table import (
     EACH,
     PLUGINS,
     REFUSED,
-    Acts,
-    Each,
     mesh_file,
     surface_mesh,
 )
@@ -34,13 +29,13 @@ pytestmark = pytest.mark.effects
 
 
 @pytest.fixture(autouse=True)
-def announced(announce: Any) -> None:
+def announced(announce):
     """Announce a boundary condition and an output, since no bundled plug-in is one."""
     announce("boundary", "shaken", "faulty_plugins.small.other_kinds:Shaken")
     announce("output", "fastest", "faulty_plugins.small.other_kinds:Fastest")
 
 
-def test_no_option_is_forgotten() -> None:
+def test_no_option_is_forgotten():
     found = {
         f"{table}.{option}"
         for table, model in option_models().items()
@@ -55,7 +50,7 @@ def test_no_option_is_forgotten() -> None:
 
 
 @pytest.mark.parametrize("kind", ["detection", "law"])
-def test_options_of_detections_and_laws_are_those_of_contacts(kind: Kind) -> None:
+def test_options_of_detections_and_laws_are_those_of_contacts(kind):
     of_contacts = [
         model.model_fields for table, model in option_models().items() if table.startswith("contact.")
     ]
@@ -65,24 +60,24 @@ def test_options_of_detections_and_laws_are_those_of_contacts(kind: Kind) -> Non
             assert any(option in fields for fields in of_contacts), f"{kind}.{name}.{option}"
 
 
-def check_acts(entry: Acts) -> None:
+def check_acts(entry):
     first, second = (outcome(with_changes(entry.scene, **changes)) for changes in (entry.first, entry.second))
     assert first != second
     assert not (first.startswith("refused") and second.startswith("refused")), (first, second)
 
 
 @pytest.mark.parametrize("option", [*CORE, *PLUGINS])
-def test_an_option_changes_the_result(option: str) -> None:
+def test_an_option_changes_the_result(option):
     check_acts({**CORE, **PLUGINS}[option])
 
 
 @pytest.mark.parametrize("key", [*SURFACE_MESH, "MeshFile.path"])
-def test_a_key_of_a_mesh_changes_the_result(tmp_path: Path, key: str) -> None:
+def test_a_key_of_a_mesh_changes_the_result(tmp_path, key):
     check_acts(surface_mesh(tmp_path, key) if key in SURFACE_MESH else mesh_file(tmp_path))
 
 
 @pytest.mark.parametrize("name", REFUSED)
-def test_an_option_without_effect_is_refused(name: str) -> None:
+def test_an_option_without_effect_is_refused(name):
     scene, changes, word = REFUSED[name]
     assert not outcome(scene).startswith("refused")
     said = outcome(with_changes(scene, **changes))
@@ -90,7 +85,7 @@ def test_an_option_without_effect_is_refused(name: str) -> None:
     assert word in said
 
 
-def words_of(annotation: Any) -> set[str]:
+def words_of(annotation):
     """Words that an annotation allows, however deep."""
     if get_origin(annotation) is Literal:
         return {word for word in get_args(annotation) if isinstance(word, str)}
@@ -108,12 +103,12 @@ WORDS = {
 }
 
 
-def tried(entry: Acts) -> set[str]:
+def tried(entry):
     """Every word that an entry of the table of two values tries."""
     return set(itertools.chain(*(words_in(value) for value in (entry.first, entry.second))))
 
 
-def words_in(value: Any) -> set[str]:
+def words_in(value):
     """Every text in nested tables."""
     if isinstance(value, str):
         return {value}
@@ -122,15 +117,15 @@ def words_in(value: Any) -> set[str]:
 
 
 @pytest.mark.parametrize("option", WORDS)
-def test_every_word_is_tried(option: str) -> None:
+def test_every_word_is_tried(option):
     found = set(EACH[option].changes) if option in EACH else tried({**CORE, **PLUGINS}[option])
     assert found >= WORDS[option]
     assert option in EACH or len(WORDS[option]) <= 2  # two that differ are told by the table of two values
 
 
 @pytest.mark.parametrize("option", EACH)
-def test_every_word_acts_as_none_other(option: str) -> None:
-    entry: Each = EACH[option]
+def test_every_word_acts_as_none_other(option):
+    entry = EACH[option]
     found = {word: outcome(with_changes(entry.scene, **changes)) for word, changes in entry.changes.items()}
     assert not any(one.startswith("refused") for one in found.values()), found
     if entry.auto is not None:

@@ -2,11 +2,8 @@
 no search.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pytest
@@ -23,7 +20,7 @@ SOLID = material(1e6, 1000.0)  # K 1 MPa, G 0.5 MPa
 C = math.sqrt((1e6 + 4.0 * 5e5 / 3.0) / 1000.0)  # m/s
 
 
-def body(geometry: dict[str, Any], velocity: tuple[float, float] = (0.0, 0.0), **keys: Any) -> dict[str, Any]:
+def body(geometry, velocity=(0.0, 0.0), **keys):
     """A body with a velocity [c]; discs have particles that follow their outline."""
     layout = "fitted" if geometry["type"] == "disc" else "lattice"
     particles = {"layout": layout, "size": 0.5 * CELL}
@@ -31,18 +28,18 @@ def body(geometry: dict[str, Any], velocity: tuple[float, float] = (0.0, 0.0), *
     return {"material": "solid", "geometry": geometry, "particles": particles, **moving, **keys}
 
 
-def box(left: float, bottom: float, right: float, top: float, **keys: Any) -> dict[str, Any]:
+def box(left, bottom, right, top, **keys):
     """A rectangle [cells]."""
     corners = {"lower": [CELL * left, CELL * bottom], "upper": [CELL * right, CELL * top]}
     return {"type": "rectangle", **corners, **keys}
 
 
-def ball(x: float, y: float, radius: float) -> dict[str, Any]:
+def ball(x, y, radius):
     """A disc [cells]."""
     return {"type": "disc", "centre": [CELL * x, CELL * y], "radius": CELL * radius}
 
 
-def scene(bodies: dict[str, Any], end: float, **keys: Any) -> dict[str, Any]:
+def scene(bodies, end, **keys):
     """A scene of these bodies, without friction, that ends at a time [h / c]."""
     end *= CELL / C
     return {
@@ -57,7 +54,7 @@ def scene(bodies: dict[str, Any], end: float, **keys: Any) -> dict[str, Any]:
     }
 
 
-def two(left: dict[str, Any], right: dict[str, Any], speed: float) -> dict[str, Any]:
+def two(left, right, speed):
     """Two bodies that approach along x at ``speed`` [c] each, and the time for 3 cells at 0.5 c at most."""
     return scene(
         {"left": body(left, (speed, 0.0)), "right": body(right, (-speed, 0.0))}, 4.0 / min(speed, 0.5)
@@ -81,14 +78,14 @@ SCENES = {
 }
 
 
-def outlines(simulation: Simulation) -> list[shapely.Polygon]:
+def outlines(simulation):
     """The bodies' outlines."""
     surface = simulation.state.surface
     assert surface is not None
     return [shapely.Polygon(surface.position[surface.of(b.index)]) for b in simulation.state.bodies]
 
 
-def depth(simulation: Simulation) -> float:
+def depth(simulation):
     """Deepest node of one body within the other [cells of the scene]."""
     surface, areas = simulation.state.surface, outlines(simulation)
     assert surface is not None
@@ -101,7 +98,7 @@ def depth(simulation: Simulation) -> float:
     return deepest / simulation.state.grid.cell_size
 
 
-def behind(simulation: Simulation) -> float:
+def behind(simulation):
     """How far the left body's mean lies to the right of the right one's, where they meet [cells]: negative is
     as it began.
 
@@ -124,7 +121,7 @@ class Fate:
     depth: float = 0.0  #: largest of all outputs, in cells
 
 
-def fate(mapping: dict[str, Any]) -> Fate:
+def fate(mapping):
     """Run a scene and look at it at 20 outputs."""
     simulation, found = Simulation(mapping), Fate()
     try:
@@ -144,7 +141,7 @@ def fate(mapping: dict[str, Any]) -> Fate:
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_bodies_keep_their_sides_up_to_the_speed_of_waves(name: str) -> None:
+def test_bodies_keep_their_sides_up_to_the_speed_of_waves(name):
     found = fate(SCENES[name](0.5))
     assert not found.message
     assert found.behind < 0.0
@@ -153,7 +150,7 @@ def test_bodies_keep_their_sides_up_to_the_speed_of_waves(name: str) -> None:
 
 
 @pytest.mark.parametrize(("name", "speed"), [("head-on", 1.0), *((name, 2.0) for name in SCENES)])
-def test_past_the_speed_of_waves_they_do_so_or_the_run_ends(name: str, speed: float) -> None:
+def test_past_the_speed_of_waves_they_do_so_or_the_run_ends(name, speed):
     """Material that is struck at twice its wave speed may invert; what must not be is a good end with crossed
     bodies.
     """
@@ -161,14 +158,14 @@ def test_past_the_speed_of_waves_they_do_so_or_the_run_ends(name: str, speed: fl
     assert found.message or found.behind < 0.0, found
 
 
-def softened(name: str, speed: float, kappa: float) -> dict[str, Any]:
+def softened(name, speed, kappa):
     """A scene with springs of this stiffness."""
     mapping = SCENES[name](speed)
     mapping["contact"]["penalty"] = {"kappa": kappa}
     return mapping
 
 
-def test_bodies_that_cross_end_the_run_with_pair_place_and_time() -> None:
+def test_bodies_that_cross_end_the_run_with_pair_place_and_time():
     """Springs of a hundredth of the usual stiffness cannot hold two discs at 0.5 c each."""
     mapping = softened("head-on", 0.5, 0.01)
     said = r"left-right: the bodies have crossed: .* far side of '(left|right)'"
@@ -179,7 +176,7 @@ def test_bodies_that_cross_end_the_run_with_pair_place_and_time() -> None:
     assert 0.0 < caught.value.time < mapping["time"]["end"]
 
 
-def test_the_distance_at_which_bodies_have_crossed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_distance_at_which_bodies_have_crossed(monkeypatch):
     """With none, corners that bulge past each other's sides are taken for it; far off, nothing is."""
     monkeypatch.setattr(detection, "CROSSED", 0.0)
     assert "have crossed" in fate(softened("flat", 0.2, 1.0)).message
@@ -190,8 +187,8 @@ def test_the_distance_at_which_bodies_have_crossed(monkeypatch: pytest.MonkeyPat
 
 
 def test_with_a_longer_way_in_a_step_discs_at_the_speed_of_waves_are_torn(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    monkeypatch,
+):
     """A shorter one would only take more steps."""
     soft = softened("head-on", 1.0, 1.0)
     assert not fate(soft).message
@@ -199,7 +196,7 @@ def test_with_a_longer_way_in_a_step_discs_at_the_speed_of_waves_are_torn(
     assert "inverted" in fate(soft).message
 
 
-def test_a_wedge_under_load_is_held_and_deep_penetration_is_reported() -> None:
+def test_a_wedge_under_load_is_held_and_deep_penetration_is_reported():
     """A stiff wedge of 30° is pressed by 7 cells of 0.1 m into a block on its tip."""
     wide = 8.0 * CELL * math.tan(math.radians(15.0))
     points = [[0.0, 0.02 * CELL], [wide, 8.0 * CELL], [-wide, 8.0 * CELL]]

@@ -1,9 +1,6 @@
 """Materials with a history in a run: their energy is in the ledger, and contact does not know of them."""
 
-from __future__ import annotations
-
 from contextlib import nullcontext
-from typing import Any
 
 import numpy as np
 import pytest
@@ -22,7 +19,7 @@ SOFT = {
 }
 
 
-def bar(dim: int = 2) -> dict[str, Any]:
+def bar(dim=2):
     """A bar that is held at its foot and comes down at a tenth of its wave speed (Taylor's test)."""
     lower, upper = [-0.4, 0.0, -0.4][:dim], [0.4, 1.6, 0.4][:dim]
     sides = [{"side": "bottom", "fixed": ["y"]}]
@@ -34,7 +31,7 @@ def bar(dim: int = 2) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("dim", [2, 3])
-def test_what_is_dissipated_is_in_the_ledger(dim: int) -> None:
+def test_what_is_dissipated_is_in_the_ledger(dim):
     tree = mpmfw.run(bar(dim))
     series = tree["series"].to_dataset()
     start = float(series["kinetic_energy"].isel(time=0).sum())
@@ -47,7 +44,7 @@ def test_what_is_dissipated_is_in_the_ledger(dim: int) -> None:
     assert strain[height < 0.4].mean() > 3.0 * strain[height > 1.2].mean()
 
 
-def copper(density: float, young: float, poisson: float, strength: float, hardening: float) -> dict[str, Any]:
+def copper(density, young, poisson, strength, hardening):
     """Copper of some density, moduli [Pa], yield stress [Pa] and hardening [Pa]."""
     elastic = {"density": density, "youngs_modulus": young, "poissons_ratio": poisson}
     return {"model": "j2", **elastic, "yield_stress": strength, "hardening_modulus": hardening}
@@ -77,7 +74,7 @@ SPRAY = scene_of(
     ("contact", "shape"),
     [("penalty", "cpdi"), ("penalty", "cpdi2"), ("lcp", "cpdi"), ("bardenhagen(normal=master)", "cpdi")],
 )
-def test_plastic_flow_keeps_momentum_and_makes_no_energy(contact: str, shape: str) -> None:
+def test_plastic_flow_keeps_momentum_and_makes_no_energy(contact, shape):
     """CPDI domains under large plastic flow; surfaces of contact at nodes are 0.2 to 0.5 cells deep."""
     on_grid = contact.startswith("bardenhagen")
     with pytest.warns(ResultsWarning, match=r"ball-block: .*penetrat") if on_grid else nullcontext():
@@ -117,7 +114,7 @@ TAYLOR = scene_of(
         ("penalty", "cpdi2"),
     ],
 )
-def test_a_taylor_slab_is_as_long_with_every_contact(contact: str, shape: str) -> None:
+def test_a_taylor_slab_is_as_long_with_every_contact(contact, shape):
     """The slab runs at the default step, makes no energy, and keeps 0.68 of its length."""
     on_grid = contact.startswith("bardenhagen")  # surfaces are not kept apart: 0.2 to 2 cells deep
     with pytest.warns(ResultsWarning, match="penetrat") if on_grid else nullcontext():
@@ -140,9 +137,7 @@ def test_a_taylor_slab_is_as_long_with_every_contact(contact: str, shape: str) -
         ("linear", "musl", None, ["time.safety"], ["scheme", "contact"]),
     ],
 )
-def test_advice_names_nothing_that_runs_already(
-    shape: str, scheme: str, contact: str | None, recommended: list[str], running: list[str]
-) -> None:
+def test_advice_names_nothing_that_runs_already(shape, scheme, contact, recommended, running):
     bodies = SPRAY["bodies"] if contact else {"ball": SPRAY["bodies"]["ball"]}
     scene = {**SPRAY, "bodies": bodies, "stepping": {"scheme": scheme}, "output": {}}
     if contact is None:

@@ -1,14 +1,9 @@
 """A run that is stopped at a step and loaded into a simulation built anew ends with the same bytes."""
 
-from __future__ import annotations
-
 import copy
 import itertools
 import os
 import random
-from collections.abc import Iterator, Mapping
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -24,7 +19,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::mpmfw.errors.ResultsWarning")  
 _ROLLS = {"grid.cell_size": 0.8, "settle.max_time": 0.02, "time.end": 0.02}
 #: The shipped scenes with few points, few steps of settling and few after it; contact begins at once, or
 #: within nine steps.
-COARSE: dict[str, dict[str, Any]] = {
+COARSE = {
     "colliding-rings": {
         "grid.cell_size": 0.008,
         "time.end": "0.2 ms",
@@ -53,14 +48,14 @@ COARSE: dict[str, dict[str, Any]] = {
 }
 
 
-def run(simulation: Simulation, step: int = -1, path: Path | None = None) -> tuple[list[Any], int]:
+def run(simulation, step=-1, path=None):
     """All frames of a run that is saved after a step and goes on, and the number of its steps, with those of
     settling.
     """
-    frames: list[Any] = []
+    frames = []
     count = 0
 
-    def after_step() -> None:
+    def after_step():
         nonlocal count
         count += 1
         if count == step:
@@ -70,13 +65,13 @@ def run(simulation: Simulation, step: int = -1, path: Path | None = None) -> tup
     return frames, count
 
 
-def array_bytes(saved: Mapping[str, Any]) -> dict[str, bytes]:
+def array_bytes(saved):
     """All values but seconds."""
     seconds = ("simulation/clock", "simulation/compile_time", "simulation/_settled")
     return {place: array.tobytes() for place, array in saved.items() if not place.startswith(seconds)}
 
 
-def same_frames(frames: list[Any], others: list[Any]) -> None:
+def same_frames(frames, others):
     assert len(frames) == len(others)
     for one, other in zip(frames, others, strict=True):
         assert one.time == other.time
@@ -88,7 +83,7 @@ def same_frames(frames: list[Any], others: list[Any]) -> None:
                 assert np.asarray(a[name]).tobytes() == np.asarray(b[name]).tobytes(), (group, name)
 
 
-def stop_and_go_on(make: Any, path: Path, step: int) -> None:
+def stop_and_go_on(make, path, step):
     """The run of a simulation, and that of another which is loaded after a step of the first."""
     first = make()
     frames, steps = run(first, step, path)
@@ -106,7 +101,7 @@ def stop_and_go_on(make: Any, path: Path, step: int) -> None:
 STEPS = {"colliding-rings": (2, 20)}
 
 
-def cases() -> Iterator[tuple[str, str, str]]:
+def cases():
     """Yield every scene with its own methods, which the conformance kit asks one by one; in the long form
     with all."""
     for name in COARSE:

@@ -1,7 +1,5 @@
 """A run that was killed or interrupted goes on from its last checkpoint, and ends as it would have."""
 
-from __future__ import annotations
-
 import json
 import math
 import os
@@ -13,7 +11,6 @@ import sys
 import time
 import warnings
 from pathlib import Path
-from typing import Any
 
 import netCDF4
 import numpy as np
@@ -72,7 +69,7 @@ def path(tmp_path):
     return tmp_path / "run.nc"
 
 
-def same_results(path: Path, reference: Path) -> None:
+def same_results(path, reference):
     """All variables and attributes but the timings."""
     one, other = read(path), read(reference)
     assert one.groups == other.groups
@@ -89,15 +86,15 @@ def same_results(path: Path, reference: Path) -> None:
     assert kept[0] == kept[1]
 
 
-def names_in(folder: Path) -> list[str]:
+def names_in(folder):
     return sorted(file.name for file in folder.iterdir())
 
 
-def stopped(scene: Any, path: Path, after: int, *numbers: int, **arguments: Any) -> Interrupted:
+def stopped(scene, path, after, *numbers, **arguments):
     """What a run raises that gets signals in the middle of a step."""
     steps = 0
 
-    def counted(*arguments: Any) -> None:
+    def counted(*arguments):
         nonlocal steps
         steps += 1
         if steps == after:
@@ -112,7 +109,7 @@ def stopped(scene: Any, path: Path, after: int, *numbers: int, **arguments: Any)
     return caught.value
 
 
-def killed(scene: Any, path: Path, rng: random.Random, again: bool = False) -> bool:
+def killed(scene, path, rng, again=False):
     """A run in a process of its own that is killed a moment after its first checkpoint; whether it was."""
     child = os.fork()
     if child == 0:
@@ -195,7 +192,7 @@ def test_results_that_a_kill_has_made_unreadable_go_on_from_the_checkpoint(path,
 def test_a_signal_after_the_last_step_leaves_a_complete_file(path, monkeypatch):
     end = mpmfw.runs.run._end
 
-    def at_the_end(*arguments: Any) -> Any:
+    def at_the_end(*arguments):
         os.kill(os.getpid(), signal.SIGTERM)
         return end(*arguments)
 
@@ -243,7 +240,7 @@ def test_another_version_is_refused_with_what_differs(path, monkeypatch):
 def test_what_cannot_go_on_says_why(path):
     file = Path(f"{path}.checkpoint")
 
-    def refused(said: str) -> None:
+    def refused(said):
         before = path.read_bytes() if path.is_file() else b""
         done = CliRunner().invoke(app, ["resume", str(path)])
         assert done.exit_code == 2
@@ -303,7 +300,7 @@ def test_a_new_run_forgets_the_checkpoint_of_the_last(path):
 
 
 def test_a_full_disk_loses_the_checkpoint_and_not_the_run(path, monkeypatch):
-    def full(*_: Any) -> None:
+    def full(*_):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("mpmfw.runs.restart.os.replace", full)

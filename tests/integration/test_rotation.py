@@ -2,13 +2,11 @@
 
 A disc in the plane is judged by the validation case ``spinning-disc``: spin, energy, radius and inertia."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
 from measures_for_tests import Torque, angular_momentum, turn_under
-from mpmfw.api import Grid, State, Stencil, hookimpl
+from mpmfw.api import hookimpl
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import BULK, DENSITY, SHEAR, one_body, with_changes
 
@@ -16,7 +14,7 @@ BRICK = {"type": "box", "lower": [-0.47, -0.36, -0.21], "upper": [0.53, 0.39, 0.
 EDGES = np.array([1.0, 0.75, 0.5])
 
 
-def brick_answer(shape: str, rotation: str) -> np.ndarray:
+def brick_answer(shape, rotation):
     """Components of ω after a torque about no principal axis, over I⁻¹ ∫ τ dt."""
     scene = one_body(BRICK, size=0.125, shape__method=shape, bodies__solid__rotation=rotation)
     impulse, spin = turn_under(Simulation(scene), Torque([5.0, 8.0, -6.0]), 0.03)
@@ -25,7 +23,7 @@ def brick_answer(shape: str, rotation: str) -> np.ndarray:
 
 
 @pytest.mark.parametrize("shape", ["cpdi", "bspline"])
-def test_the_inertia_in_3d_is_a_tensor(shape: str) -> None:
+def test_the_inertia_in_3d_is_a_tensor(shape):
     np.testing.assert_allclose(brick_answer(shape, "exact"), 1.0, atol=0.005)
     # Cells answer, not the body: to a tenth of what lumping costs, for the nodes of so thin a body do not
     # move rigidly.
@@ -34,7 +32,7 @@ def test_the_inertia_in_3d_is_a_tensor(shape: str) -> None:
     assert (lumped < 0.9).all()
 
 
-def spin_of_domains(sim: Simulation) -> np.ndarray:
+def spin_of_domains(sim):
     """Angular momentum of the points' domains about their own centres: the antisymmetric part of m S Cᵀ, S =
     Σ r_a r_aᵀ / 3.
     """
@@ -45,7 +43,7 @@ def spin_of_domains(sim: Simulation) -> np.ndarray:
     return np.array([arms[1, 2] - arms[2, 1], arms[2, 0] - arms[0, 2], arms[0, 1] - arms[1, 0]])
 
 
-def tumbled(shape: str, rotation: str) -> float:
+def tumbled(shape, rotation):
     """How far a brick that spins about no principal axis has its angular momentum from that of the start
     after half a turn, over that."""
     spin = [3.0, 8.0, -6.0]
@@ -70,7 +68,7 @@ def tumbled(shape: str, rotation: str) -> float:
 
 
 @pytest.mark.parametrize("shape", ["cpdi", "bspline"])
-def test_a_brick_that_tumbles_keeps_its_angular_momentum(shape: str) -> None:
+def test_a_brick_that_tumbles_keeps_its_angular_momentum(shape):
     """In size and direction; the lumped brick keeps that of its nodes, of another inertia: 7 to 9 %."""
     assert tumbled(shape, "exact") < 1e-3
     assert tumbled(shape, "spin") < 0.02  # cells answer, as above
@@ -82,17 +80,17 @@ class Strike:
 
     name = "strike"
 
-    def __init__(self, sim: Simulation) -> None:
+    def __init__(self, sim):
         x = sim.state.particles.position[:, 0]
         self.struck = x < x.min() + 0.2
 
     @hookimpl
-    def after_momentum_projection(self, phi: Stencil) -> None:
+    def after_momentum_projection(self, phi):
         """Keep the table of this step."""
         self.phi = phi
 
     @hookimpl
-    def add_nodal_force(self, grid: Grid, state: State) -> None:
+    def add_nodal_force(self, grid, state):
         """Add the force."""
         p, phi = state.particles, self.phi
         point = np.repeat(np.arange(p.count), np.diff(phi.row))
@@ -102,7 +100,7 @@ class Strike:
 BAR = {"2D": [[-1.22, -0.25], [1.28, 0.25]], "3D": [[-1.22, -0.25, -0.25], [1.28, 0.25, 0.25]]}
 
 
-def reached(rotation: str, bar: list[list[float]]) -> float:
+def reached(rotation, bar):
     """Velocity of the far end of a bar of ten cells, over the mean velocity, when the wave has come 0.38 of
     the way.
     """
@@ -120,10 +118,10 @@ def reached(rotation: str, bar: list[list[float]]) -> float:
 
 
 @pytest.mark.parametrize("bar", BAR.values(), ids=BAR)
-def test_the_far_end_of_a_struck_bar_waits_for_the_wave(bar: list[list[float]]) -> None:
+def test_the_far_end_of_a_struck_bar_waits_for_the_wave(bar):
     assert reached("spin", bar) < 1e-4
 
 
-def test_the_exact_correction_is_not_causal() -> None:
+def test_the_exact_correction_is_not_causal():
     # Known of the method: it turns the body as a whole in the step in which the torque acts.
     assert reached("exact", BAR["2D"]) > 0.01

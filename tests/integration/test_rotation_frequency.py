@@ -1,9 +1,6 @@
 """The highest frequency of a body, which sets the time step, with the local spin correction and without."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pytest
@@ -29,7 +26,7 @@ class Linear:
     operator: FloatArray  #: K of (m v) += K Δv
 
     @property
-    def ratio(self) -> float:
+    def ratio(self):
         """Highest frequency with the correction, over that without: of M⁻¹ + M⁻¹ K M⁻¹ in place of M⁻¹."""
         root = 1.0 / np.sqrt(self.mass)
         lumped = root[:, None] * self.stiffness * root
@@ -38,7 +35,7 @@ class Linear:
         return float(np.sqrt(squares[0] / squares[1]))
 
 
-def linearised(scene: dict[str, Any]) -> Linear:
+def linearised(scene):
     """The scene's body at rest."""
     sim = Simulation(with_changes(scene, bodies__solid__rotation="spin"))
     sim.start()
@@ -75,14 +72,14 @@ def linearised(scene: dict[str, Any]) -> Linear:
     )
 
 
-def rectangle(lower: list[float], upper: list[float], shape: str) -> dict[str, Any]:
+def rectangle(lower, upper, shape):
     grid = {"cell_size": H, "lower": [-0.75, -0.75], "upper": [1.25, 1.25]}
     geometry = {"type": "rectangle", "lower": lower, "upper": upper}
     return one_body(geometry, size=H / 2, shape__method=shape, grid=grid)
 
 
 @pytest.mark.parametrize(("cells", "shape"), [(2, "gimp"), (4, "cpdi"), (2, "bspline")])
-def test_the_highest_frequency_stays(cells: int, shape: str) -> None:
+def test_the_highest_frequency_stays(cells, shape):
     rng = np.random.default_rng(cells)
     for _ in range(2):
         lower = rng.uniform(-0.4, -0.15, 2)
@@ -91,8 +88,8 @@ def test_the_highest_frequency_stays(cells: int, shape: str) -> None:
 
 
 def test_a_film_that_barely_reaches_its_outer_nodes_keeps_its_frequency(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    monkeypatch,
+):
     """With linear functions these nodes weigh next to nothing, and so do the cells; all of X on them would be
     too much: without a least share the film has frequencies of its own.
     """

@@ -2,8 +2,6 @@
 are.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
@@ -22,7 +20,7 @@ WHOLE = {kind: (*folders, *names) for kind, (folders, *names) in TEMPLATES.items
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 
 
-def announce(place: Path) -> None:
+def announce(place):
     """What an installation would leave beside the package: its metadata with the entry points."""
     project = tomllib.loads((place / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     info = place / "src" / f"{project['name'].replace('-', '_')}-0.1.0.dist-info"
@@ -50,7 +48,7 @@ SLOW = (
 )
 
 
-def test_every_kind_of_one_module_passes_its_own_tests(tmp_path: Path) -> None:
+def test_every_kind_of_one_module_passes_its_own_tests(tmp_path):
     """All in one process: an installation each would take a minute and show no more."""
     places = []
     for kind in TEMPLATES.keys() - WHOLE:
@@ -67,7 +65,7 @@ def test_every_kind_of_one_module_passes_its_own_tests(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", WHOLE)
-def test_contact_and_shape_are_the_templates_of_the_documentation(kind: str, tmp_path: Path) -> None:
+def test_contact_and_shape_are_the_templates_of_the_documentation(kind, tmp_path):
     """Under the templates' own name they are the same files; .ci/templates installs and tests these."""
     folder, known, _ = WHOLE[kind]
     place = write_package(kind, known, tmp_path)
@@ -79,7 +77,7 @@ def test_contact_and_shape_are_the_templates_of_the_documentation(kind: str, tmp
 
 
 @pytest.mark.parametrize("kind", WHOLE)
-def test_a_renamed_template_has_nothing_of_the_old_name_in_its_code(kind: str, tmp_path: Path) -> None:
+def test_a_renamed_template_has_nothing_of_the_old_name_in_its_code(kind, tmp_path):
     _, known, name = WHOLE[kind]
     place = write_package(kind, "soft_wall", tmp_path)
     for path in place.rglob("*.py"):
@@ -102,13 +100,13 @@ def test_a_renamed_template_has_nothing_of_the_old_name_in_its_code(kind: str, t
         ("contact", "penalty", "penalty: a contact of this name is installed already"),
     ],
 )
-def test_what_cannot_be_written_is_refused(kind: str, name: str, said: str, tmp_path: Path) -> None:
+def test_what_cannot_be_written_is_refused(kind, name, said, tmp_path):
     with pytest.raises(SceneError, match=said.replace("?", r"\?")):
         write_package(kind, name, tmp_path)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_command_writes_and_does_not_write_over(tmp_path: Path) -> None:
+def test_the_command_writes_and_does_not_write_over(tmp_path):
     arguments = ["new", "load", "wind", "--into", str(tmp_path)]
     assert CliRunner().invoke(app, arguments).exit_code == 0
     again = CliRunner().invoke(app, arguments)

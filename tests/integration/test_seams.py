@@ -1,9 +1,6 @@
 """Flush bodies side by side are one floor: what slides over a seam must not feel it."""
 
-from __future__ import annotations
-
 import math
-from typing import Any
 
 import numpy as np
 import pytest
@@ -20,12 +17,12 @@ MATERIAL = {"model": "neo_hookean", "density": 1e3, "youngs_modulus": 1e7, "pois
 HARD = {**MATERIAL, "density": 1e6, "youngs_modulus": 1e10}
 
 
-def floor_of_tiles(tiles: int, angle: float = 0.0) -> dict[str, Any]:
+def floor_of_tiles(tiles, angle=0.0):
     """A frictionless block that slides over so many tiles, pressed on by its weight; turned by ``angle``."""
     e = np.array([math.cos(angle), math.sin(angle)])
     n = np.array([-math.sin(angle), math.cos(angle)])
 
-    def box(kind: str, begin: float, length: float, low: float, high: float) -> dict[str, Any]:
+    def box(kind, begin, length, low, high):
         centre, half = (begin + 0.5 * length) * e + 0.5 * (low + high) * n, [0.5 * length, 0.5 * (high - low)]
         shape = {"lower": (centre - half).tolist(), "upper": (centre + half).tolist(), "angle": angle}
         points = {"size": 0.05, "layout": "fitted"}
@@ -56,7 +53,7 @@ def floor_of_tiles(tiles: int, angle: float = 0.0) -> dict[str, Any]:
         ("penalty", 0.35),
     ],
 )
-def test_a_block_slides_over_seams_without_a_brake(contact: str, angle: float) -> None:
+def test_a_block_slides_over_seams_without_a_brake(contact, angle):
     along = np.array([math.cos(angle), math.sin(angle)])
     run = mpmfw.run(floor_of_tiles(3, angle), contact=contact)
     speed = float(run["series"]["mean_velocity"].sel(body="block").values[-1] @ along)
@@ -65,14 +62,14 @@ def test_a_block_slides_over_seams_without_a_brake(contact: str, angle: float) -
 
 @pytest.mark.parametrize("contact", ["bardenhagen(criterion=position, normal=master)", "nairn"])
 @pytest.mark.parametrize(("tiles", "over"), [(2, False), (3, True)])
-def test_contact_at_nodes_says_that_it_feels_seams(contact: str, tiles: int, over: bool) -> None:
+def test_contact_at_nodes_says_that_it_feels_seams(contact, tiles, over):
     """The block begins on one of two tiles, or over the seam of two of three."""
     simulation = mpmfw.Simulation(floor_of_tiles(tiles), contact=contact)
     simulation.advance(1)
     assert any("a seam brakes" in text for text in simulation.concerns()) == over
 
 
-def test_contact_at_nodes_looks_for_seams_now_and_then() -> None:
+def test_contact_at_nodes_looks_for_seams_now_and_then():
     """The block begins on one of two tiles, and slides over their seam."""
     contact = "bardenhagen(criterion=position, normal=master)"
     simulation = mpmfw.Simulation(floor_of_tiles(2), contact=contact)
@@ -84,7 +81,7 @@ def test_contact_at_nodes_looks_for_seams_now_and_then() -> None:
     assert simulation.state.steps % nodes.SEAMS_EVERY == 1  # found in the step after
 
 
-def test_two_bodies_alone_have_no_list_of_covered_facets() -> None:
+def test_two_bodies_alone_have_no_list_of_covered_facets():
     for tiles, listed in ((1, False), (2, True)):
         surface = mpmfw.Simulation(floor_of_tiles(tiles)).state.surface
         assert surface is not None

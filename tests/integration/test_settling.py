@@ -1,9 +1,5 @@
 """Settling: under which loads it happens, and what stays after it."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -17,14 +13,14 @@ HEIGHT, G = 0.5, 10.0
 STIFF = {"model": "neo_hookean", "density": DENSITY, "bulk_modulus": 12e6, "shear_modulus": 6e6}
 
 
-def column(**tables: Any) -> dict[str, Any]:
+def column(**tables):
     """A column on a fixed bottom, held sideways, of the height 0.5 m."""
     walls = [{"side": "left", "fixed": ["x"]}, {"side": "right", "fixed": ["x"]}]
     made = solid([0.0, 0.0], [0.3, HEIGHT], 0.05, sides=[{"side": "bottom", "fixed": True}, *walls])
     return scene_of({"column": made}, 0.1, [-0.3, -0.3], [0.6, 1.2], end=0.01, **{"settle": {}, **tables})
 
 
-def least_stress(scene: dict[str, Any]) -> float:
+def least_stress(scene):
     """Mean σ_yy over the points of the lowest row of cells after settling [Pa]."""
     sim = Simulation(scene)
     sim.start()
@@ -36,12 +32,12 @@ def least_stress(scene: dict[str, Any]) -> float:
 EXPECTED = -DENSITY * G * (HEIGHT - 0.05)
 
 
-def test_a_table_of_gravity_settles_under_its_value_at_time_zero() -> None:
+def test_a_table_of_gravity_settles_under_its_value_at_time_zero():
     table = [[0.0, 0.0, -G], [0.02, 0.0, 0.0]]
     assert least_stress(column(gravity={"table": table})) == pytest.approx(EXPECTED, rel=0.01)
 
 
-def test_gravity_of_settling_alone_acts_while_settling_alone() -> None:
+def test_gravity_of_settling_alone_acts_while_settling_alone():
     scene = column(settle={"gravity": {"vector": [0.0, -G]}})
     assert least_stress(scene) == pytest.approx(EXPECTED, rel=0.01)
     sim = Simulation(scene)
@@ -49,7 +45,7 @@ def test_gravity_of_settling_alone_acts_while_settling_alone() -> None:
     assert (sim.manager.get_plugin("gravity").at(0.0) == 0.0).all()
 
 
-def test_a_moving_side_rests_while_the_scene_settles() -> None:
+def test_a_moving_side_rests_while_the_scene_settles():
     scene = column(gravity={"vector": [0.0, -G]})
     scene["bodies"]["column"]["sides"][0] = {"side": "bottom", "velocity": [0.0, 1.0]}
     sim = Simulation(scene)
@@ -59,7 +55,7 @@ def test_a_moving_side_rests_while_the_scene_settles() -> None:
     assert sim.state.particles.position[:, 1].min() == pytest.approx(0.025 + 0.01, abs=2e-3)
 
 
-def test_a_side_holds_its_own_body_alone_in_a_shared_field() -> None:
+def test_a_side_holds_its_own_body_alone_in_a_shared_field():
     """The right block flies away from the left one, which is held."""
     scene = two_blocks("none", time={"end": 0.1, "output_interval": 0.1})
     scene["bodies"]["left"]["sides"] = [{"side": "right", "fixed": True}]
@@ -72,7 +68,7 @@ def test_a_side_holds_its_own_body_alone_in_a_shared_field() -> None:
 
 
 @pytest.mark.parametrize("shape", ["linear", "cpdi"])
-def test_apic_starts_with_the_spin_that_was_asked_for(shape: str) -> None:
+def test_apic_starts_with_the_spin_that_was_asked_for(shape):
     stepping = {"transfer": "apic", "scheme": "usl"}
     sim = Simulation(disc(stepping=stepping, shape__method=shape, bodies__solid__angular_velocity=2.0))
     sim.advance(1)
@@ -81,7 +77,7 @@ def test_apic_starts_with_the_spin_that_was_asked_for(shape: str) -> None:
     np.testing.assert_allclose(gradient, spin, atol=1e-7)
 
 
-def held_block() -> dict[str, Any]:
+def held_block():
     """A block at rest on a plane under gravity that leans by 20°, faces off the grid lines."""
     points, held = ("0.5 cells", "stiff", "fitted"), [{"side": "bottom", "fixed": True}]
     bodies = {
@@ -100,7 +96,7 @@ def held_block() -> dict[str, Any]:
     )
 
 
-def test_a_body_at_rest_stays_for_five_thousand_steps() -> None:
+def test_a_body_at_rest_stays_for_five_thousand_steps():
     """It moves in the first 10³ steps, as far as settling has left it, and rests since."""
     series = mpmfw.run(held_block())["series"].to_dataset()
     place = series["centre_of_mass"].sel(body="block").values / 0.25
@@ -109,11 +105,11 @@ def test_a_body_at_rest_stays_for_five_thousand_steps() -> None:
     assert np.ptp(way[2:]) < 1e-7
 
 
-def press_fit() -> dict[str, Any]:
+def press_fit():
     """Two steel rings without Poisson's effect, radii 0.2, 0.6 and 1 m, with an interference of 3 mm."""
     steel = {"model": "linear_elastic", "density": 1000.0, "youngs_modulus": 1e9, "poissons_ratio": 0.0}
 
-    def ring(inner: float, outer: float) -> dict[str, Any]:
+    def ring(inner, outer):
         geometry = {"type": "ring", "centre": [0.0, 0.0], "inner_radius": inner, "outer_radius": outer}
         return {"material": "steel", "geometry": geometry, "particles": {"size": 0.05, "layout": "fitted"}}
 
@@ -127,7 +123,7 @@ def press_fit() -> dict[str, Any]:
     )
 
 
-def test_an_overlap_is_a_load_and_settles_to_lames_press_fit() -> None:
+def test_an_overlap_is_a_load_and_settles_to_lames_press_fit():
     sim = Simulation(press_fit())
     sim.start()
     surface = sim.state.surface
@@ -142,7 +138,7 @@ def test_an_overlap_is_a_load_and_settles_to_lames_press_fit() -> None:
 
 @pytest.mark.filterwarnings("ignore:settling stopped")
 @pytest.mark.parametrize(("max_time", "warned"), [(None, False), (5e-3, True)])
-def test_a_scene_that_still_moves_at_its_first_output_warns(max_time: float | None, warned: bool) -> None:
+def test_a_scene_that_still_moves_at_its_first_output_warns(max_time, warned):
     quarter_period = {"end": 5e-3, "output_interval": 5e-3}
     sim = Simulation(
         column(gravity={"vector": [0.0, -G]}, settle={"max_time": max_time}, time=quarter_period)

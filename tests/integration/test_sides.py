@@ -1,9 +1,6 @@
 """Sides act where they lie: anywhere in a cell, on turned bodies, and where they move to."""
 
-from __future__ import annotations
-
 import math
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,13 +12,13 @@ from scenes_for_tests import BULK, DENSITY, SHEAR, block, box, disc, one_body, w
 SPEED = math.sqrt((BULK + 4.0 * SHEAR / 3.0) / DENSITY)
 
 
-def uniaxial(stretch: float) -> float:
+def uniaxial(stretch):
     """σ_yy of the Neo-Hookean material at F = diag(1, stretch) [Pa]."""
     j = stretch
     return 0.5 * BULK * (j - 1.0 / j) + SHEAR * j ** (-5.0 / 3.0) * (j * j - (2.0 + j * j) / 3.0)
 
 
-def confined(h: float, offset: float, strain: float, **changes: Any) -> dict[str, Any]:
+def confined(h, offset, strain, **changes):
     """A square of 1 m, `offset` cells past a grid line, driven to a strain at 0.002 c."""
     x = offset * h
     geometry = {"type": "rectangle", "lower": [x - 0.5] * 2, "upper": [x + 0.5] * 2}
@@ -37,7 +34,7 @@ def confined(h: float, offset: float, strain: float, **changes: Any) -> dict[str
     return with_changes(scene, time={"end": end, "output_interval": end}, **changes)
 
 
-def driven(scene: dict[str, Any]) -> np.ndarray:
+def driven(scene):
     """Stresses at the end along the body's own axes."""
     sim = Simulation(scene)
     sim.run()
@@ -47,7 +44,7 @@ def driven(scene: dict[str, Any]) -> np.ndarray:
 
 
 @pytest.mark.parametrize(("shape", "strain"), [("cpdi", -0.1), ("cpdi2", 0.1)])
-def test_a_driven_block_is_strained_uniformly(shape: str, strain: float) -> None:
+def test_a_driven_block_is_strained_uniformly(shape, strain):
     """From rest: 2 % is the jump of stress with which the side starts. The validation case
     ``driven-side`` judges offsets and sizes of cells."""
     stress = driven(confined(0.2, 0.3, strain, shape__method=shape))
@@ -56,19 +53,19 @@ def test_a_driven_block_is_strained_uniformly(shape: str, strain: float) -> None
 
 
 @pytest.mark.parametrize(("shape", "limit"), [("gimp", 0.1), ("bspline", 0.15)])
-def test_points_that_do_not_end_with_the_side_keep_the_mean(shape: str, limit: float) -> None:
+def test_points_that_do_not_end_with_the_side_keep_the_mean(shape, limit):
     stress = driven(confined(0.1, 0.3, 0.1, shape__method=shape))
     assert stress[:, 1, 1].mean() == pytest.approx(uniaxial(0.9), rel=0.005)
     np.testing.assert_allclose(stress[:, 1, 1], uniaxial(0.9), rtol=limit)
 
 
 @pytest.mark.parametrize("scheme", ["musl", "usf"])
-def test_every_scheme_drives_a_side_through_a_cell(scheme: str) -> None:
+def test_every_scheme_drives_a_side_through_a_cell(scheme):
     stress = driven(confined(0.2, 0.3, 0.1, stepping__scheme=scheme))
     np.testing.assert_allclose(stress[:, 1, 1], uniaxial(0.9), rtol=0.03)
 
 
-def test_a_turned_block_is_driven_by_its_own_sides() -> None:
+def test_a_turned_block_is_driven_by_its_own_sides():
     straight = driven(confined(0.1, 0.3, 0.02))[:, 1, 1]
     turned = driven(confined(0.1, 0.3, 0.02, bodies__solid__geometry__angle="30 deg"))[:, 1, 1]
     # The oblique sides' weights and those of the points' own forces differ at the corners: single points
@@ -77,7 +74,7 @@ def test_a_turned_block_is_driven_by_its_own_sides() -> None:
     assert np.median(np.abs(turned / straight.mean() - 1.0)) < 0.02
 
 
-def test_pressure_acts_on_a_turned_bodys_own_side() -> None:
+def test_pressure_acts_on_a_turned_bodys_own_side():
     sides = [
         {"side": "bottom", "fixed": ["y"]},
         {"side": "left", "fixed": ["x"]},
@@ -96,7 +93,7 @@ def test_pressure_acts_on_a_turned_bodys_own_side() -> None:
     assert (axes @ sim.state.particles.stress @ axes.T)[:, 1, 1].mean() == pytest.approx(-1e4, rel=0.02)
 
 
-def test_a_side_that_is_free_along_its_normal_goes_with_the_body() -> None:
+def test_a_side_that_is_free_along_its_normal_goes_with_the_body():
     # A cell and a half upwards, and pushed sideways all the way
     scene = block(
         bodies__solid__sides=[{"side": "bottom", "fixed": ["x"]}, {"side": "top", "fixed": ["x"]}],
@@ -114,7 +111,7 @@ def test_a_side_that_is_free_along_its_normal_goes_with_the_body() -> None:
     assert np.abs(moved[:, 0]).max() < 0.1 * 0.5 * 20.0 * sim.state.time**2
 
 
-def test_a_box_is_driven_by_its_side() -> None:
+def test_a_box_is_driven_by_its_side():
     strain, rate = 0.02, 0.002 * SPEED
     walls = [("bottom", "y"), ("left", "x"), ("right", "x"), ("back", "z"), ("front", "z")]
     sides = [{"side": side, "fixed": [axis]} for side, axis in walls]
@@ -125,7 +122,7 @@ def test_a_box_is_driven_by_its_side() -> None:
     np.testing.assert_allclose(stress[:, 1, 1], uniaxial(1.0 - strain), rtol=0.06)
 
 
-def test_the_step_needs_no_new_limit_for_a_sliver() -> None:
+def test_the_step_needs_no_new_limit_for_a_sliver():
     # A side that reaches into a cell by a hundredth, at 0.9 of the bulk limit: energy would grow if anything
     # did
     scene = block(
@@ -144,7 +141,7 @@ def test_the_step_needs_no_new_limit_for_a_sliver() -> None:
 
 
 @pytest.mark.parametrize("condition", [{"fixed": True}, {"velocity": [0.0, 1.0]}])
-def test_a_body_without_a_plane_side_is_refused(condition: dict[str, Any]) -> None:
+def test_a_body_without_a_plane_side_is_refused(condition):
     with pytest.raises(SceneError, match=r"bodies.solid.sides\[0\].side: a disc has no plane side"):
         Simulation(disc(bodies__solid__sides=[{"side": "bottom", **condition}]))
     corner = {"type": "polygon", "points": [[0.0, -0.5], [0.5, 0.0], [0.0, 0.5], [-0.5, 0.0]]}

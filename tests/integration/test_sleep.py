@@ -1,8 +1,5 @@
 """Bodies at rest sleep: who does, what wakes them, and that nothing is lost meanwhile."""
 
-from __future__ import annotations
-
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,12 +13,12 @@ from scenes_for_tests import scene_of, solid, with_changes
 SLEEP = {"sleep": {}}
 
 
-def block(lower: list[float], upper: list[float], **more: Any) -> dict[str, Any]:
+def block(lower, upper, **more):
     """A rectangle of points of half a cell."""
     return solid(lower, upper, 0.125, **more)
 
 
-def scene(bodies: dict[str, Any], contact: str = "penalty", **changes: Any) -> dict[str, Any]:
+def scene(bodies, contact="penalty", **changes):
     """Bodies in a channel of cells of 0.25 m."""
     table = {"method": contact, "friction": 0.2}
     return with_changes(
@@ -29,7 +26,7 @@ def scene(bodies: dict[str, Any], contact: str = "penalty", **changes: Any) -> d
     )
 
 
-def hit(contact: str = "penalty", **changes: Any) -> dict[str, Any]:
+def hit(contact="penalty", **changes):
     """A block flies towards two that touch, and a fourth lies behind."""
     bodies = {
         "flying": block([-0.5, -0.5], [0.5, 0.5], velocity=[4.0, 0.3]),
@@ -40,7 +37,7 @@ def hit(contact: str = "penalty", **changes: Any) -> dict[str, Any]:
     return scene(bodies, contact, **changes)
 
 
-def stack(**changes: Any) -> dict[str, Any]:
+def stack(**changes):
     """A block on a held one under gravity, settled."""
     bodies = {
         "base": block([-1.0, -0.5], [1.0, 0.0], sides=[{"side": "bottom", "fixed": True}]),
@@ -53,7 +50,7 @@ def stack(**changes: Any) -> dict[str, Any]:
 class Watch:
     """Runs a scene and keeps who slept when, and the series of the outputs."""
 
-    def __init__(self, given: dict[str, Any], threads: int = 1) -> None:
+    def __init__(self, given, threads=1):
         self.simulation = Simulation(given, threads=threads)
         self.changes: list[tuple[float, set[str]]] = []
         self.series: list[dict[str, Any]] = []
@@ -62,7 +59,7 @@ class Watch:
             after_step=self.look,
         )
 
-    def look(self) -> None:
+    def look(self):
         sleep, state = self.simulation._sleep, self.simulation.state
         if sleep is not None and self.simulation.started:
             asleep = {body.name for body in state.bodies if sleep.inactive[body.index]}
@@ -71,7 +68,7 @@ class Watch:
 
 
 @pytest.mark.parametrize("contact", ["penalty", "bardenhagen"])
-def test_a_hit_wakes_those_that_touch_and_nothing_else_changes(contact: str) -> None:
+def test_a_hit_wakes_those_that_touch_and_nothing_else_changes(contact):
     """Friction, springs and the order of contacts are those of the run without sleep; so is the momentum."""
     fixed = {"time__step": 4e-4, "allow_unstable": True}
     awake, slept = Watch(hit(contact, **fixed)), Watch(hit(contact, **fixed, **SLEEP))
@@ -85,7 +82,7 @@ def test_a_hit_wakes_those_that_touch_and_nothing_else_changes(contact: str) -> 
     np.testing.assert_allclose(after, before, rtol=1e-12)
 
 
-def test_several_threads_give_the_same_bits() -> None:
+def test_several_threads_give_the_same_bits():
     """Bodies fall asleep and wake in a run on two threads as in one on a single thread."""
     alone, shared = (Watch(hit(**SLEEP), threads) for threads in (1, 2))
     assert [names for _, names in shared.changes] == [{"first", "second", "behind"}, {"behind"}]
@@ -94,7 +91,7 @@ def test_several_threads_give_the_same_bits() -> None:
             np.testing.assert_array_equal(one[name], other[name], err_msg=name)
 
 
-def test_a_stack_at_rest_sleeps_and_bears_its_weight() -> None:
+def test_a_stack_at_rest_sleeps_and_bears_its_weight():
     """Its contact force stays that of the equilibrium, and is recorded as such."""
     watch = Watch(stack(time__end=0.6, time__output_interval=0.2))
     assert [names for _, names in watch.changes] == [{"base", "block"}]
@@ -103,7 +100,7 @@ def test_a_stack_at_rest_sleeps_and_bears_its_weight() -> None:
     np.testing.assert_array_equal(last["centre_of_mass"], watch.series[-2]["centre_of_mass"])
 
 
-def test_a_load_that_changes_wakes() -> None:
+def test_a_load_that_changes_wakes():
     """A pressure that begins at 0.5 s acts from then on as if nobody had slept."""
     side = {"side": "left", "pressure": [[0.0, 0.0], [0.5, 0.0], [0.6, 2e3], [1.0, 2e3]]}
     pushed = {"pushed": block([-0.5, -0.5], [0.5, 0.5], sides=[side]), "other": block([6.0, 5.0], [7.0, 6.0])}
@@ -118,7 +115,7 @@ def test_a_load_that_changes_wakes() -> None:
     assert [names for _, names in watch.changes] == [{"pushed", "other"}, set()]
 
 
-def test_the_top_of_a_flight_is_no_rest() -> None:
+def test_the_top_of_a_flight_is_no_rest():
     """A body that gravity turns back is slow for a while, longer than it would have to be at rest, and does
     not stop.
     """
@@ -135,12 +132,12 @@ def test_the_top_of_a_flight_is_no_rest() -> None:
 
 
 @pytest.mark.parametrize("moment", [0.3, 0.8])
-def test_resumes_to_the_bit(tmp_path: Path, moment: float) -> None:
+def test_resumes_to_the_bit(tmp_path, moment):
     """Saved while some sleep, and after they were hit."""
     given = hit(**SLEEP, time__end=1.2)
     going, resumed = Simulation(given), Simulation(given)
 
-    def after_step() -> None:
+    def after_step():
         if not saved.exists() and going.started and going.state.time > moment:
             write_snapshot(str(saved), going.snapshot())
 
@@ -162,7 +159,7 @@ def test_resumes_to_the_bit(tmp_path: Path, moment: float) -> None:
         ({"output__ledger": True}, "sleep: output.ledger measures all bodies in every step"),
     ],
 )  # fmt: skip
-def test_what_is_refused(changes: dict[str, Any], said: str) -> None:
+def test_what_is_refused(changes, said):
     with pytest.raises(SceneError) as refused:
         Simulation(hit(**SLEEP, **changes))
     assert str(refused.value).startswith(said)

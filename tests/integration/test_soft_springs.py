@@ -2,8 +2,6 @@
 block's side.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The map of stability: classes either side of the theoretical limit, its file, its figure, its refusals."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

@@ -1,7 +1,5 @@
 """Time step and contact events as series, and the warnings that come of them."""
 
-from __future__ import annotations
-
 import json
 import re
 

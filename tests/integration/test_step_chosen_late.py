@@ -1,7 +1,5 @@
 """The length of a step is chosen from the contacts of that step, and to look at them changes nothing."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

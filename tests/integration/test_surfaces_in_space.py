@@ -1,7 +1,5 @@
 """Penalty contact between surfaces of triangles."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

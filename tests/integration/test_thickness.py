@@ -1,9 +1,5 @@
 """Bodies of the plane with a thickness: masses, forces and energies go with it, and motion does not."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -15,7 +11,7 @@ from scenes_for_tests import SOFT, block, box, two_blocks
 HOOKE = {**SOFT, "model": "linear_elastic"}
 
 
-def blocks(contact: str, *thicknesses: float, **changes: Any) -> dict[str, Any]:
+def blocks(contact, *thicknesses, **changes):
     """The two blocks with these thicknesses [m]."""
     scene = two_blocks(contact, **changes)
     for body, thickness in zip(scene["bodies"].values(), thicknesses, strict=False):
@@ -23,7 +19,7 @@ def blocks(contact: str, *thicknesses: float, **changes: Any) -> dict[str, Any]:
     return scene
 
 
-def pressed(load: dict[str, Any], thickness: float | None) -> Any:
+def pressed(load, thickness):
     """Points of a block that has settled between walls under a load on its top."""
     walls = [{"side": "left", "fixed": ["x"]}, {"side": "right", "fixed": ["x"]}]
     sides = [{"side": "bottom", "fixed": ["y"]}, *walls, {"side": "top", **load}]
@@ -35,7 +31,7 @@ def pressed(load: dict[str, Any], thickness: float | None) -> Any:
     return sim.state.particles
 
 
-def test_a_plate_of_another_thickness_has_another_mass_and_the_same_stress_under_pressure() -> None:
+def test_a_plate_of_another_thickness_has_another_mass_and_the_same_stress_under_pressure():
     """The stress is the pressure, to the bit for powers of two."""
     plain, thin = (pressed({"pressure": 1e4}, thickness) for thickness in (None, 0.25))
     np.testing.assert_array_equal(thin.mass, 0.25 * plain.mass)
@@ -43,14 +39,14 @@ def test_a_plate_of_another_thickness_has_another_mass_and_the_same_stress_under
     assert thin.stress[:, 1, 1].mean() == pytest.approx(-1e4, rel=0.01)
 
 
-def test_a_force_on_a_thinner_plate_stresses_it_more() -> None:
+def test_a_force_on_a_thinner_plate_stresses_it_more():
     """σ = F / (L t); F in N."""
     stress = pressed({"force": [0.0, -100.0]}, 0.02).stress
     assert stress[:, 1, 1].mean() == pytest.approx(-100.0 / 0.02, rel=0.01)
 
 
 @pytest.mark.parametrize("contact", ["penalty", "adhesion", "barrier", "hybrid", "nodes+penalty"])
-def test_every_energy_goes_with_the_thickness(contact: str) -> None:
+def test_every_energy_goes_with_the_thickness(contact):
     """Half steps and contact's losses too, to the bit."""
     changes = {"time__end": 0.02, "time__output_interval": 0.01, "output__ledger": True}
     whole, thin = (mpmfw.run(blocks(contact, t, t, **changes))["series"] for t in (1.0, 0.25))
@@ -64,13 +60,13 @@ def test_every_energy_goes_with_the_thickness(contact: str) -> None:
 @pytest.mark.parametrize(
     "contact", ["penalty", "surfaces+lcp", "barrier", "midplane", "nodes+penalty(kappa=1)"]
 )
-def test_two_bodies_touch_over_the_lesser_thickness(contact: str) -> None:
+def test_two_bodies_touch_over_the_lesser_thickness(contact):
     """Squares with sides of 0.5 m: the rows have 0.5 m times the lesser one, whichever body is first."""
 
-    def area(*thicknesses: float) -> float:
+    def area(*thicknesses):
         sim = Simulation(blocks("penalty", *thicknesses), contact=contact)
         sim.advance(3)
-        rows = sim.contact.last_rows  # type: ignore[union-attr]
+        rows = sim.contact.last_rows
         assert rows.count > 0
         return float(rows.area[: rows.count].sum())
 
@@ -81,7 +77,7 @@ def test_two_bodies_touch_over_the_lesser_thickness(contact: str) -> None:
 
 
 @pytest.mark.parametrize("contact", ["bardenhagen", "lcp"])
-def test_forces_go_with_the_thickness_and_motion_does_not(contact: str) -> None:
+def test_forces_go_with_the_thickness_and_motion_does_not(contact):
     changes = {"time__end": 0.01, "time__output_interval": 0.01}
     plain, thick = (mpmfw.run(blocks(contact, *t, **changes))["series"] for t in ((), (4.0, 4.0)))
     assert [tree["kinetic_energy"].attrs["units"] for tree in (plain, thick)] == ["J m-1", "J"]
@@ -91,7 +87,7 @@ def test_forces_go_with_the_thickness_and_motion_does_not(contact: str) -> None:
     np.testing.assert_allclose(thick["contact_force"], force, rtol=1e-9, atol=1e-9 * np.abs(force).max())
 
 
-def test_a_thickness_in_space_and_one_of_nothing_are_refused() -> None:
+def test_a_thickness_in_space_and_one_of_nothing_are_refused():
     with pytest.raises(SceneError, match=r"bodies\.solid\.thickness: must be greater than 0"):
         mpmfw.load_scene(block(bodies__solid__thickness=0.0))
     with pytest.raises(SceneError, match=r"bodies\.solid\.thickness: is for two dimensions"):

@@ -1,9 +1,5 @@
 """The stable step of bodies thinner than a cell, whose outer rows of nodes hold next to no mass."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -16,19 +12,19 @@ CELL, BULK, SHEAR, DENSITY = 0.1, 8e5, 4e5, 1000.0
 TICK = CELL / np.sqrt((BULK + 4.0 / 3.0 * SHEAR) / DENSITY)
 
 
-def bar(width: float, angle: float = 0.0) -> dict[str, Any]:
+def bar(width, angle=0.0):
     """A bar five cells long and so many wide, by a grid line."""
     low = 0.013 * CELL
     upper = [0.25 + low, low + width * CELL]
     return {"type": "rectangle", "lower": [-0.25 + low, low], "upper": upper, "angle": angle}
 
 
-def disc(width: float) -> dict[str, Any]:
+def disc(width):
     """A disc so many cells wide, about a node of the grid."""
     return {"type": "disc", "centre": [0.013 * CELL] * 2, "radius": 0.5 * width * CELL}
 
 
-def scene(geometry: dict[str, Any], size: float, **time: Any) -> dict[str, Any]:
+def scene(geometry, size, **time):
     """One free body, with points of so many cells."""
     elastic = {"model": "linear_elastic", "density": DENSITY, "bulk_modulus": BULK, "shear_modulus": SHEAR}
     body = {"material": "solid", "geometry": geometry, "particles": {"layout": "fitted", "size": size * CELL}}
@@ -36,7 +32,7 @@ def scene(geometry: dict[str, Any], size: float, **time: Any) -> dict[str, Any]:
     return made | {"time": {**made["time"], **time}}
 
 
-def growth(mapping: dict[str, Any], step: float, steps: int = 300) -> float:
+def growth(mapping, step, steps=300):
     """By how much kinetic energy of noise has grown after some steps; each of its modes is there."""
     simulation = Simulation(mapping)
     p = simulation.state.particles

@@ -1,7 +1,5 @@
 """Several threads of a run give the same bits as one, and one thread loads nothing of them."""
 
-from __future__ import annotations
-
 import dataclasses
 import gc
 import os
@@ -9,7 +7,6 @@ import subprocess
 import sys
 import threading
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -32,7 +29,7 @@ NUMBERS = (2, 3, 5)
 STEPS = 20
 
 
-def bits(scene: Any, threads: int, **methods: Any) -> dict[str, bytes]:
+def bits(scene, threads, **methods):
     """All that a simulation holds after some steps: points, surface, grid, and the plug-ins' own arrays."""
     simulation = Simulation(scene, threads=threads, **methods)
     simulation.advance(STEPS)
@@ -45,7 +42,7 @@ def bits(scene: Any, threads: int, **methods: Any) -> dict[str, bytes]:
     return {**found, "time": np.float64(state.time).tobytes()}
 
 
-def check_same(scene: Any, numbers: tuple[int, ...] = NUMBERS, **methods: Any) -> None:
+def check_same(scene, numbers=NUMBERS, **methods):
     one = bits(scene, 1, **methods)
     for threads in numbers:
         shared = bits(scene, threads, **methods)
@@ -63,19 +60,19 @@ def check_same(scene: Any, numbers: tuple[int, ...] = NUMBERS, **methods: Any) -
         *(("penalty", shape) for shape in SHAPES if shape != "cpdi"),
     ],
 )
-def test_every_contact_and_every_shape(contact: str, shape: str) -> None:
+def test_every_contact_and_every_shape(contact, shape):
     check_same(two_blocks("none", shape__method=shape), (3,), contact=contact)
 
 
 @pytest.mark.parametrize("contact", ["penalty", "bardenhagen"])
-def test_every_number(contact: str) -> None:
+def test_every_number(contact):
     check_same(two_blocks(contact, output__ledger=True))
 
 
 @pytest.mark.parametrize(
     ("contact", "shape"), [("bardenhagen", "linear"), ("penalty", "cpdi"), ("penalty", "bspline")]
 )
-def test_in_space(shape: str, contact: str) -> None:
+def test_in_space(shape, contact):
     check_same(with_changes(ball_on_a_box(), shape__method=shape), (3,), contact=contact)
 
 
@@ -83,7 +80,7 @@ def test_in_space(shape: str, contact: str) -> None:
     ("scheme", "transfer"),
     [*(("usl", each) for each in ("pic", "apic", "tpic", "aflip")), ("musl", "flip"), ("usf", "aflip")],
 )
-def test_every_scheme_and_transfer(scheme: str, transfer: str) -> None:
+def test_every_scheme_and_transfer(scheme, transfer):
     check_same(disc(stepping={"scheme": scheme, "transfer": transfer}), (3,))
 
 
@@ -99,23 +96,23 @@ ELASTIC = {"model": "linear_elastic", "density": 1000.0, "bulk_modulus": 1e6, "s
     ],
     ids=["exact", "lumped", "elastic", "plastic"],
 )
-def test_every_rotation_and_every_material(changes: dict[str, Any]) -> None:
+def test_every_rotation_and_every_material(changes):
     check_same(two_blocks("penalty", **changes), (3,))
 
 
-def test_more_threads_than_points() -> None:
+def test_more_threads_than_points():
     scene = one_body({"type": "rectangle", "lower": [0.0, 0.0], "upper": [0.5, 0.25]}, size=0.25)
     assert Simulation(scene).state.particles.count == 2
     for shape in SHAPES:
         check_same(with_changes(scene, shape__method=shape), (5,))
 
 
-def test_a_table_that_grows() -> None:
+def test_a_table_that_grows():
     """Rows lengthen all at once, past what the parts and the whole table have room for."""
     check_same(box(shape__method="cpdi", bodies__solid__velocity=[3.0, 2.0, 1.0]), (2, 3))
 
 
-def test_a_shape_whose_rows_do_not_ascend() -> None:
+def test_a_shape_whose_rows_do_not_ascend():
     """Of a stranger's shape function, whose nodes come in any order, one thread projects alone."""
 
     class Backwards(Linear):
@@ -123,7 +120,7 @@ def test_a_shape_whose_rows_do_not_ascend() -> None:
         rows_ascend = False
 
         @mpmfw.api.hookimpl
-        def interpolate(self, particles: Any, grid: Any) -> Any:
+        def interpolate(self, particles, grid):
             """The rows of ``linear`` from their last entry to the first."""
             table = super().interpolate(particles, grid)
             n = len(table.row) - 1
@@ -137,7 +134,7 @@ def test_a_shape_whose_rows_do_not_ascend() -> None:
 # -- results, checkpoints, errors
 
 
-def test_a_run_goes_on_with_another_number_and_ends_with_the_same_file(tmp_path: Path) -> None:
+def test_a_run_goes_on_with_another_number_and_ends_with_the_same_file(tmp_path):
     scene = two_blocks("penalty", time__end=0.02, time__output_interval=0.001, output__ledger=True)
     mpmfw.run(scene, output=tmp_path / "whole.nc")
     stopped(scene, tmp_path / "run.nc", 40, threads=3)
@@ -145,7 +142,7 @@ def test_a_run_goes_on_with_another_number_and_ends_with_the_same_file(tmp_path:
     same_results(tmp_path / "run.nc", tmp_path / "whole.nc")
 
 
-def test_errors_name_the_same_point() -> None:
+def test_errors_name_the_same_point():
     """A point that leaves the grid, and one that inverts, in whichever part they are."""
     for changes in ({"bodies__solid__velocity": [200.0, 30.0]}, {"time__step": 0.02, "allow_unstable": True}):
         scene = disc(time__end=1.0, bodies__solid__angular_velocity=40.0, **changes)
@@ -161,7 +158,7 @@ def test_errors_name_the_same_point() -> None:
 
 
 @pytest.mark.parametrize("wrong", [0, "two", 1.5, True])
-def test_what_is_no_number_of_threads(wrong: Any) -> None:
+def test_what_is_no_number_of_threads(wrong):
     with pytest.raises(SceneError, match=r"threads.*expected an integer"):
         load_scene(two_blocks("penalty", threads=wrong))
     with pytest.raises(SceneError, match=r"threads: found .*; expected an integer of at least 1"):
@@ -169,19 +166,19 @@ def test_what_is_no_number_of_threads(wrong: Any) -> None:
 
 
 @pytest.mark.filterwarnings("default::mpmfw.errors.ResultsWarning")
-def test_more_than_there_are_cores_is_a_remark() -> None:
+def test_more_than_there_are_cores_is_a_remark():
     scene = two_blocks("penalty", time__end=1e-3, time__output_interval=1e-3)
     with pytest.warns(ResultsWarning, match=f"threads: {cores() + 1} are more than the {cores()} cores"):
         mpmfw.run(scene, set={"threads": cores() + 1})
 
 
 @pytest.fixture
-def begun(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+def begun(monkeypatch):
     """Threads of every simulation that is built."""
-    found: list[int] = []
+    found = []
     init = Simulation.__init__
 
-    def counted(self: Simulation, *given: Any, **named: Any) -> None:
+    def counted(self, *given, **named):
         init(self, *given, **named)
         found.append(self.threads)
 
@@ -189,7 +186,7 @@ def begun(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     return found
 
 
-def test_campaigns_have_one_thread_and_comparisons_those_of_the_scene(begun: list[int]) -> None:
+def test_campaigns_have_one_thread_and_comparisons_those_of_the_scene(begun):
     scene = two_blocks("penalty", time__end=2e-3, time__output_interval=1e-3, threads=2)
     mpmfw.campaign(scene, {"kappa": [1.0, 2.0]}, repeats=1)
     assert set(begun) == {1}
@@ -202,11 +199,11 @@ def test_campaigns_have_one_thread_and_comparisons_those_of_the_scene(begun: lis
 # -- what it leaves
 
 
-def workers() -> set[threading.Thread]:
+def workers():
     return {thread for thread in threading.enumerate() if thread.name == "mpmfw"}
 
 
-def test_threads_end_with_the_simulation() -> None:
+def test_threads_end_with_the_simulation():
     before = workers()
     simulation = Simulation(two_blocks("penalty"), threads=3)
     simulation.advance(1)
@@ -220,7 +217,7 @@ def test_threads_end_with_the_simulation() -> None:
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no processes are forked here")
-def test_a_forked_process_starts_threads_of_its_own() -> None:
+def test_a_forked_process_starts_threads_of_its_own():
     code = """
 import os
 from scenes_for_tests import two_blocks

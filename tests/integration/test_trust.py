@@ -1,10 +1,7 @@
 """A file that names ``module:Class`` imports nothing without trust."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
-from typing import Any
 
 import pytest
 import xarray as xr
@@ -37,7 +34,7 @@ PLACES = {
     "reference": {"kind": "evil:X"},
 }
 
-STUDY: dict[str, Any] = {
+STUDY = {
     "scene": "rolling-cylinder-slip",
     "vary": {"contact": ["none"]},
     "error": {"quantity": "displacement"},
@@ -53,13 +50,13 @@ def evil(tmp_path, monkeypatch):
     sys.modules.pop("evil", None)
 
 
-def written(content: Any, name: str = "t.toml") -> str:
+def written(content, name="t.toml"):
     """The name of a file with these tables."""
     Path(name).write_text(content if isinstance(content, str) else toml_text(content))
     return name
 
 
-def refused(call: Any, *arguments: Any, **others: Any) -> None:
+def refused(call, *arguments, **others):
     with pytest.raises(SceneError, match=r"evil:X.*--trust \(Python: trust=True\)"):
         call(*arguments, **others)
     assert "evil" not in sys.modules

@@ -1,7 +1,5 @@
 """The tutorial says what its commands print, to the last quoted number."""
 
-from __future__ import annotations
-
 import importlib.util
 import sys
 from pathlib import Path

@@ -1,9 +1,6 @@
 """``mpmfw explain`` names every fact of a scene that has no effect in the run that it explains."""
 
-from __future__ import annotations
-
 import warnings
-from typing import Any
 
 import pytest
 
@@ -21,7 +18,7 @@ OPTIONS = {
 }
 
 
-def facts(scene: dict[str, Any]) -> list[str]:
+def facts(scene):
     return unused_facts(Simulation(scene))
 
 
@@ -30,7 +27,7 @@ EXACT = {"bodies__left__rotation": "exact", "output": {"gap": False}}
 LAYER = {"contact__penalty": {"interface_thickness": 0.01}, "output": {"ledger": True}}
 
 
-def apart(**changes: Any) -> dict[str, Any]:
+def apart(**changes):
     """Two blocks without contact, and so without friction."""
     return two_blocks("separate", contact__friction=0.0, **changes)
 
@@ -65,14 +62,14 @@ def apart(**changes: Any) -> dict[str, Any]:
         (two_blocks("penalty", **LAYER), ["output.ledger: "]),
     ],
 )
-def test_facts_without_effect_are_named_and_no_others(scene: dict[str, Any], said: list[str]) -> None:
+def test_facts_without_effect_are_named_and_no_others(scene, said):
     found = facts(scene)
     assert len(found) == len(said)
     assert all(line.startswith(start) for line, start in zip(found, said, strict=True))
 
 
 @pytest.mark.parametrize("law", ["coulomb", "literal"])
-def test_explain_and_results_name_a_friction_whose_value_is_ignored(law: str) -> None:
+def test_explain_and_results_name_a_friction_whose_value_is_ignored(law):
     scene = two_blocks(
         "hamad2017", contact__hamad2017={"friction_law": law}, time={"end": 2e-3, "output_interval": 1e-3}
     )

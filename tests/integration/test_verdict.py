@@ -1,14 +1,9 @@
 """Runs are judged suspect where bodies change sides, penetrate or gain energy, and only there."""
 
-from __future__ import annotations
-
 import math
 import warnings
-from pathlib import Path
-from typing import Any
 
 import pytest
-import xarray as xr
 from typer.testing import CliRunner
 
 import mpmfw
@@ -38,12 +33,12 @@ class Pump(ContactStrategy):
     rate = 0.0
 
     @hookimpl
-    def after_momentum_update(self, grid: Any, dt: float) -> None:
+    def after_momentum_update(self, grid, dt):
         """Add to the momentum."""
         grid.momentum *= 1.0 + self.rate * dt
 
 
-def scene(*bodies: tuple[dict[str, Any], float], end: float, outputs: int, **changes: Any) -> dict[str, Any]:
+def scene(*bodies, end, outputs, **changes):
     """A scene of bodies that move along x, in cells of 0.1 m."""
     dim = 2 if bodies[0][0]["type"] in ("disc", "rectangle", "ring", "polygon") else 3
     moving = {
@@ -60,7 +55,7 @@ def scene(*bodies: tuple[dict[str, Any], float], end: float, outputs: int, **cha
     return with_changes(made, **{"output": {"particles": False}, **changes})
 
 
-def boxes(*corners: list[float]) -> list[dict[str, Any]]:
+def boxes(*corners):
     """Rectangles or boxes between lower and upper corners."""
     kind = "rectangle" if len(corners[0]) == 2 else "box"
     return [
@@ -75,7 +70,7 @@ SHEET = boxes([-0.45, -0.2], [-0.05, 0.2], [0.0, -0.4], [0.05, 0.4])
 SHEET_3D = boxes([-0.35, -0.1, -0.1], [-0.05, 0.1, 0.1], [0.0, -0.2, -0.2], [0.05, 0.2, 0.2])
 
 
-def run(made: dict[str, Any], contact: Any = None, **options: Any) -> xr.DataTree:
+def run(made, contact=None, **options):
     """Run without a word."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ResultsWarning)
@@ -91,9 +86,7 @@ def run(made: dict[str, Any], contact: Any = None, **options: Any) -> xr.DataTre
     ],
     ids=["discs, one output", "sheet", "sheet in space, one output"],
 )
-def test_bodies_that_pass_through_each_other_are_suspect_however_rare_the_outputs(
-    bodies: list[dict[str, Any]], why: str, outputs: int, gap: bool
-) -> None:
+def test_bodies_that_pass_through_each_other_are_suspect_however_rare_the_outputs(bodies, why, outputs, gap):
     """They meet at once and are past each other at the end; without a contact they are to do so."""
     made = scene((bodies[0], SPEED), (bodies[1], -SPEED), end=0.14, outputs=outputs, output__gap=gap)
     status = run(made, Idle()).attrs["status"]
@@ -102,7 +95,7 @@ def test_bodies_that_pass_through_each_other_are_suspect_however_rare_the_output
     assert run(made).attrs["status"] == "ok"
 
 
-def test_an_overlap_of_the_start_is_not_counted() -> None:
+def test_an_overlap_of_the_start_is_not_counted():
     """Blocks of 5 m/s that overlap by 0.8 cells, and by 1.2 or 1.4 at the end."""
     left, right = boxes([-0.56, -0.3], [0.04, 0.3], [-0.04, -0.3], [0.56, 0.3])
     for end, status in ((0.004, "ok"), (0.006, "suspect: a-b: penetration of 0.6 cells at 0.006 s")):
@@ -111,7 +104,7 @@ def test_an_overlap_of_the_start_is_not_counted() -> None:
 
 
 @pytest.mark.parametrize("method", ["penalty", "bardenhagen"])
-def test_bodies_that_bounce_slide_or_turn_are_not_suspect(method: str) -> None:
+def test_bodies_that_bounce_slide_or_turn_are_not_suspect(method):
     bodies = ((DISCS[0], 1.0), (DISCS[1], -1.0))
     made = scene(
         *bodies,
@@ -126,7 +119,7 @@ def test_bodies_that_bounce_slide_or_turn_are_not_suspect(method: str) -> None:
 
 
 @pytest.mark.parametrize("speed", [-10.0, 10.0])
-def test_a_block_that_slides_past_the_edge_of_another_is_not_suspect(speed: float) -> None:
+def test_a_block_that_slides_past_the_edge_of_another_is_not_suspect(speed):
     """Its corner has been inside the other by a hundredth of a cell, and comes out by the top."""
     left, right = boxes([-0.4, -0.2], [0.001, 0.2], [0.0, -0.4], [0.4, 0.0])
     made = scene((left, 0.0), (right, 0.0), end=0.02, outputs=20, allow_overlap=True)
@@ -135,7 +128,7 @@ def test_a_block_that_slides_past_the_edge_of_another_is_not_suspect(speed: floa
 
 
 @pytest.mark.parametrize("ledger", [False, True])
-def test_energy_without_a_source_is_suspect_with_and_without_a_ledger(ledger: bool) -> None:
+def test_energy_without_a_source_is_suspect_with_and_without_a_ledger(ledger):
     """Two free bodies whose kinetic energy grows to 1.2 of what it was."""
     growth = 1.2
     left, right = boxes([-0.6, -0.3], [-0.1, 0.3], [0.1, -0.3], [0.6, 0.3])
@@ -159,11 +152,11 @@ WORKS = {
 
 
 @pytest.mark.parametrize(("name", "scheme"), [*((name, "usl") for name in WORKS), ("moving side", "usf")])
-def test_the_work_of_loads_and_sides_is_that_of_the_ledger(name: str, scheme: str) -> None:
+def test_the_work_of_loads_and_sides_is_that_of_the_ledger(name, scheme):
     made = block(time__end=0.05, time__output_interval=0.01, stepping__scheme=scheme, time__safety=0.2)
     made["output"] = {"ledger": True}
     simulation = Simulation(with_changes(made, **WORKS[name]))
-    series: list[dict[str, Any]] = []
+    series = []
     simulation.run(lambda frame: series.append(dict(frame.series)))
     verdict = simulation.manager.get_plugin("verdict")
     assert simulation.status == "ok"
@@ -175,7 +168,7 @@ def test_the_work_of_loads_and_sides_is_that_of_the_ledger(name: str, scheme: st
     )  # positions move with the velocity at the end of a step
 
 
-def test_energy_that_gravity_takes_is_not_missed() -> None:
+def test_energy_that_gravity_takes_is_not_missed():
     """A body is thrown up and doubles its energy while it slows down: its kinetic energy alone never
     grows.
     """
@@ -193,7 +186,7 @@ def test_energy_that_gravity_takes_is_not_missed() -> None:
     assert tree.attrs["status"].startswith("suspect: energy")
 
 
-def test_bodies_with_loads_that_settle_are_judged_from_time_zero_on() -> None:
+def test_bodies_with_loads_that_settle_are_judged_from_time_zero_on():
     """A press fit of 0.3 cells releases its energy while it settles, or after it, and neither is a gain."""
     left, right = boxes([-0.53, -0.3], [0.015, 0.3], [-0.015, -0.3], [0.53, 0.3])
     for keys in ({}, {"settle": {"tolerance": 0.5, "gravity": {"vector": [1.0, 0.0]}}}):
@@ -202,14 +195,14 @@ def test_bodies_with_loads_that_settle_are_judged_from_time_zero_on() -> None:
         assert run(made).attrs["status"] == "ok"
 
 
-def passes_through() -> dict[str, Any]:
+def passes_through():
     """Two discs whose springs are too soft to hold them, and a contact at nodes that lets them through."""
     made = scene((DISCS[0], 16.0), (DISCS[1], -16.0), end=0.04, outputs=10, shape__method="gimp")
     return with_changes(made, contact={"method": "midplane", "friction": 0.2, "midplane": {"kappa": 1.0}})
 
 
 @pytest.mark.filterwarnings("default::mpmfw.errors.ResultsWarning")
-def test_a_suspect_run_ends_well_and_every_table_shows_it(tmp_path: Path) -> None:
+def test_a_suspect_run_ends_well_and_every_table_shows_it(tmp_path):
     file, text = tmp_path / "run.nc", tmp_path / "scene.toml"
     made = passes_through()
     text.write_text(toml_text(made), encoding="utf-8")
@@ -230,7 +223,7 @@ def test_a_suspect_run_ends_well_and_every_table_shows_it(tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize("gap", [0.5, 1.5])
-def test_a_slit_that_closes_to_less_than_a_cell_is_named(gap: float) -> None:
+def test_a_slit_that_closes_to_less_than_a_cell_is_named(gap):
     """The upper arm of a clip moves down; at the end the arms are ``gap`` cells apart."""
     points = [[0, 0], [1, 0], [1, 0.3], [0.3, 0.3], [0.3, 0.6], [1, 0.6], [1, 0.9], [0, 0.9]]
     made = scene(({"type": "polygon", "points": points}, 0.0), end=0.05, outputs=20, shape__method="cpdi")
@@ -243,7 +236,7 @@ def test_a_slit_that_closes_to_less_than_a_cell_is_named(gap: float) -> None:
     assert ("own surface" in found) == (gap < 1.0)
 
 
-def test_a_notch_of_a_turning_body_does_not_come_close_to_itself() -> None:
+def test_a_notch_of_a_turning_body_does_not_come_close_to_itself():
     star = [
         [r * math.cos(math.pi * k / 5), r * math.sin(math.pi * k / 5)] for k, r in enumerate([0.8, 0.3] * 5)
     ]
@@ -253,7 +246,7 @@ def test_a_notch_of_a_turning_body_does_not_come_close_to_itself() -> None:
     assert "own surface" not in str(run(made).attrs.get("warnings", ""))
 
 
-def test_a_block_flutters_at_the_limit_of_friction_and_not_far_from_it() -> None:
+def test_a_block_flutters_at_the_limit_of_friction_and_not_far_from_it():
     """It lies on a floor, is settled and then pushed by 4.9 m/s² over 0.5 s, against μ g."""
     block_, floor = boxes([0.73, 0.33], [1.73, 0.73], [0.0, 0.0], [2.5, 0.33])
     made = scene((block_, 0.0), (floor, 0.0), end=0.9, outputs=45, shape__method="cpdi", settle={})

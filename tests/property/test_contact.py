@@ -1,7 +1,5 @@
 """Contact with options that the tests of the conformance kit leave alone, and what the kit does not ask."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import Phase, given, settings
@@ -14,7 +12,7 @@ from mpmfw_testing import subject_of
 
 GIVEN = "the normal is given, and the kit's bodies meet in other directions"
 #: Contacts with options, and what they cannot pass.
-VARIANTS: dict[str, dict[str, str]] = {
+VARIANTS = {
     "bardenhagen(criterion=position)": {},
     "bardenhagen(normal=master)": {},
     "bardenhagen(normal=specified, direction=[1.0, 0.0])": dict.fromkeys(

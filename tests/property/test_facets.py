@@ -1,7 +1,5 @@
 """Closest points of segments and triangles: against their definition, dense sampling, and rigid motion."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

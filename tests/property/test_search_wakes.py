@@ -1,7 +1,5 @@
 """The contact search sleeps while bodies are apart, and misses nothing: against brute force."""
 
-from __future__ import annotations
-
 import functools
 
 import numpy as np
@@ -17,7 +15,7 @@ RADIUS = 0.4
 
 
 @functools.cache
-def discs() -> Simulation:
+def discs():
     """Two discs 0.8 m apart; only their outlines are moved, by hand."""
     scene = two_blocks("penalty", shape__method="linear", output={"gap": False})
     for name, x in (("left", -0.8), ("right", 0.8)):
@@ -26,7 +24,7 @@ def discs() -> Simulation:
     return Simulation(scene)
 
 
-def signed_gaps(points: np.ndarray, outline: np.ndarray) -> np.ndarray:
+def signed_gaps(points, outline):
     """Distance of every point to the nearest of all segments, negative inside."""
     start, end = outline, np.roll(outline, -1, axis=0)
     along = end - start
@@ -41,14 +39,14 @@ def signed_gaps(points: np.ndarray, outline: np.ndarray) -> np.ndarray:
     return np.where(crosses.sum(axis=1) % 2 == 1, -distance, distance)
 
 
-def faces(sim: Simulation, node: int, other: np.ndarray) -> bool:
+def faces(sim, node, other):
     """Return True if the node is on the side of its disc that is near the other one."""
     surface = sim.state.surface
     own = surface.position[surface.of(int(surface.body[node]))].mean(axis=0)
     return bool((surface.position[node] - own) @ (other.mean(axis=0) - own) > 0.0)
 
 
-def check_step(sim: Simulation) -> tuple[float, bool]:
+def check_step(sim):
     """Search, and compare with brute force; return the deepest gap [m] and True if the search was awake."""
     surface, contact = sim.state.surface, sim.contact.detection
     awake = contact.near.update()
@@ -78,9 +76,7 @@ def check_step(sim: Simulation) -> tuple[float, bool]:
     share=st.floats(0.1, 0.99),
     jitter=st.floats(0.0, 0.9),
 )
-def test_no_contact_is_missed_by_bodies_slower_than_a_segment_a_step(
-    seed: int, aside: float, share: float, jitter: float
-) -> None:
+def test_no_contact_is_missed_by_bodies_slower_than_a_segment_a_step(seed, aside, share, jitter):
     sim = discs()
     surface, rng = sim.state.surface, np.random.default_rng(seed)
     start = surface.position.copy()

@@ -3,11 +3,8 @@
 Lengths are in cells of h = 0.1 m, velocities in wave speeds c of the usual material, times in h / c.
 """
 
-from __future__ import annotations
-
 import math
 import os
-from typing import Any
 
 from places import CELL
 
@@ -17,7 +14,7 @@ FULL = bool(os.environ.get("MPMFW_FULL_STABILITY"))
 YOUNG, DENSITY, POISSON = 1e6, 1000.0, 0.3  # Pa, kg/m³
 
 
-def solid(stiffness: float = 1.0, density: float = 1.0, poisson: float = POISSON) -> dict[str, Any]:
+def solid(stiffness=1.0, density=1.0, poisson=POISSON):
     """A Neo-Hookean solid, so many times as stiff and as dense as the usual one."""
     young = stiffness * YOUNG
     return {
@@ -28,7 +25,7 @@ def solid(stiffness: float = 1.0, density: float = 1.0, poisson: float = POISSON
     }
 
 
-def wave_speed(material: dict[str, Any]) -> float:
+def wave_speed(material):
     """c = sqrt((K + 4 G / 3) / ρ) [m/s]."""
     modulus = material["bulk_modulus"] + 4.0 / 3.0 * material["shear_modulus"]
     return math.sqrt(modulus / material["density"])
@@ -40,11 +37,11 @@ TICK = CELL / C  # s
 
 
 def block(
-    lower: tuple[float, ...],
-    upper: tuple[float, ...],
-    velocity: tuple[float, ...] | None = None,
-    **keys: Any,
-) -> dict[str, Any]:
+    lower,
+    upper,
+    velocity=None,
+    **keys,
+):
     """A rectangle or a box [cells] with a velocity [c]."""
     kind = "rectangle" if len(lower) == 2 else "box"
     geometry = {"type": kind, "lower": [CELL * x for x in lower], "upper": [CELL * x for x in upper]}
@@ -52,28 +49,26 @@ def block(
     return _body(geometry, velocity or (0.0,) * len(lower), **keys)
 
 
-def disc(
-    centre: tuple[float, float], radius: float, velocity: tuple[float, float], **keys: Any
-) -> dict[str, Any]:
+def disc(centre, radius, velocity, **keys):
     """A disc [cells] with a velocity [c]."""
     geometry = {"type": "disc", "centre": [CELL * x for x in centre], "radius": CELL * radius}
     return _body(geometry, velocity, **{"layout": "fitted", **keys})
 
 
-def _body(geometry: Any, velocity: Any, *, layout: str = "lattice", kind: str = "usual", **keys: Any) -> Any:
+def _body(geometry, velocity, *, layout="lattice", kind="usual", **keys):
     particles = {"layout": layout, "size": 0.5 * CELL}
     moving = {"velocity": [C * v for v in velocity]}
     return {"material": kind, "geometry": geometry, "particles": particles, **moving, **keys}
 
 
 def scene(
-    bodies: dict[str, Any],
+    bodies,
     *,
-    friction: float = 0.3,
-    extent: float = 25.0,
-    materials: dict[str, Any] | None = None,
-    **keys: Any,
-) -> dict[str, Any]:
+    friction=0.3,
+    extent=25.0,
+    materials=None,
+    **keys,
+):
     """A scene of these bodies."""
     dim = 3 if any(body["geometry"]["type"] == "box" for body in bodies.values()) else 2
     edge = CELL * extent
@@ -88,9 +83,7 @@ def scene(
     }
 
 
-def impact(
-    gap: float = 0.1, speed: float = 0.03, other: dict[str, Any] | None = None, **keys: Any
-) -> dict[str, Any]:
+def impact(gap=0.1, speed=0.03, other=None, **keys):
     """Two blocks of three cells that approach along x, a little askew; the right one of another material."""
     bodies = {
         "left": block((-3.2, -1.6), (-0.2, 1.4), (0.5 * speed, 0.1 * speed)),
@@ -101,12 +94,12 @@ def impact(
     return scene(bodies, materials={"other": other} if other else None, **keys)
 
 
-def soft_and_stiff(ratio: float) -> dict[str, Any]:
+def soft_and_stiff(ratio):
     """Blocks that touch; the right one so many times as stiff."""
     return impact(0.0, other=solid(stiffness=ratio))
 
 
-def corner_on_flat() -> dict[str, Any]:
+def corner_on_flat():
     """A square on its corner against a face."""
     bodies = {
         "corner": block((-4.0, -1.3), (-1.0, 1.7), (0.02, 0.0), angle=math.pi / 4),
@@ -115,7 +108,7 @@ def corner_on_flat() -> dict[str, Any]:
     return scene(bodies)
 
 
-def corner_on_corner() -> dict[str, Any]:
+def corner_on_corner():
     """Two squares that meet tip on tip, a tenth of a cell askew."""
     reach = 1.5 * math.sqrt(2.0)
     bodies = {
@@ -125,7 +118,7 @@ def corner_on_corner() -> dict[str, Any]:
     return scene(bodies)
 
 
-def thin() -> dict[str, Any]:
+def thin():
     """A plate half a cell thick that a block hits."""
     bodies = {
         "block": block((-2.4, -1.5), (-0.1, 1.3), (0.02, 0.0)),
@@ -134,7 +127,7 @@ def thin() -> dict[str, Any]:
     return scene(bodies)
 
 
-def three_at_a_node() -> dict[str, Any]:
+def three_at_a_node():
     """Three blocks whose corners meet at the origin."""
     bodies = {
         "left": block((-3.05, -2.0), (-0.05, 1.0), (0.02, 0.0)),
@@ -144,7 +137,7 @@ def three_at_a_node() -> dict[str, Any]:
     return scene(bodies)
 
 
-def oblique() -> dict[str, Any]:
+def oblique():
     """0.2 c along the normal and 0.224 c across it: 0.3 c in all."""
     bodies = {
         "left": block((-3.2, -2.6), (-0.2, 0.4), (0.1, 0.112)),
@@ -153,7 +146,7 @@ def oblique() -> dict[str, Any]:
     return scene(bodies)
 
 
-def spin() -> dict[str, Any]:
+def spin():
     """A disc with a rim speed of 0.1 c that is driven onto a block."""
     bodies = {
         "disc": disc((0.0, 2.2), 2.0, (0.0, -0.03), angular_velocity=0.1 * C / (2.0 * CELL)),
@@ -162,7 +155,7 @@ def spin() -> dict[str, Any]:
     return scene(bodies, friction=0.5)
 
 
-def parting() -> dict[str, Any]:
+def parting():
     """Blocks that touch and move apart."""
     bodies = {
         "left": block((-3.2, -1.5), (-0.2, 1.5), (-0.01, 0.0)),
@@ -171,7 +164,7 @@ def parting() -> dict[str, Any]:
     return scene(bodies)
 
 
-def rest(bodies: dict[str, Any], half_width: float = 4.0, **keys: Any) -> dict[str, Any]:
+def rest(bodies, half_width=4.0, **keys):
     """Bodies that have settled on a ground under gravity; the ground's face is y = 0, in the plane and in
     space.
     """
@@ -188,24 +181,24 @@ def rest(bodies: dict[str, Any], half_width: float = 4.0, **keys: Any) -> dict[s
     )
 
 
-def stack() -> dict[str, Any]:
+def stack():
     """Five blocks at rest."""
     blocks = {f"block{k}": block((-1.0, 2.0 * k), (1.0, 2.0 * k + 2.0)) for k in range(5)}
     return rest(blocks)
 
 
-def long_rest() -> dict[str, Any]:
+def long_rest():
     """A block at rest."""
     return rest({"block": block((-1.5, 0.0), (1.5, 3.0))})
 
 
-def long_sliding() -> dict[str, Any]:
+def long_sliding():
     """A block that slides across 100 cells in full and 10 else."""
     length = 100.0 if FULL else 10.0
     slider = block((0.5 - length / 2, 0.0), (3.5 - length / 2, 3.0), (0.04, 0.0))
     return rest({"block": slider}, length / 2 + 5.0, friction=0.01, extent=length / 2 + 20.0)
 
 
-def slow() -> dict[str, Any]:
+def slow():
     """Blocks that touch and hardly move."""
     return impact(0.0, 0.005)

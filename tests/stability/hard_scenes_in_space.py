@@ -2,10 +2,7 @@
 along x.
 """
 
-from __future__ import annotations
-
 import math
-from typing import Any
 
 from hard_scenes import block, rest, scene, solid
 from scipy.spatial.transform import Rotation
@@ -22,16 +19,14 @@ CORNER_AHEAD = tuple(
 )
 
 
-def _cube(x: float, speed: float, **keys: Any) -> dict[str, Any]:
+def _cube(x, speed, **keys):
     """A cube about (x, 0.1, -0.1) [cells] that moves along x [c], a little askew."""
     centre = (x, 0.1, -0.1) if x < 0.0 else (x, 0.0, 0.0)
     corners = [tuple(c + side * HALF for c in centre) for side in (-1.0, 1.0)]
     return block(corners[0], corners[1], (speed, 0.1 * abs(speed), -0.1 * abs(speed)), **keys)
 
 
-def meeting(
-    left: tuple[float, Any], right: tuple[float, Any], other: dict[str, Any] | None = None, gap: float = 0.1
-) -> dict[str, Any]:
+def meeting(left, right, other=None, gap=0.1):
     """Two cubes, each given by how far it reaches towards the other [cells] and how it is turned, ``gap``
     cells apart.
     """
@@ -45,32 +40,32 @@ def meeting(
 FACE = (HALF, (0.0, 0.0, 0.0))
 
 
-def soft_and_stiff() -> dict[str, Any]:
+def soft_and_stiff():
     """Faces that touch; the right cube 10⁴ times as stiff."""
     return meeting(FACE, FACE, solid(stiffness=1e4), gap=0.0)
 
 
-def light_and_heavy() -> dict[str, Any]:
+def light_and_heavy():
     """Faces; the right cube 10³ times as dense."""
     return meeting(FACE, FACE, solid(density=1e3))
 
 
-def edge_on_edge() -> dict[str, Any]:
+def edge_on_edge():
     """Edges that cross at a right angle."""
     return meeting((EDGE, EDGE_ALONG_Y), (EDGE, EDGE_ALONG_Z))
 
 
-def corner_on_face() -> dict[str, Any]:
+def corner_on_face():
     """A corner against a face."""
     return meeting((CORNER, CORNER_AHEAD), FACE)
 
 
-def edge_on_corner() -> dict[str, Any]:
+def edge_on_corner():
     """A corner against an edge, 0.1 cells beside it."""
     return meeting((CORNER, CORNER_AHEAD), (EDGE, EDGE_ALONG_Z))
 
 
-def thin() -> dict[str, Any]:
+def thin():
     """A plate half a cell thick that a cube hits."""
     bodies = {
         "cube": block((-3.1, -1.6, -1.4), (-0.1, 1.4, 1.6), (0.02, 0.0, 0.0)),
@@ -79,7 +74,7 @@ def thin() -> dict[str, Any]:
     return scene(bodies, extent=10.0)
 
 
-def stack() -> dict[str, Any]:
+def stack():
     """Five cubes of two cells at rest on a ground whose face is y = 0."""
     cubes = {f"cube{k}": block((-1.0, 2.0 * k, -1.0), (1.0, 2.0 * k + 2.0, 1.0)) for k in range(5)}
     return rest(cubes, half_width=2.0, extent=15.0)

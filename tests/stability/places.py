@@ -1,9 +1,6 @@
 """Scenes moved and turned as a whole."""
 
-from __future__ import annotations
-
 import math
-from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -13,15 +10,13 @@ from mpmfw.geometry.solid import turning
 CELL = 0.1  # m
 
 #: Shifts of the whole scene [cells] and turns [°]; in space about x, then y, then z.
-PLACES: list[tuple[tuple[float, ...], Any]] = [
-    (shift, turn) for turn in (0, 30) for shift in ((0.0, 0.0), (0.31, 0.17), (0.5, 0.77))
-]
-PLACES_IN_SPACE: list[tuple[tuple[float, ...], Any]] = [
+PLACES = [(shift, turn) for turn in (0, 30) for shift in ((0.0, 0.0), (0.31, 0.17), (0.5, 0.77))]
+PLACES_IN_SPACE = [
     (shift, turn) for turn in ((0, 0, 0), (20, 35, 50)) for shift in ((0.0, 0.0, 0.0), (0.31, 0.17, 0.77))
 ]
 
 
-def rotation_of(turn: Any) -> Any:
+def rotation_of(turn):
     """Matrix of a turn [°]: counter-clockwise in the plane; in space three, about x, then y, then z."""
     if isinstance(turn, tuple):
         return turning(tuple(np.radians(turn)))
@@ -29,7 +24,7 @@ def rotation_of(turn: Any) -> Any:
     return np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
 
 
-def placed(mapping: dict[str, Any], shift: tuple[float, ...], turn: Any) -> dict[str, Any]:
+def placed(mapping, shift, turn):
     """Return the scene turned about the origin by ``turn`` [°], then shifted by cells.
 
     Geometry, velocities and gravity turn; the grid does not. In the plane a ground, which is fixed below,
@@ -50,7 +45,7 @@ def placed(mapping: dict[str, Any], shift: tuple[float, ...], turn: Any) -> dict
     return changed
 
 
-def _moved(g: dict[str, Any], rotation: Any, offset: Any, turn: Any, ground: bool) -> dict[str, Any]:
+def _moved(g, rotation, offset, turn, ground):
     if g["type"] == "box":
         lower, upper = np.array(g["lower"]), np.array(g["upper"])
         by = rotation @ (0.5 * (lower + upper)) + offset - 0.5 * (lower + upper)

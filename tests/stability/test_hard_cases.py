@@ -1,10 +1,8 @@
 """Hard cases by the methods that must hold them, shifted and turned."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
-from hard_cases import IN_SPACE, KNOWN, Row, complaints, outcome, rows
+from hard_cases import IN_SPACE, KNOWN, complaints, outcome, rows
 from places import CELL, PLACES_IN_SPACE, placed, rotation_of
 
 from mpmfw.geometry import Box
@@ -12,14 +10,14 @@ from mpmfw.geometry import Box
 pytestmark = pytest.mark.stability
 
 
-def label(row: Row) -> str:
+def label(row):
     """``equal-penalty-cpdi-0.31,0.17-30``."""
     *names, shift, turn = row
     return "-".join([*names, ",".join(f"{x:g}" for x in shift), str(turn).strip("()")])
 
 
 @pytest.mark.parametrize("row", list(rows()), ids=label)
-def test_hard_case(row: Row):
+def test_hard_case(row):
     wrong = complaints(*row[:3], outcome(*row))
     if row[:3] not in KNOWN:
         assert not wrong, "; ".join(wrong)

@@ -1,25 +1,21 @@
 """The kernels' formulas in plain NumPy: slow, short and written from the docstrings alone."""
 
-from __future__ import annotations
-
 import numpy as np
 
-from mpmfw.api import FloatArray, Stencil
 
-
-def owner(table: Stencil) -> np.ndarray:
+def owner(table):
     """Point that each entry of the table belongs to."""
     return np.repeat(np.arange(len(table.row) - 1), np.diff(table.row))
 
 
-def scatter(table: Stencil, values: FloatArray, n_nodes: int) -> FloatArray:
+def scatter(table, values, n_nodes):
     """Sum of entry-wise values at the nodes."""
     total = np.zeros((n_nodes, *values.shape[1:]))
     np.add.at(total, table.nodes, values)
     return total
 
 
-def collect(table: Stencil, values: FloatArray) -> FloatArray:
+def collect(table, values):
     """Sum of entry-wise values at the points."""
     total = np.zeros((len(table.row) - 1, *values.shape[1:]))
     np.add.at(total, owner(table), values)
@@ -121,7 +117,7 @@ def dense_cpdi(position, deformation_gradient, half_edges, node_position, h):
     return value, gradient
 
 
-def dense(table: Stencil, n_nodes: int) -> tuple[FloatArray, FloatArray]:
+def dense(table, n_nodes):
     """A table as full matrices, values (n, nodes) and gradients (n, nodes, dim)."""
     n, p = len(table.row) - 1, owner(table)
     value = np.zeros((n, n_nodes))

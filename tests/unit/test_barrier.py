@@ -1,7 +1,5 @@
 """What each constant of the barriers is for: which way it fails where it is smaller or larger."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.optimize import brentq

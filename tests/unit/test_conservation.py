@@ -1,7 +1,5 @@
 """What a run keeps of energy and momentum: series that are known, and a run."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -107,7 +105,7 @@ def test_dissipation_is_what_the_transfer_takes_of_two_blocks_that_meet():
     assert 0.0 < dissipation(flip, scene) < dissipation(run, scene)
 
 
-def series(noise: float) -> xr.Dataset:
+def series(noise):
     """A body that moves along x by 1 m within a second, with ``noise`` along y; another one at rest."""
     time = np.linspace(0.0, 1.0, 11)
     place = np.zeros((11, 2, 2)) + 5.0
@@ -125,7 +123,7 @@ def series(noise: float) -> xr.Dataset:
     )
 
 
-def test_noise_is_zero_and_the_start_stays() -> None:
+def test_noise_is_zero_and_the_start_stays():
     clean = without_round_off(series(1e-13))
     assert (clean["centre_of_mass"].sel(axis="y") == 5.0).all()
     assert (clean["mean_velocity"].sel(axis="y") == 0.0).all()
@@ -133,12 +131,12 @@ def test_noise_is_zero_and_the_start_stays() -> None:
     assert clean["centre_of_mass"].sel(body="a", axis="x").values[-1] == 6.0
 
 
-def test_small_motion_is_kept() -> None:
+def test_small_motion_is_kept():
     given = series(1e-6)
     xr.testing.assert_identical(without_round_off(given)["centre_of_mass"][3], given["centre_of_mass"][3])
 
 
-def test_a_scene_at_rest_has_no_motion_at_all() -> None:
+def test_a_scene_at_rest_has_no_motion_at_all():
     still = series(1e-13).isel(body=[1])
     clean = without_round_off(still)
     assert np.ptp(clean["centre_of_mass"].values, axis=0).max() == 0.0

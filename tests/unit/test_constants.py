@@ -1,7 +1,5 @@
 """Every constant that contact and effects have is tested by its name."""
 
-from __future__ import annotations
-
 import ast
 import importlib
 import re
@@ -15,7 +13,7 @@ PACKAGES = ("mpmfw_contact", "mpmfw.contact", "mpmfw.effects", "mpmfw.kernels")
 NO_CHOICE = {"OUTSIDE", "FULL"}
 
 
-def constants() -> list[tuple[str, str]]:
+def constants():
     """Module and name of every number that a module of these packages sets at its top."""
     found = []
     for package in PACKAGES:
@@ -28,7 +26,7 @@ def constants() -> list[tuple[str, str]]:
     return found
 
 
-def named(node: ast.Assign) -> list[tuple[str, ast.expr]]:
+def named(node):
     """Names and values of an assignment, those of ``A, B = 1, 2`` one by one."""
     target, value = node.targets[0], node.value
     if isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple):
@@ -36,7 +34,7 @@ def named(node: ast.Assign) -> list[tuple[str, ast.expr]]:
     return [(ast.unparse(target), value)]
 
 
-def is_number(value: ast.expr) -> bool:
+def is_number(value):
     """Return True if it is a number, or a sum or product of some."""
     return re.fullmatch(r"[-+*/ 0-9.e]+", ast.unparse(value)) is not None
 
@@ -48,13 +46,13 @@ TESTS = [
 ]
 
 
-def test_the_constants_are_found() -> None:
+def test_the_constants_are_found():
     assert {("mpmfw.contact.surfaces.search", "FLUSH"), ("mpmfw_contact.lcp", "FACING")} <= set(constants())
     assert len(constants()) > 25
 
 
 @pytest.mark.parametrize(("module", "name"), constants())
-def test_each_has_a_test(module: str, name: str) -> None:
+def test_each_has_a_test(module, name):
     """In a file that names its module or folder too: others have constants of the same name."""
     own = module.removeprefix("mpmfw.").split(".")[1:]
     tested = any(

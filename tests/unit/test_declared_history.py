@@ -1,11 +1,7 @@
 """Declared history: values by place, of the type and shape of what was built, through a file and back."""
 
-from __future__ import annotations
-
 import re
 import zipfile
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -21,7 +17,7 @@ class Part:
 
     history: tuple[str, ...] = ("values",)
 
-    def __init__(self, values: Any) -> None:
+    def __init__(self, values):
         self.values = values
 
 
@@ -30,15 +26,15 @@ class Thing(Part):
 
     history = ("kept", "part")
 
-    def __init__(self, kept: Any, values: Any = 0.0) -> None:
+    def __init__(self, kept, values=0.0):
         super().__init__(values)
         self.kept, self.part, self.seen = kept, Part(np.zeros(2)), None
 
-    def restored(self) -> None:
+    def restored(self):
         self.seen = self.kept
 
 
-def through_a_file(thing: Any, other: Any, path: Path) -> Any:
+def through_a_file(thing, other, path):
     write_snapshot(str(path), take({"thing": thing}))
     put(read_snapshot(str(path))[0], {"thing": other})
     return other
@@ -120,7 +116,7 @@ def test_what_cannot_be_saved_is_named_with_its_place(value):
 # -- the file
 
 
-def crafted(path: Path, name: str) -> None:
+def crafted(path, name):
     """Write a file that says too much, too little or something else."""
     if name == "compressed":
         with open(path, "wb") as file:

@@ -1,18 +1,15 @@
 """Degenerate CPDI domains: rectangles that keep the sums of the shape functions and bound their gradients."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from mpmfw.api import FloatArray, Stencil
 from support import make_particles, make_shape, make_test_grid
 
 H, HALF = 0.1, 0.025
 
 
-def table(f: FloatArray, at: FloatArray) -> tuple[Stencil, FloatArray, FloatArray]:
+def table(f, at):
     """The functions of one point with the deformation gradient ``f``, nodes' positions and its reach."""
     dim = len(at)
     grid = make_test_grid([([0] * dim, [25] * dim)], cell_size=H, lower=np.zeros(dim))
@@ -22,7 +19,7 @@ def table(f: FloatArray, at: FloatArray) -> tuple[Stencil, FloatArray, FloatArra
     return phi, grid.position[phi.nodes], shape.particle_reach(particles=particles)[0]
 
 
-def drawn_out(dim: int, stretch: float, shear: float, seed: int) -> FloatArray:
+def drawn_out(dim, stretch, shear, seed):
     """F of unit determinant: sheared, drawn out, and turned at random."""
     f = np.eye(dim)
     f[0, 1] = shear
@@ -35,7 +32,7 @@ def drawn_out(dim: int, stretch: float, shear: float, seed: int) -> FloatArray:
 
 @pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize(("stretch", "shear"), [(1.0, 3.0), (5.4, 4.0), (22.0, 0.0), (22.0, 5.0)])
-def test_sums_are_exact_and_gradients_bounded(dim: int, stretch: float, shear: float) -> None:
+def test_sums_are_exact_and_gradients_bounded(dim, stretch, shear):
     random = np.random.default_rng(1)
     for seed in range(20):
         at = 12 * H + H * random.random(dim)
@@ -48,7 +45,7 @@ def test_sums_are_exact_and_gradients_bounded(dim: int, stretch: float, shear: f
         assert np.abs(reach).max() <= 2.0 * HALF * np.sqrt(dim) * (1.0 + 1e-12)
 
 
-def test_the_rectangle_does_not_depend_on_how_the_scene_is_turned() -> None:
+def test_the_rectangle_does_not_depend_on_how_the_scene_is_turned():
     f, at = drawn_out(2, 5.0, 3.0, 0), np.array([1.23, 1.27])
     quarter = np.array([[0.0, -1.0], [1.0, 0.0]])
     centre = np.array([1.2, 1.2])

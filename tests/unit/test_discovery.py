@@ -1,9 +1,6 @@
 """Plug-ins by entry points and by module:Class: found, imported one at a time, named when they are wrong."""
 
-from __future__ import annotations
-
 import sys
-from typing import Any
 
 import numpy as np
 import pytest
@@ -94,7 +91,7 @@ def test_two_distributions_with_one_name_are_both_named(install):
 PLACE = "faulty_plugins.contact.plain:PlainContact"
 
 
-def end(contact: Any = None, **table: Any) -> np.ndarray:
+def end(contact=None, **table):
     """Positions after twenty steps of two blocks that meet, of a contact or a scene's table of one."""
     mapping = Impact().mapping()
     simulation = Simulation({**mapping, "contact": table} if table else mapping, contact=contact)
@@ -102,7 +99,7 @@ def end(contact: Any = None, **table: Any) -> np.ndarray:
     return simulation.state.particles.position
 
 
-def test_a_scene_names_a_class_of_a_module_and_options_in_a_table_of_that_name_or_beside_it() -> None:
+def test_a_scene_names_a_class_of_a_module_and_options_in_a_table_of_that_name_or_beside_it():
     assert np.array_equal(end(method=PLACE, friction=0.0), end(PlainContact()))
     place = "mpmfw_contact.penalty:Penalty"
     expected = end(Penalty(kappa=2.0))
@@ -121,13 +118,13 @@ def test_a_scene_names_a_class_of_a_module_and_options_in_a_table_of_that_name_o
         (3, "contact: found 3; expected a name, module:Class, or a class derived from mpmfw.api"),
     ],
 )
-def test_what_is_no_contact_is_refused(given: Any, said: str) -> None:
+def test_what_is_no_contact_is_refused(given, said):
     with pytest.raises(SceneError, match=said):
         Simulation(Impact().mapping(), contact=given)
 
 
-def test_keys_of_a_stranger_s_geometry_have_units_and_are_told_by_name() -> None:
-    def scene(**keys: Any) -> dict[str, Any]:
+def test_keys_of_a_stranger_s_geometry_have_units_and_are_told_by_name():
+    def scene(**keys):
         return block(bodies__solid__geometry={"type": "faulty_plugins.small.geometry:Sound", **keys})
 
     made = load_scene(scene(hole="20 cm")).bodies["solid"].geometry

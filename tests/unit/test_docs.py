@@ -1,16 +1,13 @@
 """The documentation says what the code says."""
 
-from __future__ import annotations
-
 import importlib.util
 import sys
 from pathlib import Path
-from types import ModuleType
 
 ROOT = Path(__file__).resolve().parents[2]
 
 
-def script(name: str) -> ModuleType:
+def script(name):
     """A script of the documentation as a module."""
     spec = importlib.util.spec_from_file_location(f"docs_{name}", ROOT / "docs" / f"{name}.py")
     assert spec is not None
@@ -21,7 +18,7 @@ def script(name: str) -> ModuleType:
     return module
 
 
-def text(page: str) -> str:
+def text(page):
     return (ROOT / page).read_text(encoding="utf-8")
 
 

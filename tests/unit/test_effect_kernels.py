@@ -1,7 +1,5 @@
 """Kernels of the effects and of CPDI2 against plain NumPy, written from their formulas."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

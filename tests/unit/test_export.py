@@ -1,7 +1,6 @@
 """What ParaView reads is what the run stored: every value and every time, by VTK's own readers."""
 
 import xml.etree.ElementTree as ET
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -30,13 +29,13 @@ def exported(request, tmp_path_factory):
     return request.param, tree, folder / "out"
 
 
-def listed(collection: Path):
+def listed(collection):
     """Times and files of a collection."""
     entries = ET.parse(collection).getroot().findall("Collection/DataSet")
     return [(float(entry.get("timestep")), collection.parent / entry.get("file")) for entry in entries]
 
 
-def read(path: Path):
+def read(path):
     """The grid of one file, and the time that the reader knows it by."""
     reader = vtkXMLUnstructuredGridReader()
     reader.SetFileName(str(path))

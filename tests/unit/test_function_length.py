@@ -1,7 +1,5 @@
 """No function is longer than a page: its body, without signature and docstring."""
 
-from __future__ import annotations
-
 import ast
 import importlib
 from pathlib import Path
@@ -9,7 +7,7 @@ from pathlib import Path
 LONGEST = 50  #: lines
 
 
-def bodies(source: str) -> dict[str, int]:
+def bodies(source):
     """Lines of every function's body from its first statement on, by name."""
     lengths = {}
     for node in ast.walk(ast.parse(source)):
@@ -20,7 +18,7 @@ def bodies(source: str) -> dict[str, int]:
     return lengths
 
 
-def test_no_function_is_longer_than_a_page() -> None:
+def test_no_function_is_longer_than_a_page():
     long = []
     for package in ("mpmfw", "mpmfw_contact", "mpmfw_load", "mpmfw_shape", "mpmfw_material"):
         folder = Path(str(importlib.import_module(package).__file__)).parent

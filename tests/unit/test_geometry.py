@@ -1,7 +1,5 @@
 """Layouts keep the area, domains fit their volumes, outlines run round the material with it on their left."""
 
-from __future__ import annotations
-
 import math
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """The law of [H17]: eq. 9 on every segment, and the reading of its friction."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The hard scenes as data: each one loads, as it stands and turned, and stays the same body there."""
 
-from __future__ import annotations
-
 import importlib.util
 import math
 import sys

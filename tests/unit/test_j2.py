@@ -1,15 +1,11 @@
 """Plasticity: closed forms at small strain, and what holds at any."""
 
-from __future__ import annotations
-
 import math
-from collections.abc import Callable, Iterable
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from mpmfw.api import FloatArray
 from mpmfw_material.j2 import J2, Flow, j2_stress
 from mpmfw_material.neo_hookean import NeoHookean
 
@@ -20,11 +16,11 @@ YOUNG = 9.0 * BULK * SHEAR / (3.0 * BULK + SHEAR)
 class Point:
     """One material point, deformed by hand."""
 
-    def __init__(self, hardening: float = 0.0, dim: int = 3) -> None:
+    def __init__(self, hardening=0.0, dim=3):
         self.hardening, self.spacing = hardening, (1.0,) * dim
         self.flow = Flow(metric=np.eye(3)[None].copy(), strain=np.zeros(1), work=np.zeros(1))
 
-    def stress(self, f: FloatArray) -> FloatArray:
+    def stress(self, f):
         """σ at F, (dim, dim); the point keeps what has flowed."""
         dim = len(self.spacing)
         stress = np.empty((1, dim, dim))
@@ -32,7 +28,7 @@ class Point:
         j2_stress(0, 1, given, self.flow, stress, BULK, SHEAR, YIELD, self.hardening, self.spacing)
         return stress[0]
 
-    def tried(self, f: FloatArray) -> FloatArray:
+    def tried(self, f):
         """σ at F without keeping anything."""
         kept = [array.copy() for array in (self.flow.metric, self.flow.strain, self.flow.work)]
         found = self.stress(f)
@@ -41,21 +37,21 @@ class Point:
         return found
 
     @property
-    def strain(self) -> float:
+    def strain(self):
         return float(self.flow.strain[0])
 
     @property
-    def work(self) -> float:
+    def work(self):
         return float(self.flow.work[0])
 
 
-def sheared(gamma: float) -> FloatArray:
+def sheared(gamma):
     f = np.eye(3)
     f[0, 1] = gamma
     return f
 
 
-def test_below_the_yield_stress_it_is_neo_hookean() -> None:
+def test_below_the_yield_stress_it_is_neo_hookean():
     point, elastic = Point(), NeoHookean(bulk_modulus=BULK, shear_modulus=SHEAR)
     f = np.eye(3) + 1e-3 * np.random.default_rng(1).normal(size=(3, 3))
     np.testing.assert_allclose(point.stress(f), elastic.cauchy_stress(f[None])[0], rtol=1e-9, atol=1e-3)
@@ -63,7 +59,7 @@ def test_below_the_yield_stress_it_is_neo_hookean() -> None:
 
 
 @pytest.mark.parametrize("dim", [2, 3])
-def test_it_yields_in_shear_at_the_yield_stress_over_root_three(dim: int) -> None:
+def test_it_yields_in_shear_at_the_yield_stress_over_root_three(dim):
     point, limit = Point(dim=dim), YIELD / math.sqrt(3.0)
     assert point.stress(sheared(0.999 * limit / SHEAR))[0, 1] == pytest.approx(0.999 * limit, rel=1e-4)
     assert point.strain == 0.0
@@ -71,12 +67,12 @@ def test_it_yields_in_shear_at_the_yield_stress_over_root_three(dim: int) -> Non
     assert point.strain == pytest.approx(2.0 * limit / SHEAR / math.sqrt(3.0), rel=1e-2)
 
 
-def pulled(point: Point, stretches: Iterable[float]) -> list[float]:
+def pulled(point, stretches):
     """σ along a bar whose sides are free, at each stretch."""
     found, side = [], 1.0
     for stretch in stretches:
 
-        def lateral(other: float, along: float = stretch) -> float:
+        def lateral(other, along=stretch):
             return float(point.tried(np.diag([along, other, other]))[1, 1])
 
         side = brentq(lateral, 0.9 * side, 1.1 * side, xtol=1e-14)
@@ -84,7 +80,7 @@ def pulled(point: Point, stretches: Iterable[float]) -> list[float]:
     return found
 
 
-def test_a_bar_hardens_with_the_tangent_modulus() -> None:
+def test_a_bar_hardens_with_the_tangent_modulus():
     """σ = σ_y + E H / (E + H) (ε − σ_y / E) past yield; unloading is elastic."""
     hardening = 20e9
     point, tangent = Point(hardening), YOUNG * hardening / (YOUNG + hardening)
@@ -97,7 +93,7 @@ def test_a_bar_hardens_with_the_tangent_modulus() -> None:
     assert stresses[-1] - unloaded == pytest.approx(0.001 * YOUNG, rel=0.01)
 
 
-def test_a_cycle_of_shear_dissipates_the_area_of_its_loop() -> None:
+def test_a_cycle_of_shear_dissipates_the_area_of_its_loop():
     """Perfect plasticity: a parallelogram of 4 τ_y (γ − τ_y / G) in a stable cycle of ± γ."""
     point, limit, amplitude = Point(), YIELD / math.sqrt(3.0), 0.02
     path = amplitude * np.sin(np.linspace(0.0, 6.0 * math.pi, 3001))
@@ -108,7 +104,7 @@ def test_a_cycle_of_shear_dissipates_the_area_of_its_loop() -> None:
     assert work[-1] - work[-1001] == pytest.approx(4.0 * limit * (amplitude - limit / SHEAR), rel=5e-3)
 
 
-def random_path(seed: int) -> list[FloatArray]:
+def random_path(seed):
     rng = np.random.default_rng(seed)
     direction = rng.normal(size=(3, 3))
     return [
@@ -117,7 +113,7 @@ def random_path(seed: int) -> list[FloatArray]:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_flow_keeps_the_volume_and_the_stress_within_the_cylinder(seed: int) -> None:
+def test_flow_keeps_the_volume_and_the_stress_within_the_cylinder(seed):
     point = Point(hardening=5e9)
     for f in random_path(seed):
         tau = np.linalg.det(f) * point.stress(f)
@@ -128,7 +124,7 @@ def test_flow_keeps_the_volume_and_the_stress_within_the_cylinder(seed: int) -> 
     assert point.strain > 0.05
 
 
-def test_moduli_by_young_and_poisson() -> None:
+def test_moduli_by_young_and_poisson():
     given = J2(youngs_modulus="200 GPa", poissons_ratio=0.25, yield_stress="400 MPa")
     assert given.bulk_modulus == pytest.approx(200e9 / 1.5)
     assert given.shear_modulus == pytest.approx(80e9)
@@ -144,7 +140,7 @@ def test_moduli_by_young_and_poisson() -> None:
         ({"youngs_modulus": 2e11, "poissons_ratio": 0.5}, "poissons_ratio"),
     ],
 )
-def test_moduli_that_cannot_be_meant_are_refused(options: dict[str, object], said: str) -> None:
-    make: Callable[..., object] = NeoHookean
+def test_moduli_that_cannot_be_meant_are_refused(options, said):
+    make = NeoHookean
     with pytest.raises(ValueError, match=said):
         make(**options)

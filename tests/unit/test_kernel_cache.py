@@ -1,7 +1,5 @@
 """The disk cache of kernels: hits and misses, damage, several processes, and folders that are not used."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

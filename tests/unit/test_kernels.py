@@ -1,7 +1,5 @@
 """Each kernel against its NumPy twin, on random data in two and three dimensions."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import numpy as np

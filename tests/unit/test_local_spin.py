@@ -1,7 +1,5 @@
 """The local spin correction against plain NumPy, and what its operator keeps."""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import dataclass
 
@@ -33,12 +31,10 @@ class Window:
     edges: FloatArray
 
     @property
-    def dim(self) -> int:
+    def dim(self):
         return len(self.shape)
 
-    def corrected(
-        self, momentum: FloatArray, start: FloatArray, held: FloatArray | None = None
-    ) -> FloatArray:
+    def corrected(self, momentum, start, held=None):
         """Momenta after the kernel."""
         out = momentum.copy()
         change, common = np.zeros_like(out), np.zeros(len(out))
@@ -53,7 +49,7 @@ class Window:
             )
         return out
 
-    def operator(self) -> FloatArray:
+    def operator(self):
         """K of (m v) += K Δv as a matrix over the nodes with mass."""
         n = len(self.node) * self.dim
         rows = [
@@ -66,7 +62,7 @@ class Window:
         return matrix[np.ix_(carried, carried)]
 
 
-def window(dim: int, seed: int, empty: float = 0.2, points: int = 12) -> Window:
+def window(dim, seed, empty=0.2, points=12):
     """Random nodal masses, a share of them zero, and points near the middle."""
     rng, shape = np.random.default_rng(seed), EXTENT[dim]
     index = np.array(list(itertools.product(*(range(n) for n in shape))), dtype=float)
@@ -86,13 +82,13 @@ def window(dim: int, seed: int, empty: float = 0.2, points: int = 12) -> Window:
     )
 
 
-def full(vectors: FloatArray) -> FloatArray:
+def full(vectors):
     """Vectors of three components."""
     return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
 
 
 @DIMENSIONS
-def test_a_held_node_turns_no_cell(dim: int) -> None:
+def test_a_held_node_turns_no_cell(dim):
     """The change is that of the momenta in which boundary conditions are met, here all of them."""
     w, rng = window(dim, 5, 0.0), np.random.default_rng(6)
     momentum, start = rng.normal(size=w.node.shape), rng.normal(size=w.node.shape)
@@ -102,7 +98,7 @@ def test_a_held_node_turns_no_cell(dim: int) -> None:
 
 @settings(max_examples=15)
 @given(dim=st.sampled_from([2, 3]), seed=st.integers(0, 10**6), empty=st.floats(0.0, 0.5))
-def test_the_operator_is_symmetric_and_adds_inertia_to_spin_alone(dim: int, seed: int, empty: float) -> None:
+def test_the_operator_is_symmetric_and_adds_inertia_to_spin_alone(dim, seed, empty):
     w = window(dim, seed, empty)
     k = w.operator()
     scale = max(np.abs(k).max(), 1e-300)
@@ -120,15 +116,15 @@ def test_the_operator_is_symmetric_and_adds_inertia_to_spin_alone(dim: int, seed
 
 
 def test_with_a_larger_least_share_a_body_keeps_the_lumped_nodes_inertia(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    monkeypatch,
+):
     """A share below that of an ordinary body's cells changes nothing there."""
     w = window(2, 8, 0.0)
     rng = np.random.default_rng(1)
     momentum = rng.normal(size=w.node.shape)
     corrected = w.corrected(momentum, np.zeros_like(momentum))
 
-    def with_share(share: float) -> FloatArray:
+    def with_share(share):
         monkeypatch.setitem(globals(), "correct_spin", interpreted(correct_spin, LEAST_SHARE=share))
         found = w.corrected(momentum, np.zeros_like(momentum))
         monkeypatch.undo()
@@ -140,7 +136,7 @@ def test_with_a_larger_least_share_a_body_keeps_the_lumped_nodes_inertia(
 
 
 @DIMENSIONS
-def test_nodes_with_less_inertia_than_the_material_are_left_alone(dim: int) -> None:
+def test_nodes_with_less_inertia_than_the_material_are_left_alone(dim):
     w, rng = window(dim, 9, 0.0), np.random.default_rng(10)
     w.edges *= 100.0
     momentum = rng.normal(size=w.node.shape)

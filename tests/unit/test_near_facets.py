@@ -1,7 +1,5 @@
 """Of many near bodies the nearest are kept, in any order; lists of near facets change no bit."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The force of a slave node and a triangle: its variation on faces, edges and corners, and its balance."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Bodies that come near each other are listed, and nothing else is: against brute force."""
 
-from __future__ import annotations
-
 import itertools
 from types import SimpleNamespace
 

@@ -1,7 +1,5 @@
 """Search, forces, map and frequency of penalty contact against plain NumPy."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

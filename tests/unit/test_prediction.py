@@ -1,9 +1,6 @@
 """The prediction of a run: its first step, its number of steps, and its cost, from a trial."""
 
-from __future__ import annotations
-
 import math
-from typing import Any
 
 import pytest
 
@@ -65,7 +62,7 @@ def test_the_prediction_holds_all_stages_and_the_most_that_settling_takes():
 CELL = 0.1
 
 
-def pressed(contact: str, **options: Any) -> Simulation:
+def pressed(contact, **options):
     """A block on another one of four times its modulus, whose top is driven down."""
     materials = {
         name: {"model": "linear_elastic", "density": 1000, "youngs_modulus": young, "poissons_ratio": 0.0}
@@ -86,7 +83,7 @@ SOFT = {"penalty": {"kappa": 1.0}}
 @pytest.mark.parametrize(
     ("contact", "options", "kappa"), [("penalty", {}, 4.0), ("penalty", SOFT, 1.0), ("adhesion", {}, 4.0)]
 )
-def test_springs_and_bodies_are_in_series(contact: str, options: dict[str, Any], kappa: float) -> None:
+def test_springs_and_bodies_are_in_series(contact, options, kappa):
     """h / (κ M) of the softer body's modulus beside L / M of both, along the motion alone."""
     simulation = pressed(contact, **options)
     springs, bodies = CELL / (kappa * 1e6), 0.5 / 1e6 + 1.0 / 4e6

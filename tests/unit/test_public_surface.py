@@ -1,13 +1,10 @@
 """The public names are listed, plug-ins import nothing else, and packages are typed."""
 
-from __future__ import annotations
-
 import ast
 import importlib
 import importlib.metadata
 import importlib.resources
 import re
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -22,13 +19,13 @@ OPEN = re.compile(
 )
 
 
-def test_the_page_of_versions_lists_the_names_of_the_library() -> None:
+def test_the_page_of_versions_lists_the_names_of_the_library():
     page = (ROOT / "docs/guide/versions.md").read_text(encoding="utf-8")
     (row,) = [line for line in page.splitlines() if line.startswith("| `mpmfw`: ")]
     assert sorted(re.findall(r"`mpmfw\.(\w+)`", row)) == sorted(mpmfw.__all__)
 
 
-def imports(source: str) -> Iterator[str]:
+def imports(source):
     """Yield the full name of every import, wherever it stands."""
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
@@ -37,7 +34,7 @@ def imports(source: str) -> Iterator[str]:
             yield from (f"{node.module}.{alias.name}" for alias in node.names)
 
 
-def test_plugins_and_templates_import_the_public_modules_alone() -> None:
+def test_plugins_and_templates_import_the_public_modules_alone():
     folders = [ROOT / "plugins", *ROOT.glob("docs/*-template/src")]
     sources = [source for folder in folders for source in folder.rglob("*.py")]
     foreign = {
@@ -51,7 +48,7 @@ def test_plugins_and_templates_import_the_public_modules_alone() -> None:
 
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_packages_are_typed(package: str) -> None:
+def test_packages_are_typed(package):
     assert importlib.resources.files(package).joinpath("py.typed").is_file()
     installed = [str(file) for file in importlib.metadata.files("mpmfw") or ()]
     if "mpmfw/__init__.py" in installed:  # a wheel, not an editable installation

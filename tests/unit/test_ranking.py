@@ -1,9 +1,6 @@
 """Ranking: counted by hand on studies that are made up."""
 
-from __future__ import annotations
-
 import json
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +11,7 @@ from mpmfw.plots.ranking import profile
 from mpmfw.studies.ranking import rank, summary
 
 
-def study(title: str = "S", **runs: list[tuple[float, float]]) -> xr.Dataset:
+def study(title="S", **runs):
     """A study of contacts at two cell sizes: (error, CPU time) of each; NaN is a run that failed."""
     contacts = [name.replace("_best", "(best=yes)") for name in runs]
     pairs = np.array(list(runs.values()))
@@ -44,11 +41,11 @@ TWO = study(
 ALONG_X = ONE.assign_attrs(quantity="impulse", about='{"axis": "x"}')
 
 
-def test_a_ranking_says_what_errors_are_of() -> None:
+def test_a_ranking_says_what_errors_are_of():
     assert rank([ALONG_X, ALONG_X], about={"axis": "x"}).attrs["errors"] == "impulse along x"
 
 
-def test_a_method_counts_at_the_cheapest_of_its_settings() -> None:
+def test_a_method_counts_at_the_cheapest_of_its_settings():
     cost = rank([ONE])["cost"].sel(quantity="error", problem="S")
     assert cost.sel(contact="fine").values.tolist()[:4] == [1.0, 1.0, 10.0, 10.0]
     assert np.isnan(cost.sel(contact="fine", level=0.005))
@@ -57,7 +54,7 @@ def test_a_method_counts_at_the_cheapest_of_its_settings() -> None:
     assert best == "(best=yes) cell_size 0.8"
 
 
-def test_the_table_counts_problems_and_compares_costs_with_the_cheapest() -> None:
+def test_the_table_counts_problems_and_compares_costs_with_the_cheapest():
     fine, plain = summary(rank([ONE, TWO]), "error")
     assert (fine["method"], plain["method"]) == ("fine", "plain")
     assert [fine[f"{level} %"] for level in ("10", "5", "2", "1", "0.5")] == [2, 2, 2, 1, 0]
@@ -67,19 +64,19 @@ def test_the_table_counts_problems_and_compares_costs_with_the_cheapest() -> Non
     assert (plain["over best"], plain["cheapest"]) == (1.0, 4)
 
 
-def test_a_profile_ends_at_the_share_that_is_solved() -> None:
+def test_a_profile_ends_at_the_share_that_is_solved():
     ranking = rank([ONE, TWO])
     ratio, share = profile(ranking, "error", "fine")
     assert ratio.tolist() == [1, 1, 1, 1, 6, 6, 6]
     assert share[-1] == pytest.approx(7 / 8)  # eight problems and levels can be solved at all
 
 
-def test_silence_alone_is_no_virtue() -> None:
+def test_silence_alone_is_no_virtue():
     noise = rank([ONE])["cost"].sel(quantity="noise", problem="S", level=0.05)
     assert noise.sel(contact="plain").item() == 2.0  # its run of 0.5 s is as quiet, and wrong by 30 %
 
 
-def test_a_law_that_ran_alone_stands_beside_the_others() -> None:
+def test_a_law_that_ran_alone_stands_beside_the_others():
     mine = study(mine=[(0.04, 0.5), (0.008, 5.0)])
     ranking = rank([ONE, mine])
     assert ranking.sizes["problem"] == 1
@@ -87,7 +84,7 @@ def test_a_law_that_ran_alone_stands_beside_the_others() -> None:
     assert ranking["over_best"].sel(quantity="error", problem="S", contact="fine", level=0.01).item() == 2.0
 
 
-def test_a_problem_that_a_method_did_not_run_does_not_count_against_it() -> None:
+def test_a_problem_that_a_method_did_not_run_does_not_count_against_it():
     ranking = rank([ONE, study("U", fine=[(0.2, 1.0), (0.09, 5.0)])])
     rows = {row["method"]: row for row in summary(ranking, "error")}
     assert (rows["fine"]["problems"], rows["plain"]["problems"]) == (2, 1)
@@ -104,8 +101,6 @@ def test_a_problem_that_a_method_did_not_run_does_not_count_against_it() -> None
         ([ONE], {"about": {"body": "disc"}}, "body disc: dataset has the error of"),
     ],
 )
-def test_what_cannot_be_ranked_is_refused(
-    results: list[xr.Dataset], options: dict[str, Any], said: str
-) -> None:
+def test_what_cannot_be_ranked_is_refused(results, options, said):
     with pytest.raises(SceneError, match=said):
         rank(results, **options)

@@ -1,7 +1,5 @@
 """Functions at the centres of a box's rectangles: the mean of the corners'."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The report of a scene without a reference: differences of methods, and where bodies went."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np
@@ -15,7 +13,7 @@ SCENE = "[grid]\ncell_size = 0.1\n[bodies.floor]\n[bodies.block]\n[bodies.stone]
 BODIES, PAIRS = ["floor", "block", "stone"], ["floor-block", "floor-stone"]
 
 
-def comparison() -> xr.Dataset:
+def comparison():
     """Two methods at two cell sizes: the block goes 1 or 2 m (1.5 at the coarse cells), the stone falls out
     of the second run.
 
@@ -56,7 +54,7 @@ def comparison() -> xr.Dataset:
     )
 
 
-def test_the_largest_difference_comes_first() -> None:
+def test_the_largest_difference_comes_first():
     found = {one.quantity: one for one in differences(comparison())}
     spreads = [one.spread for one in differences(comparison())]
     assert spreads == sorted(spreads, reverse=True)
@@ -68,7 +66,7 @@ def test_the_largest_difference_comes_first() -> None:
     assert found["kinetic energy"].spread == 0.0
 
 
-def test_a_run_that_failed_differs_from_nothing() -> None:
+def test_a_run_that_failed_differs_from_nothing():
     dataset = comparison()
     dataset["status"][{"contact": 1}] = "failed"
     for name in ("centre_of_mass", "mean_velocity"):
@@ -76,12 +74,12 @@ def test_a_run_that_failed_differs_from_nothing() -> None:
     assert all(one.spread == 0.0 for one in differences(dataset))
 
 
-def with_costs(dataset: xr.Dataset) -> xr.Dataset:
+def with_costs(dataset):
     ones = (dataset["status"].dims, np.ones(dataset["status"].shape))
     return dataset.assign(dict.fromkeys(("cpu_time", "steps", "material_points"), ones))
 
 
-def test_gap_and_depth_are_of_the_nearest_pair_and_noise_of_the_one_that_pushes_most() -> None:
+def test_gap_and_depth_are_of_the_nearest_pair_and_noise_of_the_one_that_pushes_most():
     dataset = with_costs(comparison().sel(cell_size=[0.1]))
     # Floor and block; floor and stone are five cells apart
     assert table(dataset)[1]["gap"] == pytest.approx(0.2)
@@ -90,7 +88,7 @@ def test_gap_and_depth_are_of_the_nearest_pair_and_noise_of_the_one_that_pushes_
     assert table(dataset)[1]["largest_penetration"] == pytest.approx(0.5)
 
 
-def test_the_page_escapes_every_text_and_needs_no_network(tmp_path) -> None:
+def test_the_page_escapes_every_text_and_needs_no_network(tmp_path):
     evil = "<script>alert('x')</script>"
     dataset = with_costs(comparison().sel(cell_size=[0.1])).assign_coords(contact=["none", evil])
     status = dataset["status"].astype(object)

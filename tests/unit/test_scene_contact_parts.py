@@ -1,7 +1,5 @@
 """``detection`` and ``law`` in a scene: the other spelling of ``method = "DETECTION+LAW"``."""
 
-from __future__ import annotations
-
 import pytest
 
 from contact_scenes import STRATEGIES

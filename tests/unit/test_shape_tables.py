@@ -1,7 +1,5 @@
 """Tables of the shape functions against their published formulas, entry by entry, and at the grid's end."""
 
-from __future__ import annotations
-
 import numpy as np
 import numpy_twins as twin
 import pytest

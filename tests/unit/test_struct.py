@@ -1,10 +1,7 @@
 """Structs: arrays that kernels take as one argument."""
 
-from __future__ import annotations
-
 import copy
 import pickle
-from typing import Any
 
 import numpy as np
 import pytest
@@ -26,7 +23,7 @@ class Named(Points):
 
 
 @device
-def along(c: int, points: Points, by: Floats) -> float:
+def along(c, points, by):
     total = 0.0
     for d in range(points.normal.shape[1]):
         total += points.normal[c, d] * by[d]
@@ -34,7 +31,7 @@ def along(c: int, points: Points, by: Floats) -> float:
 
 
 @kernel
-def add_gaps(points: Points, by: Floats) -> float:
+def add_gaps(points, by):
     total = 0.0
     for c in range(len(points.gap)):
         points.gap[c] += along(c, points, by)
@@ -80,12 +77,12 @@ def test_a_copy_has_arrays_of_its_own():
 
 
 @kernel
-def write_number(numbers: Any, t: int) -> None:
+def write_number(numbers, t):
     """Write t + 1 as thread t does."""
     threads.write(numbers, t, t + 1)
 
 
-def test_numbers_that_different_threads_write_share_no_line_of_the_cache() -> None:
+def test_numbers_that_different_threads_write_share_no_line_of_the_cache():
     """Nearer ones would take the line from each other at every look."""
     numbers = np.zeros(8 * threads.APART, dtype=np.int64)
     for t in range(4):

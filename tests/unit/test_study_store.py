@@ -1,7 +1,5 @@
 """Finished runs in a folder: whole at every moment, and run again where they are damaged."""
 
-from __future__ import annotations
-
 import math
 import os
 from dataclasses import replace
@@ -81,7 +79,7 @@ def test_prune_of_another_folder_says_so_and_removes_nothing(tmp_path):
     assert (tmp_path / "notes.json").exists()
 
 
-def cost(cpu_time: float, stage: float, peak_memory: float = math.nan) -> Cost:
+def cost(cpu_time, stage, peak_memory=math.nan):
     values = {
         **dict.fromkeys((name for name, _, _ in COSTS), 7.0),
         "cpu_time": cpu_time,

@@ -1,7 +1,5 @@
 """Bodies given by files of triangles, and one message for each thing that is wrong with a file."""
 
-from __future__ import annotations
-
 import os
 import random
 import re

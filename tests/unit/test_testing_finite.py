@@ -1,7 +1,5 @@
 """The kit names the array that had a value that is no number first, and the hook."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """What comes of a check: outcomes, pictures, justified failures, and the same as pytest tests."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Subjects of checks: classes, objects, functions, names; and values of their options."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 import pytest

@@ -1,7 +1,5 @@
 """Surfaces of solids: closed, oriented, of the right volume and symmetry; and the cells that they cut."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

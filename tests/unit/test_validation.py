@@ -1,7 +1,5 @@
 """The validation suite on cases of a few lines: verdicts, status, table, page, and what goes wrong."""
 
-from __future__ import annotations
-
 import csv
 import math
 from dataclasses import replace

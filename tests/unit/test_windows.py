@@ -1,9 +1,6 @@
 """Windows of velocity fields on the background grid."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +10,7 @@ from mpmfw.state.windows import fit_windows, make_grid
 H = 0.25
 
 
-def particles(*bodies: Any) -> Any:
+def particles(*bodies):
     """Points of several velocity fields."""
     first = np.cumsum([0, *(len(body) for body in bodies)])
     return SimpleNamespace(
@@ -21,7 +18,7 @@ def particles(*bodies: Any) -> Any:
     )
 
 
-def laid(*bodies: Any, reach: float = 0.0, surface: Any = None, dim: int = 2) -> Any:
+def laid(*bodies, reach=0.0, surface=None, dim=2):
     """A grid from −2 to 3 m with the windows of some bodies."""
     grid = make_grid(H, np.full(dim, -2.0), np.full(dim, 3.0), len(bodies))
     points = particles(*bodies)
@@ -30,13 +27,13 @@ def laid(*bodies: Any, reach: float = 0.0, surface: Any = None, dim: int = 2) ->
 
 
 @pytest.mark.parametrize(("length", "cells"), [(1.0, 10), (1.0 + 1e-12, 10), (1.01, 11), (0.3, 3)])
-def test_the_grid_reaches_at_least_to_its_upper_end(length: float, cells: int) -> None:
+def test_the_grid_reaches_at_least_to_its_upper_end(length, cells):
     # 0.3 / 0.1 is a bit more than 3 in floating point, and still three cells
     grid = make_grid(0.1, np.zeros(2), np.array([length, 0.5]), 1)
     assert grid.nodes.tolist() == [cells + 1, 6]
 
 
-def test_nodes_of_two_windows_lie_one_after_the_other_and_agree_to_the_last_bit() -> None:
+def test_nodes_of_two_windows_lie_one_after_the_other_and_agree_to_the_last_bit():
     grid = laid([[0.1, 0.1]], [[0.4, 0.3]])
     assert grid.offset.tolist() == [0, *np.cumsum(np.prod(grid.window_shape, axis=1))]
     assert all(
@@ -57,7 +54,7 @@ def test_nodes_of_two_windows_lie_one_after_the_other_and_agree_to_the_last_bit(
 
 
 @pytest.mark.parametrize("far", [np.nan, np.inf, -np.inf, 1e300])
-def test_a_lost_point_does_not_break_the_laying(far: float) -> None:
+def test_a_lost_point_does_not_break_the_laying(far):
     # The shape function's fill then reports the point, with its name.
     grid = laid([[0.1, 0.1], [far, 0.1]])
     assert (grid.window_shape >= 1).all()

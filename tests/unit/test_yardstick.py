@@ -1,7 +1,5 @@
 """The yardstick measures what it says: the plain loops take the very steps that the stepper takes."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Points of a neo-Hookean body, stepped by the real stepper and plug-ins: a block, or the colliding rings."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 
@@ -34,12 +32,12 @@ class Block:
     clock: Clock
     half_edges: FloatArray  #: (n, dim, dim) [m]
 
-    def step(self) -> None:
+    def step(self):
         """One step of update stress last."""
         usl(self.state, self.hook, self.transfer, self.clock, lambda: DT)
 
 
-def make_block(shape: str, count: int, dim: int = 2) -> Block:
+def make_block(shape, count, dim=2):
     """A cube of about ``count`` points at slightly irregular positions."""
     cells = max(1, round((count / PER_CELL**dim) ** (1.0 / dim)))
     corners = {"lower": [float(MARGIN)] * dim, "upper": [float(MARGIN + cells)] * dim}
@@ -50,7 +48,7 @@ def make_block(shape: str, count: int, dim: int = 2) -> Block:
     return block
 
 
-def make_rings(shape: str) -> Block:
+def make_rings(shape):
     """The points of the scene ``colliding-rings``, lengths in cells, in one velocity field."""
     rings = {
         name: {
@@ -64,7 +62,7 @@ def make_rings(shape: str) -> Block:
     return _block_of(rings, {"layout": "fitted", "size": 0.25}, shape, 82, 2)
 
 
-def _block_of(geometries: Any, particles: Any, shape: str, cells: int, dim: int) -> Block:
+def _block_of(geometries, particles, shape, cells, dim):
     """Bodies that jitter and are slightly deformed, on a grid of so many cells and a margin on both sides."""
     solid = {"model": "neo_hookean", "density": 1.0, "bulk_modulus": BULK, "shear_modulus": SHEAR}
     scene = {

@@ -1,7 +1,5 @@
 """The plain compiled loop in C++ that kernels are measured against."""
 
-from __future__ import annotations
-
 import ctypes
 import functools
 import os
@@ -16,7 +14,6 @@ import numpy as np
 
 from mpmfw.state.fields import STEP_STAGES
 from yardstick import block
-from yardstick.block import Block
 
 FLAGS = ("-O3", "-march=native", "-std=c++17", "-shared", "-fPIC")
 #: Stages of a step without contact.
@@ -43,7 +40,7 @@ class _Problem(ctypes.Structure):
 
 
 @functools.cache
-def compilers() -> tuple[str, ...]:
+def compilers():
     """Paths of the C++ compilers: the one that ``CXX`` names, g++ and clang++, or whatever is called c++;
     empty without any.
     """
@@ -52,14 +49,14 @@ def compilers() -> tuple[str, ...]:
     return tuple(dict.fromkeys(path for path in found if path)) or tuple(filter(None, [shutil.which("c++")]))
 
 
-def compiler_version(path: str) -> str:
+def compiler_version(path):
     """What a compiler says of itself, and the flags that it is given."""
     said = subprocess.run([path, "--version"], check=True, capture_output=True, text=True).stdout
     return f"{said.partition(chr(10))[0]} {' '.join(FLAGS[:2])}"
 
 
 @functools.cache
-def compiled_library(path: str) -> ctypes.CDLL | None:
+def compiled_library(path):
     """The C++ loop, compiled once per process into a temporary folder; None where that is not possible."""
     source = Path(__file__).with_name("plain.cpp")
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
@@ -76,7 +73,7 @@ def compiled_library(path: str) -> ctypes.CDLL | None:
 ENTRIES = {"linear": 2, "gimp": 3, "bspline": 3, "cpdi": 4}
 
 
-def problem_of(block_: Block, shape: str) -> SimpleNamespace:
+def problem_of(block_, shape):
     """Copies of the block's arrays, and an empty table, as the plain loop wants them."""
     p, g = block_.state.particles, block_.state.grid
     n, dim = p.position.shape
@@ -124,7 +121,7 @@ class PlainLoop:
         The compiler cannot make a library that can be loaded.
     """
 
-    def __init__(self, shape: str, block_: Block, *, compiler: str) -> None:
+    def __init__(self, shape, block_, *, compiler):
         dim = block_.state.particles.dim
         self.problem = problem_of(block_, shape)
         library = compiled_library(compiler)
@@ -136,15 +133,13 @@ class PlainLoop:
         self.stages: dict[str, Callable[[], object]] = {stage: call(stage) for stage in STAGES}
         self.whole: Callable[[], object] = call("step")
 
-    def step(self) -> None:
+    def step(self):
         """Take a step stage by stage."""
         for stage in STAGES:
             self.stages[stage]()
 
 
-def _foreign_calls(
-    library: ctypes.CDLL, prefix: str, problem: SimpleNamespace
-) -> Callable[[str], Callable[[], object]]:
+def _foreign_calls(library, prefix, problem):
     """The library's functions by the end of their name, bound to a problem whose arrays they read and write
     in place.
     """

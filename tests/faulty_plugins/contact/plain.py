@@ -4,10 +4,6 @@ The law is that of Bardenhagen et al. (2001): where two bodies share a node and 
 the normal part of their relative velocity is taken away, and the tangential one as far as Coulomb's cone lets
 it."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
 
 from mpmfw.api import CONTACT_SERIES, ContactStrategy, hookimpl
@@ -22,7 +18,7 @@ class PlainContact(ContactStrategy):
     velocity_fields = "per_body"
     uses_friction = True
 
-    def __init_subclass__(cls, **keywords: Any) -> None:
+    def __init_subclass__(cls, **keywords):
         """Name a law with a fault as its class is called."""
         super().__init_subclass__(**keywords)
         if "name" not in vars(cls):

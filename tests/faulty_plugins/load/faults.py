@@ -1,15 +1,10 @@
 """Planted faults of loads: each breaks one property."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
 
 from faulty_plugins.sealed import Sealed
-from mpmfw.api import BodyLoad, FloatArray, Grid, LoadedFacets, Particles, SurfaceLoad, hookimpl
+from mpmfw.api import BodyLoad, FloatArray, SurfaceLoad, hookimpl
 from mpmfw.kernels import kernel
-from mpmfw.kernels.types import Floats
 
 
 class Sound(BodyLoad):
@@ -17,13 +12,13 @@ class Sound(BodyLoad):
 
     name = "sound"
 
-    def __init_subclass__(cls, **keywords: Any) -> None:
+    def __init_subclass__(cls, **keywords):
         """Name a plug-in with a fault as its class is called."""
         super().__init_subclass__(**keywords)
         if "name" not in vars(cls):
             cls.name = cls.__name__
 
-    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
+    def forces(self, particles, own, time):
         to_the_place = np.cos(time) - particles.position[own]
         force: FloatArray = particles.mass[own, None] * (3.0 * to_the_place - particles.velocity[own])
         return force
@@ -34,7 +29,7 @@ class SoundWind(SurfaceLoad):
 
     name = "sound_wind"
 
-    def traction(self, facets: LoadedFacets, time: float) -> FloatArray:
+    def traction(self, facets, time):
         along = ((facets.velocity - 2.0 - time) * facets.normal).sum(axis=1)
         return -np.maximum(along, 0.0)[:, None] * facets.normal
 
@@ -43,7 +38,7 @@ class Everybody(Sound):
     """Adds to all nodes, whatever body is theirs."""
 
     @hookimpl
-    def add_nodal_force(self, grid: Grid) -> None:
+    def add_nodal_force(self, grid):
         grid.force[:, 0] += grid.mass * 1.0
 
 
@@ -51,7 +46,7 @@ class Pushing(Sound):
     """Changes the momentum beside its forces."""
 
     @hookimpl
-    def after_momentum_update(self, grid: Grid, dt: float) -> None:
+    def after_momentum_update(self, grid, dt):
         grid.momentum[:, 0] += dt * grid.mass
 
 
@@ -59,7 +54,7 @@ class Shaking(Sound):
     """Heats: adds opposite momenta to neighbouring nodes, whose sum is nothing."""
 
     @hookimpl
-    def after_momentum_update(self, grid: Grid) -> None:
+    def after_momentum_update(self, grid):
         moving = np.flatnonzero(grid.mass > 0.0)
         pairs = moving[: len(moving) // 2 * 2].reshape(-1, 2)
         grid.momentum[pairs[:, 0], 0] += 1e-3
@@ -71,12 +66,12 @@ class EachPoint(BodyLoad):
 
     name = "each_point"
 
-    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:  # noqa: ARG002
+    def forces(self, particles, own, time):  # noqa: ARG002
         return np.ones((own.stop - own.start, particles.dim))
 
 
 @kernel
-def fill(force: Floats, values: int) -> None:
+def fill(force, values):
     """Write so many numbers, past the end where there are fewer."""
     for p in range(values):
         force[p, 0] = 1.0
@@ -87,7 +82,7 @@ class PastTheEnd(BodyLoad):
 
     name = "past_the_end"
 
-    def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:  # noqa: ARG002
+    def forces(self, particles, own, time):  # noqa: ARG002
         force = np.zeros((own.stop - own.start, particles.dim))
         fill(force, len(force) + 1)
         return force

@@ -1,7 +1,5 @@
 """Shape functions with a fault of weights, gradients, supports, domains, surfaces or tables."""
 
-from __future__ import annotations
-
 import dataclasses
 from typing import Literal
 
@@ -10,7 +8,7 @@ from pydantic import BaseModel
 
 from faulty_plugins.sealed import Sealed
 from faulty_plugins.shape.sound import Sound
-from mpmfw.api import FloatArray, Grid, IntArray, Particles, Setup, Stencil, hookimpl
+from mpmfw.api import hookimpl
 from mpmfw_shape.cpdi import Cpdi
 from mpmfw_shape.cpdi2 import Cpdi2
 from mpmfw_shape.gimp import WIDTH, Gimp
@@ -27,7 +25,7 @@ class ReachAtTheStart(Cpdi):
     """CPDI whose reach is that of the domains at the start."""
 
     @hookimpl
-    def particle_reach(self, particles: Particles) -> FloatArray:  # noqa: ARG002
+    def particle_reach(self, particles):  # noqa: ARG002
         return np.abs(self.half_edges).sum(axis=2)
 
 
@@ -35,7 +33,7 @@ class TransposedDeformation(Cpdi):
     """CPDI with Fᵀ in the place of F: right for stretch, wrong for shear and rotation."""
 
     @hookimpl
-    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
+    def interpolate(self, particles, grid):
         turned = np.ascontiguousarray(particles.deformation_gradient.transpose(0, 2, 1))
         return super().interpolate(dataclasses.replace(particles, deformation_gradient=turned), grid)
 
@@ -44,7 +42,7 @@ class CornersLeftBehind(Cpdi2):
     """CPDI2 whose corners forget to move."""
 
     @hookimpl
-    def update_particle_domains(self, particles: Particles, grid: Grid, dt: float) -> None:
+    def update_particle_domains(self, particles, grid, dt):
         """Nothing."""
 
 
@@ -52,7 +50,7 @@ class CornersMean(Cpdi2):
     """CPDI2 whose points are left at the mean of the corners, as in CPDI, which is not the centroid."""
 
     @hookimpl
-    def setup(self, setup: Setup) -> None:
+    def setup(self, setup):
         super().setup(setup)
         particles = setup.state.particles
         particles.position[:] = self.corners.mean(axis=1)
@@ -62,7 +60,7 @@ class LeakyFaces(Gimp):
     """GIMP with a wrong slope along x where a domain lies in two cells: every sum of a point is right."""
 
     @hookimpl
-    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
+    def interpolate(self, particles, grid):
         table = super().interpolate(particles, grid)
         h, half = grid.cell_size, self.half_length / grid.cell_size
         start = (particles.position[:, 0] - grid.lower[0]) / h - half
@@ -78,7 +76,7 @@ class LinearSurface(Sound):
     """B-splines whose surfaces are mapped with linear functions: forces add up, boundary stress is wrong."""
 
     @hookimpl
-    def interpolate_surface(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
+    def interpolate_surface(self, position, first, grid):
         return Linear().interpolate_surface(position=position, first=first, grid=grid)
 
 
@@ -96,7 +94,7 @@ class Descending(Sound):
     rows_ascend = True
 
     @hookimpl
-    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
+    def interpolate(self, particles, grid):
         table = super().interpolate(particles, grid)
         order = np.concatenate(
             [np.arange(b - 1, a - 1, -1) for a, b in zip(table.row[:-1], table.row[1:], strict=True)]
@@ -112,7 +110,7 @@ class Remembering(Sound):
     before = None
 
     @hookimpl
-    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
+    def interpolate(self, particles, grid):
         table = super().interpolate(particles, grid)
         mixed = table.weight if self.before is None else 0.5 * (table.weight + self.before)
         self.before = table.weight * (1.0 + 1e-15)
@@ -127,15 +125,15 @@ class KeepsElsewhere(Sound):
     """Weights fade with the steps, which the module counts."""
 
     @hookimpl
-    def setup(self) -> None:
+    def setup(self):
         _STEPS[0] = 0
 
     @hookimpl
-    def update_particle_domains(self) -> None:
+    def update_particle_domains(self):
         _STEPS[0] += 1
 
     @hookimpl
-    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
+    def interpolate(self, particles, grid):
         table = super().interpolate(particles, grid)
         return table.replace(weight=table.weight * (1.0 - 1e-9 * _STEPS[0]))
 

@@ -1,12 +1,10 @@
 """What the faults are planted in: quadratic B-splines in plain NumPy, without a fault."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np
 
-from mpmfw.api import FloatArray, Grid, IntArray, OutsideGrid, Particles, ShapeFunction, Stencil, hookimpl
+from mpmfw.api import OutsideGrid, ShapeFunction, Stencil, hookimpl
 
 WIDTH = 3
 
@@ -17,46 +15,46 @@ class Sound(ShapeFunction):
     name = "sound"
 
     @hookimpl
-    def particle_reach(self, particles: Particles) -> FloatArray:
+    def particle_reach(self, particles):
         """Points have no extent."""
         return np.zeros_like(particles.position)
 
     @hookimpl
-    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
+    def interpolate(self, particles, grid):
         """φ_ip and ∇φ_ip."""
         return self.table(particles.position, particles.first, grid)
 
     @hookimpl
-    def interpolate_surface(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
+    def interpolate_surface(self, position, first, grid):
         """The same basis, without gradients."""
         table = self.table(position, first, grid)
         return table.replace(gradient=np.zeros((0, grid.dim)))
 
-    def base(self, xi: FloatArray) -> FloatArray:
+    def base(self, xi):
         """First node of the support, of the position ``xi`` [cells] in the window."""
         return np.floor(xi - 0.5)
 
-    def weights(self, t: FloatArray) -> FloatArray:
+    def weights(self, t):
         """The three splines at ``t`` cells after the first node, (…, 3)."""
         return np.stack([0.5 * (1.5 - t) ** 2, 0.75 - (t - 1.0) ** 2, 0.5 * (t - 0.5) ** 2], axis=-1)
 
-    def slopes(self, t: FloatArray) -> FloatArray:
+    def slopes(self, t):
         """Their derivatives [1/cell]."""
         return np.stack([t - 1.5, -2.0 * (t - 1.0), t - 0.5], axis=-1)
 
-    def inside(self, base: FloatArray, shape: IntArray) -> FloatArray:
+    def inside(self, base, shape):
         """Return True for each point whose nodes lie in its window, (n,)."""
         return ((base >= 0.0) & (base + WIDTH <= shape)).all(axis=1)
 
-    def reported(self, index: int) -> int:
+    def reported(self, index):
         """The index that ``OutsideGrid`` carries."""
         return index
 
-    def offset(self, grid: Grid, field: IntArray) -> IntArray:
+    def offset(self, grid, field):
         """First node of each point's velocity field."""
         return grid.offset[field]
 
-    def table(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
+    def table(self, position, first, grid):
         """Weights and gradients at points (n, dim) of velocity fields ``first``."""
         n, dim, h = len(position), grid.dim, grid.cell_size
         field = np.repeat(np.arange(grid.n_fields), np.diff(first))

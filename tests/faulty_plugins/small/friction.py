@@ -1,14 +1,10 @@
 """Friction laws that are wrong in one place."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
 from pydantic import BaseModel, Field
 
 from faulty_plugins.sealed import Sealed
-from mpmfw.api import ContactRows, FloatArray, FrictionLaw
+from mpmfw.api import FrictionLaw
 
 
 class Sound(FrictionLaw):
@@ -16,22 +12,22 @@ class Sound(FrictionLaw):
 
     name = "sound"
 
-    def __init_subclass__(cls, **keywords: Any) -> None:
+    def __init_subclass__(cls, **keywords):
         """Name a plug-in with a fault as its class is called."""
         super().__init_subclass__(**keywords)
         if "name" not in vars(cls):
             cls.name = cls.__name__
 
-    def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
+    def slip_limit(self, rows, friction, dt):
         super().slip_limit(rows, friction, dt)
         n = rows.count
         rows.friction[:n] /= 1.0 + self.speed(rows, dt)
 
-    def speed(self, rows: ContactRows, dt: float) -> FloatArray:
+    def speed(self, rows, dt):
         """Of the slip [m/s]."""
         n = rows.count
         along = (rows.motion[:n] * rows.normal[:n]).sum(axis=1)[:, None] * rows.normal[:n]
-        slip: FloatArray = np.linalg.norm(rows.motion[:n] - along, axis=1)
+        slip = np.linalg.norm(rows.motion[:n] - along, axis=1)
         return slip / dt if dt > 0.0 else 0.0 * slip
 
 
@@ -47,7 +43,7 @@ class OneNumberNeedsAnother(Sound):
 
     Options = GrowthOptions
 
-    def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
+    def slip_limit(self, rows, friction, dt):
         FrictionLaw.slip_limit(self, rows, friction, dt)
         growth = self.options.growth * np.log1p(self.speed(rows, dt) / self.options.velocity)
         rows.friction[: rows.count] *= 1.0 + growth

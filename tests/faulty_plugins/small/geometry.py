@@ -1,15 +1,13 @@
 """Geometries that are wrong in one place: ellipses with a round hole, and tetrahedra."""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import shapely
 
-from mpmfw.api import FloatArray, IntArray, Layout, Length, PlaneGeometry, SolidGeometry
+from mpmfw.api import FloatArray, Length, PlaneGeometry, SolidGeometry
 
 FINE = 1440
 
@@ -23,36 +21,36 @@ class Sound(PlaneGeometry):
     hole: Length = 0.3
 
     @property
-    def exact_volume(self) -> float:
+    def exact_volume(self):
         """π (a b − r²) [m^2]."""
         return float(np.pi * (self.semi_axes[0] * self.semi_axes[1] - self.hole**2))
 
     @property
-    def centroid(self) -> FloatArray:
+    def centroid(self):
         return np.array(self.centre)
 
     @property
-    def bounds(self) -> FloatArray:
+    def bounds(self):
         half = np.array(self.semi_axes)
         return np.array(self.centre) + np.array([-half, half])
 
     @property
-    def region(self) -> Any:
+    def region(self):
         larger = np.sqrt(2.0 * np.pi / FINE / np.sin(2.0 * np.pi / FINE))
         outer, inner = (self.loop(half, FINE, larger) for half in self.halves())
         return shapely.Polygon(outer, [inner])
 
-    def outlines(self, segment: float) -> tuple[FloatArray, ...]:
+    def outlines(self, segment):
         outer, inner = (
             self.loop(half, int(np.ceil(2.0 * np.pi * max(half) / segment))) for half in self.halves()
         )
         return outer, inner[::-1].copy()
 
-    def halves(self) -> tuple[tuple[float, float], tuple[float, float]]:
+    def halves(self):
         """Semi-axes of both outlines [m]."""
         return self.semi_axes, (self.hole, self.hole)
 
-    def loop(self, half: tuple[float, float], number: int, larger: float = 1.0) -> FloatArray:
+    def loop(self, half, number, larger=1.0):
         """An ellipse (number, 2) [m], counter-clockwise."""
         angle = 2.0 * np.pi * np.arange(number) / number
         found: FloatArray = np.array(self.centre) + larger * np.array(half) * np.stack(
@@ -68,17 +66,17 @@ class SoundSolid(SolidGeometry):
     has_plane_faces = True
 
     @property
-    def bounds(self) -> FloatArray:
+    def bounds(self):
         return np.array([[0.0] * 3, [1.0] * 3])
 
-    def surfaces(self, edge: float) -> tuple[tuple[FloatArray, IntArray], ...]:
+    def surfaces(self, edge):
         n = int(np.ceil(np.sqrt(2.0) / edge))
         corners = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
-        places: dict[tuple[int, ...], int] = {}
+        places = {}
         facets = []
         for face in ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)):
 
-            def number(i: int, j: int, face: tuple[int, ...] = face) -> int:
+            def number(i, j, face=face):
                 at = np.zeros(4, dtype=int)
                 at[list(face)] = n - i - j, i, j
                 return places.setdefault(tuple(at), len(places))
@@ -97,7 +95,7 @@ class SmallDomains(Sound):
 
     type: Literal["small-domains"] = "small-domains"
 
-    def lattice(self, size: float, offset: tuple[float, ...]) -> Layout:
+    def lattice(self, size, offset):
         layout = super().lattice(size, offset)
         return replace(layout, half_edges=0.5 * layout.half_edges)
 
@@ -107,7 +105,7 @@ class Shared(Sound):
 
     type: Literal["shared"] = "shared"
 
-    def outlines(self, segment: float) -> tuple[FloatArray, ...]:
+    def outlines(self, segment):
         key = f"_kept_{segment}"
         if key not in self.__dict__:
             self.__dict__[key] = super().outlines(segment)
@@ -120,16 +118,16 @@ class Hidden(Sound):
 
     type: Literal["hidden"] = "hidden"
 
-    def __init__(self, **keys: Any) -> None:
+    def __init__(self, **keys):
         super().__init__(**{"hole": 0.29, **keys})
         self.__dict__["more"] = 0.01 if "hole" not in keys else 0.0
 
-    def halves(self) -> tuple[tuple[float, float], tuple[float, float]]:
+    def halves(self):
         hole = self.hole + self.__dict__["more"]
         return self.semi_axes, (hole, hole)
 
     @property
-    def exact_volume(self) -> float:
+    def exact_volume(self):
         return float(np.pi * (self.semi_axes[0] * self.semi_axes[1] - self.halves()[1][0] ** 2))
 
 
@@ -139,5 +137,5 @@ class LeftHanded(Sound):
     type: Literal["left-handed"] = "left-handed"
 
     @property
-    def axes(self) -> FloatArray:
+    def axes(self):
         return np.diag([1.0, -1.0])

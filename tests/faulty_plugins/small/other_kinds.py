@@ -1,10 +1,8 @@
 """A boundary condition and an output, since no bundled plug-in is one."""
 
-from __future__ import annotations
-
 import numpy as np
 
-from mpmfw.api import AnyArray, Boundary, Field, FloatArray, OutputSeries, State
+from mpmfw.api import AnyArray, Boundary, Field, OutputSeries
 
 
 class Shaken(Boundary):
@@ -12,11 +10,11 @@ class Shaken(Boundary):
 
     name = "shaken"
 
-    def holds(self, position: FloatArray) -> AnyArray:
+    def holds(self, position):
         held: AnyArray = position[:, 1] < 0.0
         return held
 
-    def velocity(self, position: FloatArray, time: float) -> FloatArray:
+    def velocity(self, position, time):
         found = np.full_like(position, np.nan)
         found[:, 0] = np.cos(20.0 * time)
         return found
@@ -27,10 +25,10 @@ class Fastest(OutputSeries):
 
     name = "fastest"
 
-    def series(self) -> list[Field]:
+    def series(self):
         return [Field("speed", ("body",), "m s-1", "largest speed", missing=True)]
 
-    def values(self, state: State, interval: float) -> dict[str, FloatArray]:  # noqa: ARG002
+    def values(self, state, interval):  # noqa: ARG002
         speed = np.sqrt((state.particles.velocity**2).sum(axis=1))
         largest = np.full(len(state.bodies), np.nan)
         for body in self.bodies:
