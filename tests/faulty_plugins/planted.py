@@ -236,7 +236,7 @@ PLANTED = {
             limit("TurnsNormals", "slip_limit", "n = rows.count", "n = rows.count\nrows.normal[:n] *= 1.0 + 1e-9"),  # noqa: E501
         ),
         "each-for-itself": (
-            limit("FirstPair", "slip_limit", "rows, friction, dt", "rows, 0.0 * friction + friction[0], dt"),
+            limit("FirstPair", "slip_limit", ".slip_limit(rows, friction,", ".slip_limit(rows, 0.0 * friction + friction[0],"),  # noqa: E501
         ),
         "repeatable": (
             limit("WearsOut", "slip_limit", "super(base, self).slip_limit(rows, friction,",
