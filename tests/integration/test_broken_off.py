@@ -92,19 +92,6 @@ def test_a_file_that_was_broken_off_says_so_at_a_glance(path):
     assert "run.nc was broken off: its run did not come to its end" in said.stderr
 
 
-def test_a_file_that_was_cut_short_is_named(path):
-    with RunWriter(path, HEADER) as writer:
-        for k in range(5):
-            writer.write(frame(k))
-        writer.finish({})
-    content = path.read_bytes()
-    path.write_bytes(content[: len(content) // 2])
-    with pytest.raises(MpmfwError, match=r"cannot read '.*run.nc': the file was cut short or is damaged"):
-        mpmfw.open(path)
-    said = CliRunner().invoke(app, ["plot", str(path)])
-    assert (said.exit_code, "was cut short" in said.stderr) == (2, True)
-
-
 SERIES_FOR_EVER = """
 import sys
 import numpy as np

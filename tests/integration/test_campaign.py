@@ -127,17 +127,6 @@ def test_a_reference_is_what_the_scene_says_it_is():
         load_scene({**SLIDING, "reference": {"kind": "slidin-block"}})
 
 
-def test_runs_are_repeated_when_asked():
-    assert mpmfw.campaign(SLIDING, {"contact": ["separate"]})["repeats"].item() == 1
-    data = mpmfw.campaign(SLIDING, {"contact": ["separate"]}, repeats=3)
-    assert data["repeats"].item() == 3
-    for wrong in (0, "auto"):
-        with pytest.raises(SceneError, match="repeats: must be at least 1"):
-            mpmfw.compare(SLIDING, ["separate"], ["linear"], repeats=wrong)
-    assert data["cpu_time_spread"].item() >= 0.0
-    assert data["cpu_time"].item() == np.min(data["cpu_time_repeat"])
-
-
 # -- the store
 
 

@@ -109,17 +109,6 @@ def test_names_and_dims_of_a_comparison(compared):
     assert data["pair"].values.tolist() == ["upper-floor"]
 
 
-def test_a_failing_method_is_recorded_and_the_others_are_done(compared):
-    *_, result, data = compared
-    failed = data["status"].sel(contact="separate").values.tolist()
-    assert all(status.startswith("failed: ") for status in failed)
-    others = data.sel(contact=["bardenhagen", "penalty"])
-    assert (others["status"] == "ok").all()
-    assert (others["mean_velocity"].sel(body="upper", axis="y").isel(time=-1) > 5.0).all()  # bounced
-    assert np.isnan(data["mean_velocity"].sel(contact="separate").isel(time=-1)).all()
-    assert f"separate, cpdi: {failed[1]}" in " ".join(result.stdout.split())
-
-
 def test_a_pipe_gets_the_table_and_the_names_of_the_files(compared):
     folder, _, result, _ = compared
     assert result.stderr == ""

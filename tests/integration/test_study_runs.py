@@ -61,15 +61,6 @@ def test_a_study_has_error_cost_and_front_over_what_varies(folder):
     np.testing.assert_allclose(dataset["error"], relative)
 
 
-def test_a_changed_study_takes_what_still_applies(folder):
-    wider = tiny_study(vary={"contact": ["penalty", "separate", "none"], "cell_size": [0.1]})
-    dataset, events = events_of(wider, folder / "tiny.nc")
-    assert events[-1].total == 1
-    assert dataset.sizes == {"contact": 3, "cell_size": 1, "stage": 6}
-    judged_otherwise = tiny_study(error={"quantity": "displacement", "kind": "finest"})
-    assert events_of(judged_otherwise, folder / "tiny.nc")[1][-1].total == 0
-
-
 def test_repeats_add_costs_alone(folder):
     study = tiny_study(vary={"contact": ["penalty"], "cell_size": [0.2, 0.1]}, cost={"repeats": 3})
     files = sorted(path.name for path in (folder / "tiny.nc.runs").iterdir())

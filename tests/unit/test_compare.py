@@ -8,10 +8,9 @@ import xarray as xr
 
 import mpmfw
 from mpmfw.api import ContactStrategy, hookimpl
-from mpmfw.errors import MpmfwError, SceneError
+from mpmfw.errors import SceneError
 from mpmfw.plots import figures_of
 from mpmfw.report import table
-from mpmfw.results import open as open_results
 from mpmfw.results.references import rings_table
 from mpmfw.scene.loading import shipped_scenes
 from studies_for_tests import SLIDING
@@ -54,15 +53,6 @@ def test_joined_on_contact_and_shape_with_what_failed_and_what_was_refused():
     assert np.isnan(data["centre_of_mass"].values[0, 1, -1]).all()
     with pytest.raises(SceneError, match="does not go"):
         compare([Choosy()], ["linear"])
-
-
-def test_saved_and_opened(tmp_path):
-    saved = compare(["penalty", "none"], ["cpdi"], output=tmp_path / "c.nc")
-    xr.testing.assert_equal(saved, open_results(tmp_path / "c.nc"))
-    assert saved["contact_force"].sel(contact="none").isnull().all()  # a series that one method lacks
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["c.nc", "c.nc.runs"]
-    with pytest.raises(MpmfwError, match="does not exist"):
-        compare(["none"], ["cpdi"], output=tmp_path / "nowhere" / "c.nc")
 
 
 def made(scene, time, bodies, **series):
