@@ -60,38 +60,12 @@ def mpmfw(tmp_path, monkeypatch):
     return invoke
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        (
-            "radius = 1",
-            "raduis = 1",
-            "s.toml:28: bodies.block.geometry.raduis: unknown key; did you mean 'radius'?",
-        ),
-        ("end = 1", "end = [1]", "s.toml:7: time.end: [1] is an array; expected a time in s"),
-        ("end = 1", 'end = "1 m"', "s.toml:7: time.end: '1 m' is not convertible to s"),
-        (
-            '"none"',
-            '"nonne"',
-            "s.toml:14: contact.method: no such contact plug-in: 'nonne' is unknown; did you mean 'none'?",
-        ),
-        (
-            '"block", "floor"',
-            '"blok", "floor"',
-            "s.toml:17: contact.pairs[0].bodies[0]: no body 'blok'; did you mean 'block'?",
-        ),
-        (
-            "[shape]",
-            '[stepping]\ntransfer = "flip"\ntransported = true\n[shape]',
-            "s.toml:12: stepping.transported: has no effect",
-        ),
-    ],
-)
-def test_a_bad_scene_is_status_2_and_one_message(mpmfw, old, new, message):
-    for command in ("run", "compare", "explain") if "raduis" in new else ("run",):
-        result = mpmfw(command, "s.toml", replace=(old, new))
-        assert (result.exit_code, result.stdout, result.stderr.count("\n")) == (2, "", 1)
-        assert result.stderr.startswith(message)
+@pytest.mark.parametrize("command", ["run", "compare", "explain"])
+def test_a_bad_scene_is_status_2_and_one_message(mpmfw, command):
+    result = mpmfw(command, "s.toml", replace=("radius = 1", "raduis = 1"))
+    assert (result.exit_code, result.stdout, result.stderr.count("\n")) == (2, "", 1)
+    said = "s.toml:28: bodies.block.geometry.raduis: unknown key; did you mean 'radius'?"
+    assert result.stderr.startswith(said)
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,6 @@ import pytest
 
 from mpmfw.api import Stencil
 from mpmfw.effects.side_rows import SideTable, meet, quadrature, splines
-from mpmfw.effects.surface import CRITICAL_MASS, LIGHT, weigh_by_mass, weigh_plain
 from mpmfw.kernels import struct
 from mpmfw_shape.cpdi2 import fill_cpdi2, move_corners
 
@@ -81,25 +80,6 @@ def side_table(rows, entries):
     return SideTable(
         nodes=np.zeros(entries, dtype=np.int64), weights=np.zeros(entries), work=np.zeros(1), **whole, **real
     )
-
-
-@pytest.mark.parametrize("kind", ["plain", "mass_weighted"])
-def test_surface_maps_weigh_the_nodes_and_sum_to_one(kind):
-    row, index, weight = table()
-    node_mass = RNG.random(NODES) * (RNG.random(NODES) > 0.4)
-    cell = RNG.uniform(1.0, 3.0, POINTS)
-    old = weight.reshape(-1, WIDTH).copy()
-    mass = node_mass[index].reshape(-1, WIDTH)
-    if kind == "plain":
-        new = np.where(mass > LIGHT * cell[:, None] * old**2, old, 0.0)
-        weigh_plain(row, index, weight, cell, node_mass)
-    else:
-        new = old * mass / (mass + CRITICAL_MASS * cell[:, None])
-        weigh_by_mass(row, index, weight, cell, node_mass)
-    total = new.sum(axis=1, keepdims=True)
-    carried = total[:, 0] > 0.0
-    assert carried.sum() > POINTS // 2
-    np.testing.assert_allclose(weight.reshape(-1, WIDTH)[carried], new[carried] / total[carried], rtol=1e-13)
 
 
 def quadrilaterals():

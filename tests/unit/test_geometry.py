@@ -127,18 +127,6 @@ def test_outlines_run_with_the_material_on_their_left(name, segment):
         assert not curved or np.ptp(lengths) < 1e-12
 
 
-@pytest.mark.parametrize("segment", [2 * math.pi / n for n in (3, 4, 5, 7, 96.5, 97, 98, 99, 101, 102, 109)])
-def test_round_outlines_have_the_mirror_planes_of_axes_and_diagonals(segment):
-    for geometry in (
-        Disc(centre=(0, 0), radius=1),
-        Ring(centre=(0, 0), inner_radius=0.6, outer_radius=1),
-    ):
-        for loop in geometry.outlines(segment):
-            for image in (loop * (1, -1), loop * (-1, 1), loop[:, ::-1], -loop[:, ::-1]):
-                distance = np.linalg.norm(loop[:, np.newaxis] - image, axis=2)
-                assert distance.min(axis=0).max() < 1e-14
-
-
 @given(size=st.floats(0.03, 3.0))
 @settings(max_examples=30)
 def test_fitted_disc_has_well_shaped_quadrilaterals(size):
