@@ -12,7 +12,7 @@ from faulty_plugins.small import friction, geometry, other_kinds
 from kit_for_tests import asked, check_of, entry_points_are_read_once  # noqa: F401
 from mpmfw.api import SceneError, hookimpl
 from mpmfw.campaigns.measures import MEASURES
-from mpmfw.geometry import Extrusion, Polygon, Revolution, Ring
+from mpmfw.geometry import Extrusion, Polygon, Revolution
 from mpmfw.plugin.discovery import available, distribution_of
 from mpmfw_testing import subject_of
 from mpmfw_testing.examination import examine_one
@@ -149,7 +149,7 @@ SOUND = {
     ("geometry", "cylinder(centre=[0, 0, 0], radius=1, length=2)"): {},
     ("geometry", "torus(centre=[0, 0, 0], radius=1, tube_radius=0.3)"): {},
     ("geometry", Extrusion(outline=ELL, low=0.0, high=1.0, angles=(0.3, 0.2, 0.1))): {},
-    ("geometry", Revolution(outline=Ring(centre=(2, 0), inner_radius=0.5, outer_radius=0.9))): {},
+    ("geometry", Revolution(outline=Polygon(points=((0, 0), (1, 0), (0, 1.4))), axis="y")): {},
     ("boundary", other_kinds.Shaken): {},
     ("output", other_kinds.Fastest): {},
     **{("measure", name): {} for name in MEASURES},

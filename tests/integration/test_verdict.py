@@ -9,6 +9,7 @@ from typer.testing import CliRunner
 import mpmfw
 from mpmfw.api import ContactStrategy, hookimpl
 from mpmfw.cli.app import app
+from mpmfw.effects.verdict import SIDES_LATEST
 from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene.toml_text import toml_text
@@ -193,6 +194,16 @@ def test_bodies_with_loads_that_settle_are_judged_from_time_zero_on():
         made = scene((left, 0.0), (right, 0.0), end=0.01, outputs=5, allow_overlap=True, **keys)
         made["contact"]["method"], made["shape"]["method"] = "penalty", "cpdi"
         assert run(made).attrs["status"] == "ok"
+
+
+def test_sides_are_looked_at_between_outputs():
+    simulation = Simulation(scene((DISCS[0], 0.0), (DISCS[1], 0.0), end=100.0, outputs=1), contact="penalty")
+    simulation.start()
+    judge = simulation.manager.get_plugin("verdict")
+    judge.diagnostics(simulation.state, 0.0)  # the first output
+    assert judge.latest_sides == SIDES_LATEST
+    simulation.advance(SIDES_LATEST + 1)
+    assert judge.latest_sides == 2 * SIDES_LATEST
 
 
 def passes_through():
