@@ -64,7 +64,7 @@ def test_lines_of_a_written_document(path, line):
 
 
 def test_windows_line_ends_count_once():
-    assert Locator("a = 1\r\n\r\n[b]\r\nc = 2\r\n").lines["b", "c"] == 4
+    assert Locator("a = 1\r\n\r\n[b]\r\nc = 2\r\n").line(("b", "c")) == 4
 
 
 KEYS = st.text("ab_-1 .'é#=", min_size=1, max_size=4)
@@ -97,8 +97,8 @@ def test_every_key_of_a_random_document_is_on_its_line(document, spread):
         text = text.replace(" = [1000", " = [ # ]\n\n1000")
     assert tomllib.loads(text) == document
     lines = {path: text[: text.index(str(number))].count("\n") + 1 for path, number in numbers.items()}
-    found = Locator(text).lines
-    assert {path: found[path] for path in lines} == lines
+    locator = Locator(text)
+    assert {path: locator.line(path) for path in lines} == lines
 
 
 @given(st.lists(KEYS, min_size=1, max_size=3), st.integers(0, 99))

@@ -71,7 +71,7 @@ class Origin:
         for key, target in overrides:
             if target in between:
                 return key
-        absent = self.locator is not None and len(path) > 1 and path[:-1] not in self.locator.lines
+        absent = self.locator is not None and len(path) > 1 and path[:-1] not in self.locator
         if absent:
             for key, target in overrides:
                 if len(target) >= len(path) and target[: len(path) - 1] == path[:-1]:
