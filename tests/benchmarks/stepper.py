@@ -19,12 +19,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.console import Console
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from mpmfw.benchmark import quartiles, stage_times, table
+from mpmfw.benchmark import quartiles, stage_times
 from mpmfw.campaigns.work import Load, processor
+from mpmfw.cli.tables import print_table
 from yardstick.block import Block, make_block, make_rings
 from yardstick.plain import ENTRIES, STAGES, PlainLoop, compiler_version, compilers
 
@@ -112,6 +112,6 @@ if __name__ == "__main__":
             rows.append({**measure(shape, block, chosen.repeats), "points": points})
     busy = load.others()
     title = f"{points} in {rows[0]['dim']}D, without contact: ns per material point and step"
-    Console(width=170).print(table(rows, title))
+    print_table(rows, labels=("shape",), title=title)
     said = "; ".join(map(compiler_version, compilers())) or "no C++ compiler"
     print(f"{processor()}; {said}; other processes kept {busy:.1f} cores busy")

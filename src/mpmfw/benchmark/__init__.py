@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from rich.table import Table
 
 from mpmfw.runs.simulation import Simulation
 from mpmfw.state.fields import STEP_STAGES, FloatArray
 
-__all__ = ["measure_scene", "measure_threads", "table"]
+__all__ = ["measure_scene", "measure_threads"]
 
 #: Steps before the first sample: kernels are compiled, windows laid, contact searched.
 WARM_UP = 5
@@ -131,23 +129,3 @@ def quartiles(values: FloatArray) -> tuple[float, float, float]:
     """Return first quartile, median, third quartile."""
     low, median, high = np.quantile(values, [0.25, 0.5, 0.75])
     return float(low), float(median), float(high)
-
-
-def table(rows: Sequence[Mapping[str, Any]], title: str = "ns per material point and step") -> Table:
-    """Return rows as :func:`measure_scene` makes them, with a column for each key."""
-    made = Table(title=title)
-    keys = list(dict.fromkeys(key for row in rows for key in row))
-    for key in keys:
-        numeric = any(isinstance(row.get(key), int | float) for row in rows)
-        # The stage that fills the table of the shape function must not be a second column called shape.
-        heading = "fill" if key == "ns_shape" else key.removeprefix("ns_").replace("_", " ")
-        made.add_column(heading, justify="right" if numeric else "left", no_wrap=True)
-    for row in rows:
-        made.add_row(*[_formatted(key, row.get(key)) for key in keys])
-    return made
-
-
-def _formatted(key: str, value: Any) -> str:
-    if isinstance(value, float):
-        return f"{value:.{2 if key.startswith('ratio') else 1}f}"
-    return "" if value is None else str(value)

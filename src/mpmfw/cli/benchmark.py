@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from typing import Annotated
 
+import typer
 from typer import Option
 
 from mpmfw.cli import arguments as args
+from mpmfw.cli.tables import print_table
 from mpmfw.errors import SceneError
 
 #: Steps after which the shipped scenes are in contact.
 IN_CONTACT = {"colliding-rings": 250}
-
-#: Terminal width below which a table of twelve columns would lose digits.
-WIDTH = 170
 
 #: Columns of a measurement that are not shown.
 HIDDEN = ("dim", "ns_low", "ns_high")
@@ -26,9 +25,7 @@ def benchmark(
     trust: args.Trust = False,
 ) -> None:
     """Print ns per material point and step of scenes, by stage; or what threads gain."""
-    from rich.console import Console
-
-    from mpmfw.benchmark import measure_scene, measure_threads, table
+    from mpmfw.benchmark import measure_scene, measure_threads
     from mpmfw.campaigns.work import Load, processor
     from mpmfw.scene import load_scene
 
@@ -45,7 +42,7 @@ def benchmark(
         row = measure_scene(scene, repeats, start=start)
         shown = {key: value for key, value in row.items() if key not in HIDDEN}
         rows.append({**shown, "contact %": 100.0 * row["ns_contact"] / row["ns_total"]})
-    console = Console(width=max(Console().width, WIDTH))
     what = "ns per material point and step" if threads == 1 else "least wall time of a step, ns per point"
-    console.print(table(rows, f"Scenes: {what}"))
-    console.print(f"{processor()}; other processes kept {load.others():.1f} cores busy")
+    heads = {key: "fill" if key == "ns_shape" else key.removeprefix("ns_") for key in rows[0]}
+    print_table(rows, heads, labels=("scene", "contact", "shape"), title=f"Scenes: {what}")
+    typer.echo(f"{processor()}; other processes kept {load.others():.1f} cores busy")

@@ -112,7 +112,8 @@ class FieldPanel:
         for body in self.outlined:
             self._drawn += self._draw_surface(axes, frame_of(self.tree, f"surface/{body}", frame), scales)
         text = ", ".join(part for part in (title, self.time_text(frame)) if part)
-        axes.set_title(textwrap.fill(on_lines(text), TITLE_WIDTH, replace_whitespace=False), loc="left")
+        lines = [textwrap.fill(line, TITLE_WIDTH) for line in on_lines(text).splitlines()]
+        axes.set_title("\n".join(lines), loc="left")
         return first
 
     def time_text(self, frame: int) -> str:

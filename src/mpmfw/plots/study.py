@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from mpmfw.plots.costs import stages
-from mpmfw.plots.markers import Marker, draw_side_by_side
 from mpmfw.plots.study_grid import label_of, order_of, problems_of, resolution_of, runs_of, with_methods
 from mpmfw.plots.style import Look, dress, entry, journal_style, legend_below, new_panels
 
@@ -29,7 +28,7 @@ def study_figures(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
         figures["front"] = (
             front(dataset),
             "Error over CPU time with the range of the repeats. The line joins filled runs, which no other "
-            f"one beats in both. Moved markers have a dot. Timing: {timing}.{_failed(dataset)}",
+            f"one beats in both. Timing: {timing}.{_failed(dataset)}",
         )
     if np.isfinite(dataset["stage_time"]).any():
         figures["stages"] = (stages(dataset), f"CPU time by stage of the step. Timing: {timing}.")
@@ -49,7 +48,7 @@ def front(dataset: xr.Dataset) -> Figure:
     for axes, (title, problem) in zip(panels, problems, strict=True):
         _draw_front(axes, problem)
         for row in runs_of(problem):
-            _draw_spread(axes, row, look)
+            _draw_run(axes, row, look, _size(named, resolution, row))
         axes.set_xscale("log")
         axes.set_yscale("log")
         axes.margins(y=0.12)
@@ -61,11 +60,6 @@ def front(dataset: xr.Dataset) -> Figure:
     key = _key(named, look, resolution)
     most = max(map(len, key))
     legend_below(figure, key, most=most, columnspacing=0.8, handlelength=1.3, handletextpad=0.5)
-    figure.draw_without_rendering()  # sizes and limits of the panels are final from here on
-    for axes, (_, problem) in zip(panels, problems, strict=True):
-        drawn = [row for row in runs_of(problem) if _can_be_drawn(row["run"])]
-        drawn.sort(key=lambda row: (not row["run"]["pareto"], float(row["run"]["cpu_time"])))
-        draw_side_by_side(axes, [_marker(row, look, _size(named, resolution, row)) for row in drawn])
     return figure
 
 
@@ -101,36 +95,27 @@ def _can_be_drawn(run: xr.Dataset) -> bool:
     return bool(np.isfinite(run["error"]) and run["error"] > 0.0 and np.isfinite(run["cpu_time"]))
 
 
-def _draw_spread(axes: Any, row: dict[str, Any], look: Look) -> None:
-    """The range of the repeats, where the run is."""
-    run = row["run"]
+def _draw_run(axes: Any, row: dict[str, Any], look: Look, size: float) -> None:
+    """Draw a run with the range of its repeats: filled and with a dark edge on the front, open else."""
+    run, colour = row["run"], look.colours[row["contact"]]
     if not _can_be_drawn(run):
         return
     cost, spread = float(run["cpu_time"]), float(np.nan_to_num(run["cpu_time_spread"]))
+    on = bool(run["pareto"])
     axes.errorbar(
         cost,
         100.0 * float(run["error"]),
         xerr=[[min(spread, 0.9 * cost)], [spread]],
-        color=look.colours[row["contact"]],
+        color=colour,
         elinewidth=0.6,
         linestyle="",
-        zorder=3,
+        marker=look.styles[row["shape"]][1],
+        markersize=size,
+        markeredgecolor="black" if on else colour,
+        markerfacecolor=colour if on else "white",
+        markeredgewidth=0.7,
+        zorder=6 if on else 5,
     )
-
-
-def _marker(row: dict[str, Any], look: Look, size: float) -> Marker:
-    """A run: filled and with a dark edge on the front, open else."""
-    run, colour = row["run"], look.colours[row["contact"]]
-    on = bool(run["pareto"])
-    style = {
-        "color": colour,
-        "marker": look.styles[row["shape"]][1],
-        "markeredgecolor": "black" if on else colour,
-        "markerfacecolor": colour if on else "white",
-        "markeredgewidth": 0.7,
-        "zorder": 6 if on else 5,
-    }
-    return Marker(float(run["cpu_time"]), 100.0 * float(run["error"]), size, style)
 
 
 def _draw_front(axes: Any, problem: xr.Dataset) -> None:

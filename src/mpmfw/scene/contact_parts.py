@@ -110,22 +110,3 @@ def _checked(table: Mapping[str, Any], names: tuple[str, str]) -> tuple[Parts | 
     beside = {key: value for key, value in table.items() if key not in (*PARTS, *names)}
     joined = {**options, **whole} if isinstance(whole, Mapping) else whole
     return Parts({**beside, "method": method, **({method: joined} if joined else {})}, names), []
-
-
-def without_effect(overrides: Iterable[tuple[str, Path]], table: Any, tables: Iterable[str]) -> list[Problem]:
-    """Refuse options of a detection or a law that were set where the contact is not written by its parts.
-
-    ``overrides`` are what was set, the keys as written and their paths; ``tables`` those of the parts that
-    ``[contact]`` names."""
-    if not isinstance(table, Mapping):
-        return []
-    alone = {name: part for part in PARTS for name in available(part) if name not in available("contact")}
-    stands, problems = f'[contact."{table.get("method", "DETECTION+LAW")}"]', []
-    for key, path in overrides:
-        if len(path) > 1 and path[0] == "contact" and path[1] in alone and path[1] not in tables:
-            written = f"{alone[path[1]]} = '{path[1]}'"
-            message = (
-                f"has no effect: the contact is not written with {written}; its options stand in {stands}"
-            )
-            problems.append(Problem((), message, override=key))
-    return problems

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from mpmfw.errors import SceneError
 from mpmfw.geometry.base import context_of_cells
 from mpmfw.scene.checks import check
-from mpmfw.scene.contact_parts import latest_spelling, without_effect
+from mpmfw.scene.contact_parts import latest_spelling
 from mpmfw.scene.content import check_content, code_in
 from mpmfw.scene.locator import Locator, dotted
 from mpmfw.scene.locator import Path as KeyPath
@@ -88,7 +88,7 @@ def scene_from(source: Source, overrides: Mapping[str, Any]) -> Scene:
     paths = origin_of(source, overrides).overrides
     latest_spelling(mapping, (path for _, path in paths))
     chosen = separate_options(mapping)
-    problems += chosen.problems + without_effect(paths, mapping.get("contact"), chosen.contact_tables)
+    problems += chosen.problems
     scene: Scene | None = None
     core, outside = _with_resolved_paths(chosen.core, source.directory, [path for _, path in paths])
     if outside:  # before the models are made, which read the files

@@ -25,7 +25,7 @@ _ENDS = [
 
 
 class Locator:
-    """Lines of the keys of a valid TOML document: a key is on the last of the lines that it takes to read it."""
+    """Lines of the keys of a valid TOML document, each the last line that is needed to read the key."""
 
     def __init__(self, text: str) -> None:
         self._lines = text.replace("\r\n", "\n").split("\n")

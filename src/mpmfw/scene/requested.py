@@ -16,7 +16,7 @@ from mpmfw.scene.override import parse_path
 from mpmfw.scene.specification import parse_specification
 
 #: Tables in which options of each kind of plug-in stand.
-_TABLES: dict[Kind, str] = {"contact": "contact", "shape": "shape", "friction": "contact"}
+_TABLES: dict[Kind, str] = dict.fromkeys(("contact", *PARTS, "friction"), "contact") | {"shape": "shape"}
 
 
 def check_requested(
@@ -51,8 +51,11 @@ def check_methods_run(keys: Iterable[str], methods: Mapping[str, Sequence[str]],
             name = path[1] if path[0] == table and len(path) > 1 else None
             if not isinstance(name, str) or name in CORE_KEYS[table] or name not in choices(kind):
                 continue
-            if name not in methods.get(kind, (name,) if kind == "friction" else ()):
-                runs = ", ".join(methods.get(kind, ())) or f"no {'law' if kind == 'friction' else 'method'}"
+            if kind in PARTS and name in choices("contact"):
+                continue
+            running = methods.get("contact" if kind in PARTS else kind, (name,) if kind == "friction" else ())
+            if name not in running:
+                runs = ", ".join(running) or f"no {'law' if kind == 'friction' else 'method'}"
                 raise SceneError(
                     f"{said} {key}: has no effect: {kind} '{name}' does not run here; what runs is {runs}"
                 )
