@@ -108,7 +108,6 @@ def measure_threads(
 
 
 def _methods(simulation: Simulation) -> dict[str, str]:
-    """Return the names of scene, contact and shape."""
     contact = "none" if simulation.contact is None else simulation.contact.name
     return {"scene": simulation.scene.name, "contact": contact, "shape": simulation.shape.name}
 

@@ -116,7 +116,6 @@ def _first(scene: Any, methods: Mapping[str, Sequence[Any]], shared: Mapping[str
 
 
 def _applicable_measures(scene: Scene | None) -> list[str]:
-    """Return the measures whose exact value the scene has."""
     if scene is None:
         return []
     try:
@@ -155,7 +154,6 @@ def _methods(kind: Kind, chosen: Sequence[Any]) -> list[Any]:
 
 
 def _check_values(key: str, values: Sequence[Any]) -> None:
-    """Refuse anything but a list of different values."""
     if isinstance(values, str) or not hasattr(values, "__len__"):
         raise SceneError(f"vary {key}: expected a list of values, got {values!r}")
     if len(values) == 0:

@@ -123,7 +123,6 @@ def _process() -> ProcessPoolExecutor:
 
 
 def _leaves(task: Any) -> bool:
-    """Return True if a task can be sent to another process."""
     try:
         pickle.dumps(task)
     except Exception:

@@ -268,7 +268,6 @@ def judge_all(
 
 
 def _read_reference(error: ErrorTable, at: At, beside: Callable[[Any], Any]) -> Exact:
-    """Read a curve from a CSV file."""
     path = Path(beside(error.file))
     try:
         # NumPy takes the columns' names from the first line even if that is a comment

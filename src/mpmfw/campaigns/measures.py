@@ -70,7 +70,6 @@ def measure_of(name: str) -> Measure:
 
 
 def _made(kind: Literal["measure", "reference"], name: str, base: type[Any]) -> Any:
-    """Return an object of an announced class."""
     plugin = load(kind, name)
     if not issubclass(plugin, base):
         raise SceneError(f"{full_name(plugin)} is no {kind}; expected a subclass of {base.__name__}")
@@ -113,7 +112,6 @@ def _exact_along(measure: Measure, scene: Scene, about: About) -> Exact | None:
 
 
 def _incline(scene: Scene) -> Incline | None:
-    """Return the motion down a plane of a scene, or None."""
     try:
         known = declared(scene)
     except SceneError:
@@ -168,7 +166,6 @@ def _displacement(run: xr.DataTree, about: About) -> Measured:
 
 
 def _of_pair(name: str, run: xr.DataTree, about: About) -> xr.DataArray | None:
-    """Return a series of the pair, or None."""
     series = run["series"].to_dataset()
     return series[name].sel(pair=about.pair) if name in series else None
 
@@ -178,7 +175,6 @@ def _number(value: float) -> Measured:
 
 
 def _from_rest(scene: Scene, about: About) -> Incline | None:
-    """Return the motion down a plane of this body and axis, or None."""
     known = declared(scene)
     if not isinstance(known, Incline):
         return None
@@ -186,8 +182,6 @@ def _from_rest(scene: Scene, about: About) -> Incline | None:
 
 
 def _down_the_plane(value: Callable[[Incline], float]) -> Known:
-    """Closed form of a number of a motion down a plane."""
-
     def exact(scene: Scene, about: About) -> Exact | None:
         known = _from_rest(scene, about)
         number = value(known) if known else 0.0

@@ -125,7 +125,6 @@ def counted(outcome: Outcome | None, exclusive: bool) -> list[Cost]:
 
 
 def _with_repeat(known: Outcome, finished: Finished | None) -> Outcome:
-    """Return the outcome with one cost more, or a note."""
     if finished is None or not finished.outcome.costs or not is_complete(finished.outcome.status):
         why = "its process ended abruptly" if finished is None else finished.outcome.status
         return _noted(known, f"a repeat for its cost did not end as the run did: {why}")

@@ -195,7 +195,6 @@ def own_files(folder: Path) -> list[Path]:
 
 
 def _is_own(path: Path) -> bool:
-    """Return True if a store wrote the file."""
     if path.is_symlink() or not path.is_file():
         return False
     if half := _HALF.fullmatch(path.name):
@@ -208,7 +207,6 @@ def _is_own(path: Path) -> bool:
 
 
 def _holds_outcome(path: Path) -> bool:
-    """Return True if a file has the fields of an outcome, with the key of its name."""
     try:
         fields = json.loads(path.read_bytes())
     except (OSError, ValueError, RecursionError):

@@ -116,7 +116,6 @@ def time_once(task: Task) -> Finished:
 def _try(
     task: Task, path: Path | None, progress: Callable[[float, int], None] | None
 ) -> tuple[Outcome, xr.DataTree | None]:
-    """Return the outcome of a run, and its results."""
     global _begun
     first, load = _begun == 0, Load()
 
@@ -160,7 +159,6 @@ def _try(
 
 @contextmanager
 def _warnings() -> Iterator[list[warnings.WarningMessage]]:
-    """Collect warnings, those of results each time."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("ignore")
         warnings.filterwarnings("always", category=ResultsWarning)
@@ -179,7 +177,6 @@ def _cost(tree: xr.DataTree, task: Task, others: float, first: bool) -> Cost:
 
 
 def _digest(tree: xr.DataTree) -> str:
-    """Return a hash of every bit of the series."""
     if "series" not in tree.children:
         return ""
     digest = hashlib.sha256()

@@ -141,7 +141,6 @@ def _kind_of(text: str, kind: str | None) -> Kind:
 
 
 def _table(path: Path) -> dict[str, str]:
-    """Return the expected failures of a TOML file, by check."""
     try:
         document = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:

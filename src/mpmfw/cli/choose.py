@@ -82,7 +82,6 @@ def choose(
 
 
 def _print(dataset: xr.Dataset, form: Format) -> None:
-    """Print a row for each method, and in a table the answer below."""
     from mpmfw.studies.conclusion import advice, method_rows
 
     rows = method_rows(dataset)

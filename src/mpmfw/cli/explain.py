@@ -107,7 +107,6 @@ def named_arrays(state: Any) -> Iterable[tuple[str, Any]]:
 
 
 def _print_step(simulation: Simulation, found: Prediction, everything: bool) -> None:
-    """Print the first step that a run takes, and its least limit."""
     limits = sorted(found.limits)
     if everything:
         rows = [{"set by": owner, "limit [s]": f"{seconds:.6g}"} for seconds, owner in limits]
@@ -134,7 +133,6 @@ def _print_share_of_springs(simulation: Simulation) -> None:
 
 
 def _print_cost(simulation: Simulation, found: Prediction, everything: bool) -> None:
-    """Print steps, CPU time and memory, predicted from a trial."""
     from mpmfw.runs.limits import most_memory, results_size, shown_bytes
     from mpmfw.runs.prediction import TIMED
 
@@ -172,7 +170,6 @@ def unused_facts(simulation: Simulation) -> list[str]:
 
 
 def _alternatives(simulation: Simulation) -> Iterator[str]:
-    """Yield options of methods that do not run here."""
     from mpmfw.scene.options import CORE_KEYS
 
     scene = simulation.scene
@@ -210,7 +207,6 @@ def _surfaces(simulation: Simulation) -> Iterator[str]:
 
 
 def _rotation(simulation: Simulation) -> Iterator[str]:
-    """Yield bodies whose ``rotation`` has no effect beside the other methods."""
     bodies = simulation.scene.bodies
     for effect in simulation.effects:
         name = effect.name.removeprefix("rotation of ").removesuffix(": lumped")
@@ -219,7 +215,6 @@ def _rotation(simulation: Simulation) -> Iterator[str]:
 
 
 def _diagnostics(simulation: Simulation) -> Iterator[str]:
-    """Yield diagnostics that the scene names and the run does not record."""
     scene, contact = simulation.scene, simulation.contact
     effects = {effect.name: effect for effect in simulation.effects}
     for key, name, words in _DIAGNOSTICS:

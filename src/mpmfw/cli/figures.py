@@ -87,7 +87,6 @@ def _check_effect(given: dict[str, Any], needed: str, chosen: object) -> None:
 
 
 def _check_paths(file: list[Path], path: Path, force: bool) -> None:
-    """Check that ``path`` can be written, and that all FILEs are results."""
     from mpmfw.results import check_results
 
     new_path(path, force)

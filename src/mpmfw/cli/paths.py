@@ -40,7 +40,6 @@ def check_result(path: Path, kind: str, force: bool = False) -> Path:
 
 
 def _check_checkpoint(checkpoint: Path, path: Path, may_replace: bool) -> None:
-    """Refuse to replace a file that is not a checkpoint, or one whose results are missing."""
     from mpmfw.runs.restart import is_foreign
 
     if is_foreign(str(checkpoint)):

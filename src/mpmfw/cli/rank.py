@@ -62,7 +62,6 @@ def rank(
 
 
 def _print_failures(failures: list[dict[str, Any]], *, err: bool) -> None:
-    """Print the runs that do not count, by method and reason."""
     counts = Counter((one["method"], one["status"]) for one in failures)
     for (method, status), times in counts.items():
         runs = "run does" if times == 1 else "runs do"

@@ -59,7 +59,6 @@ def stability(
 
 
 def _print(dataset: xr.Dataset) -> None:
-    """Print the largest stable Courant numbers, and a letter for every point."""
     from mpmfw.stability.chart import largest_stable
 
     axis, cfl = str(dataset["class"].dims[0]), dataset["cfl"].values

@@ -107,6 +107,5 @@ def write_rows(rows: Sequence[Mapping[str, Any]], form: Format) -> None:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value of Python; None for a number that is not finite."""
     value = value.item() if hasattr(value, "item") else value
     return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -71,7 +71,6 @@ def validate(
 
 
 def _check_places(cases: Sequence[Path], output: Path, document: Path | None, force: bool) -> None:
-    """Check that the folder and the page can be written without loss of a file."""
     from mpmfw.campaigns.store import own_files
     from mpmfw.results.replacing import check_new, check_writable
     from mpmfw.validation.page import BEGIN

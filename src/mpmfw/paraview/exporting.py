@@ -81,7 +81,6 @@ def _export(
     progress: Callable[[int, int], None] | None,
     force: bool,
 ) -> list[Path]:
-    """Write all files; their names begin with ``target``."""
     chosen, frames = bodies_of(tree, selection), chosen_frames(tree, every)
     indices = {body: k for k, body in enumerate(bodies_of(tree)) if body in chosen}
     corners = {body: corners_of(tree, body) for body in indices}
@@ -135,7 +134,6 @@ def _write_mesh(mesh: Mesh, time: float, about: dict[str, str], path: Path) -> N
 
 
 def _write_collection(path: Path, times: dict[str, float]) -> None:
-    """Write ParaView's list of files with their times [s]."""
     root = ET.Element("VTKFile", type="Collection", version="0.1")
     collection = ET.SubElement(root, "Collection")
     for file, time in times.items():

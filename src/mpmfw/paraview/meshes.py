@@ -205,7 +205,6 @@ def skipped_fields(tree: xr.DataTree, bodies: Sequence[str]) -> list[str]:
 
 
 def _joined(frames: Mapping[str, xr.Dataset], bodies: Mapping[str, int], dim: str) -> xr.Dataset:
-    """Return the fields of several bodies, and the points' ``body``."""
     parts = []
     for body, frame in frames.items():
         fields = frame[[name for name in frame if name != "next" and _is_field(frame[name], dim)]]

@@ -44,7 +44,6 @@ def stages(dataset: xr.Dataset) -> Figure:
 def _bars(
     bars: dict[str, list[dict[str, Any]]], names: list[str], label: str, compared: xr.Dataset | None = None
 ) -> Figure:
-    """Draw a panel of bars for each problem."""
     longest = max(len(rows) + len(_places(rows)[1]) for rows in bars.values())
     figure, panels = new_panels(len(bars), 16.0 + 4.2 * longest, sharex=True, sharey=True)
     if compared is not None:
@@ -63,7 +62,6 @@ def _bars(
 
 
 def _finest(problem: xr.Dataset, resolution: str | None) -> xr.Dataset:
-    """Return a problem at the finest resolution whose cost is known."""
     if resolution is None:
         return problem
     parts = [problem.sel({resolution: label}) for label in order_of(problem, resolution)[::-1]]
@@ -86,7 +84,6 @@ def _places(rows: list[dict[str, Any]]) -> tuple[list[float], dict[float, str]]:
 
 
 def _draw_bars(axes: Any, rows: list[dict[str, Any]], names: list[str]) -> None:
-    """Draw bars of shape functions under the name of each contact."""
     places, heads = _places(rows)
     left = np.zeros(len(rows))
     for name, colour in zip(names, itertools.cycle(_COLOURS), strict=False):

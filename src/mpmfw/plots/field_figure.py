@@ -234,7 +234,6 @@ def _scales(
 
 
 def _extend(found: Sequence[tuple[float, float]], low: float, high: float) -> str:
-    """Return the ends of the scale that values lie beyond."""
     below = any(least < low for least, _ in found)
     above = any(largest > high for _, largest in found)
     return {(False, False): "neither", (True, False): "min", (False, True): "max"}.get((below, above), "both")

@@ -75,13 +75,11 @@ def figures_of(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
 
 
 def _overview(series: xr.Dataset) -> Figure:
-    """Draw the main series of a run, a panel for each."""
     present = [name for name in _OVERVIEW if name in series] or [str(name) for name in series.data_vars][:6]
     return history(xr.DataTree.from_dict({"series": series}), present)
 
 
 def _any_scene(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
-    """Draw motion, forces, gaps and energies of a comparison."""
     figures = {}
     if "centre_of_mass" in dataset and scene.moving_bodies(dataset):
         text = "Motion of the bodies that do not stand still, the furthest first."

@@ -178,7 +178,6 @@ def _of_one(source: RunSeries, curves: Sequence[Curve]) -> Figure:
 
 
 def _looks(curves: Sequence[Curve]) -> tuple[dict[str, dict[str, Any]], list[Artist]]:
-    """Return colour and style by label, and the legend."""
     colours: dict[Any, str] = {}
     styles: dict[Any, Any] = {}
     looks = {}
@@ -195,14 +194,12 @@ def _looks(curves: Sequence[Curve]) -> tuple[dict[str, dict[str, Any]], list[Art
 
 
 def _legend(figure: Figure, entries: Sequence[Artist]) -> None:
-    """Add a legend whose lines have room for their labels."""
     longest = max(len(str(one.get_label())) for one in entries)
     most = max(1, int(_LETTERS * figure.get_figwidth() / PANEL / (longest + 8)))
     legend_below(figure, [entries[k : k + most] for k in range(0, len(entries), most)])
 
 
 def _drawn(panels: Sequence[Panel], compared: xr.Dataset | None = None) -> Figure:
-    """Draw panels in two columns, under the comparison's head."""
     figure, grid = _figure(len(panels))
     if compared is not None:
         head(figure, compared)

@@ -80,7 +80,6 @@ def positions(dataset: xr.Dataset, shape: str | None = None) -> Figure:
 
 
 def _draw_outlines(axes: Any, run: xr.Dataset, colours: dict[str, str], scale: float) -> None:
-    """Draw the last outlines, and the first ones over them."""
     for frame, style in (("last", "-"), ("first", _DASHED)):
         lines = run["outline"].sel(frame=frame).values
         for name, line in zip(run["outlined_body"].values, lines, strict=True):

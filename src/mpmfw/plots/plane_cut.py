@@ -79,7 +79,6 @@ def plane_cut(
 def _drawn(
     place: FloatArray, size: FloatArray, values: FloatArray, lines: Sequence[FloatArray], label: str
 ) -> tuple[Figure, Axes]:
-    """Draw points (n, 2) as coloured discs, and segments (k, 2, 2) as lines."""
     figure = Figure(figsize=(7.0, 5.0), layout="constrained")
     panel = figure.add_subplot()
     discs = EllipseCollection(

@@ -89,6 +89,5 @@ def energies(dataset: xr.Dataset) -> Figure:
 
 
 def _size(force: xr.DataArray, of: xr.DataArray) -> xr.DataArray:
-    """Length of vectors, in the unit of ``of``."""
     size = (force**2).sum("axis", skipna=False) ** 0.5
     return size.assign_attrs(units=of.attrs.get("units", "N"))

@@ -69,7 +69,6 @@ def _edges(values: FloatArray) -> FloatArray:
 
 
 def _draw_limits(axes: Any, dataset: xr.Dataset, axis: str) -> None:
-    """Draw the closed form as a line, limits of runs as markers."""
     x = dataset[axis].values.astype(float)
     axes.plot(x, dataset["closed_form"].values, color="white", linewidth=2.8)
     axes.plot(x, dataset["closed_form"].values, color="black", linewidth=1.2, label="closed form")

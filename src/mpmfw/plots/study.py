@@ -71,7 +71,6 @@ def _size(dataset: xr.Dataset, resolution: str | None, row: dict[str, Any]) -> f
 
 
 def _title(title: str, problem: xr.Dataset) -> str:
-    """Return the title, and how many runs of the problem failed."""
     without = sum(
         not np.isfinite(row["run"]["error"]) and str(row["run"]["status"].item()) != "ok"
         for row in runs_of(problem)
@@ -80,7 +79,6 @@ def _title(title: str, problem: xr.Dataset) -> str:
 
 
 def _failed(dataset: xr.Dataset) -> str:
-    """Return a sentence on runs that failed or were refused."""
     named = with_methods(dataset)
     failed = [
         ", ".join(str(row[dim]) for dim in row["dims"])
@@ -127,7 +125,6 @@ def _draw_front(axes: Any, problem: xr.Dataset) -> None:
 
 
 def _plain_ticks(axes: Any) -> None:
-    """Write numbers in full where the axis spans a few decades."""
     for axis, limits in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
         decades = np.log10(limits[1] / limits[0])
         axis.set_major_locator(LogLocator(subs=(1.0,) if decades > 2.5 else (1.0, 2.0, 5.0)))
@@ -136,7 +133,6 @@ def _plain_ticks(axes: Any) -> None:
 
 
 def _key(dataset: xr.Dataset, look: Look, resolution: str | None) -> list[list[Artist]]:
-    """Rows of the legend: colours, markers, sizes, and the front."""
     colours, _ = look.key()
     grey: dict[str, Any] = {"color": "0.3", "linestyle": "", "markersize": 5}
     markers = [entry(name, marker=marker, **grey) for name, (_, marker) in look.styles.items()]

@@ -102,7 +102,6 @@ def _each(
 
 
 def _energies(runs: xr.Dataset, unit: str) -> Iterator[Difference]:
-    """Yield energy of each kind at the end, over the largest at any time."""
     sums = energy_sums(runs)
     scale = _largest(sums["kinetic_energy"] + sums["strain_energy"])
     for name, energy in sums.items():
@@ -117,6 +116,5 @@ def _largest(array: xr.DataArray) -> float:
 
 
 def _ended(runs: xr.Dataset) -> xr.DataArray:
-    """Return the runs that came to their end, (contact, shape)."""
     status = runs["status"]
     return status.copy(data=np.vectorize(is_complete, otypes=[bool])(status.values))

@@ -80,7 +80,6 @@ def over_grid(
 
 
 def _aligned(runs: dict[Index, xr.Dataset]) -> dict[Index, xr.Dataset]:
-    """Return the runs with the labels of all, along every dimension."""
     for dim in dict.fromkeys(dim for run in runs.values() for dim in run.indexes):
         labels = [run[dim].values for run in runs.values() if dim in run.indexes]
         if all(np.array_equal(one, labels[0]) for one in labels):
@@ -210,8 +209,6 @@ def _points(tree: xr.DataTree) -> xr.Dataset:
 
 
 def _costs(tree: xr.DataTree | None) -> xr.Dataset:
-    """Return the costs among the attributes of a run."""
-
     def cost(name: str) -> float:
         return float("nan" if tree is None else tree.attrs.get(name, "nan"))
 

@@ -70,7 +70,6 @@ def _has(series: xr.Dataset, name: str) -> bool:
 
 
 def _works(scene: Scene) -> list[str]:
-    """Return the series of works that the scene may do."""
     sides = [side for body in scene.bodies.values() for side in body.sides]
     loaded = bool(scene.loads) or any(side.fixed is None for side in sides)
     return ["gravity_work"] + ["external_work"] * loaded

@@ -148,8 +148,6 @@ def pareto(study: Results) -> pd.DataFrame:
 
 
 def _method(function: Callable[Concatenate[Results, P], T]) -> Callable[Concatenate[Accessor, P], T]:
-    """Return a function of results as a method of their accessor."""
-
     @functools.wraps(function)
     def method(accessor: Accessor, /, *args: P.args, **kwargs: P.kwargs) -> T:
         return function(accessor.results, *args, **kwargs)

@@ -61,7 +61,6 @@ def point_fields(points: xr.Dataset) -> dict[str, _Part]:
 
 
 def _parts(name: str, array: xr.DataArray) -> Iterator[tuple[str, _Part]]:
-    """Yield the size and the components of a stored array, by name."""
     base = name.removesuffix("_difference")
     words = _WORDS.get(base, base.replace("_", " "))
     words = words if base == name else f"difference of {words}"

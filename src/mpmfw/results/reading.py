@@ -65,7 +65,6 @@ def open(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree | x
 
 
 def _unfinished(tree: xr.DataTree, name: str, status: str) -> str:
-    """Return a sentence on results that are not complete."""
     how = _how_to_go_on(name)
     if status != "running":
         text = f"is not complete: {status}"
@@ -124,7 +123,6 @@ def read_run(path: str | os.PathLike[str]) -> xr.DataTree:
 
 
 def _reason(name: str, error: OSError | UnicodeError) -> str:
-    """Return why a file cannot be read."""
     return _DAMAGED if is_hdf5(name) else str(getattr(error, "strerror", None) or error)
 
 
@@ -138,7 +136,6 @@ def is_hdf5(path: str) -> bool:
 
 
 def _how_to_go_on(name: str) -> str:
-    """Return the advice to resume a run that has a checkpoint."""
     return f"; mpmfw resume {name} goes on with it" if os.path.isfile(f"{name}.checkpoint") else ""
 
 

@@ -249,7 +249,6 @@ def _rolling(scene: Scene, kind: type[Any], rigid: str, inertia: float) -> Rolli
 
 
 def _sliding(scene: Scene) -> SlidingReference:
-    """Return the motion of a block that slides and does not tip over."""
     body, friction, g, tilt = _on_incline(scene, Rectangle, "rectangle")
     block: Any = scene.bodies[body].geometry
     _need(block.angle == 0.0, f"'{body}' is turned against the plane")
@@ -267,7 +266,6 @@ def _sliding(scene: Scene) -> SlidingReference:
 
 
 def _pressed(scene: Scene) -> PressedBlocks:
-    """Return two blocks that are pressed from the top and held at the bottom."""
     _need(scene.dim == 2 and len(scene.bodies) == 2, "expected two bodies in the plane")
     _need(scene.gravity is None, "the scene has gravity")
     ends: dict[str, tuple[str, float]] = {}
@@ -287,7 +285,6 @@ def _pressed(scene: Scene) -> PressedBlocks:
 
 
 def _rings(scene: Scene) -> RingsReference:
-    """Return the two rings, if they are as those of the shipped scene."""
     shipped = _loaded(shipped_scenes()["colliding-rings"])
     assert shipped is not None
     _need(scene.gravity is None, "the scene has gravity")
@@ -308,7 +305,6 @@ def _rings(scene: Scene) -> RingsReference:
 
 
 def _ring_facts(scene: Scene, name: str) -> dict[str, Any]:
-    """Return the facts on which a ring's motion depends."""
     body = scene.bodies[name]
     material, ring = scene.materials[body.material], body.geometry
     options: Any = material.options
@@ -333,7 +329,6 @@ _KINDS: dict[str | None, Callable[[Scene], Reference]] = {
 
 
 def _is_plane(body: Body) -> bool:
-    """Return True for a straight rectangle or box that only fixed sides hold."""
     shape = body.geometry
     straight = isinstance(shape, Rectangle) and shape.angle == 0.0
     straight = straight or (isinstance(shape, Box) and not any(shape.angles))

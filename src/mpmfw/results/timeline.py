@@ -127,7 +127,6 @@ class Timeline:
         return f"{self.group.path.strip('/')}/{field.name}"
 
     def _define(self, field: Field, values: AnyArray) -> netCDF4.Variable[Any]:
-        """Return the variable of a field, created if it is new."""
         if (known := self.group.variables.get(field.name)) is not None:
             known.set_auto_maskandscale(False)
             return known
@@ -151,7 +150,6 @@ class Timeline:
         return unit if plane else _WHOLE.get(unit, unit)
 
     def _chunks(self, field: Field, sizes: tuple[int, ...], itemsize: int) -> tuple[int, ...] | None:
-        """Return a chunk: one frame, or many of a short series."""
         if _is_static(field):
             return None
         if field.group != "series":
@@ -187,7 +185,6 @@ def _write(variable: netCDF4.Variable[Any], start: int, values: AnyArray) -> Non
 
 
 def _size(group: netCDF4.Dataset | None, dim: str) -> int | None:
-    """Return the size of a dimension seen from a group, or None."""
     while group is not None:
         if dim in group.dimensions:
             return len(group.dimensions[dim])

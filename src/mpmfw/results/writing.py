@@ -132,7 +132,6 @@ class RunWriter:
 
     @contextlib.contextmanager
     def _failing(self, frame: int) -> Iterator[None]:
-        """Context that names the frame which could not be written."""
         try:
             yield
         except (OSError, RuntimeError) as error:
@@ -246,7 +245,6 @@ class RunWriter:
                 self._timeline(place).write()
 
     def _define(self) -> None:
-        """Define the labels, and the surfaces with their segments."""
         header, dataset = self.header, self._dataset
         axes = AXES[: header.dim]
         _labels(dataset, "axis", axes)
@@ -278,7 +276,6 @@ class RunWriter:
         return self._groups[place]
 
     def _places(self, frame: Frame) -> dict[str, dict[str, tuple[Field, AnyArray]]]:
-        """Return the arrays of a frame by group of the file."""
         places = {"series": self._declared("series", frame.series)}
         if frame.grid:
             places["grid"] = self._declared("grid", frame.grid)
@@ -300,7 +297,6 @@ class RunWriter:
         return places
 
     def _add_pairs(self, labels: tuple[str, ...]) -> None:
-        """Make room for new pairs."""
         if len(labels) <= self._pairs:
             return
         if not self.header.more_pairs:

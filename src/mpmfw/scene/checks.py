@@ -54,7 +54,6 @@ def check(scene: Tables, plugins: Mapping[Path, type[Any]], options: Mapping[Pat
 
 
 def _reference(scene: Tables) -> Iterator[Problem]:
-    """Refuse an unknown kind of reference; its scene is checked where it is judged."""
     if scene.reference is not None:
         known = sorted({*REFERENCES, *available("reference")})
         if scene.reference.kind not in known:
@@ -147,7 +146,6 @@ def _contact(scene: Tables) -> Iterator[Problem]:
 
 
 def _friction_law(scene: Tables, plugins: Mapping[Path, type[Any]]) -> Iterator[Problem]:
-    """A law of friction where there is none."""
     contact = scene.contact
     if contact is None or contact.friction_law is None:
         return
@@ -204,7 +202,6 @@ def _gravity(gravity: ConstantGravity, path: Path, dim: int) -> Iterator[Problem
 
 
 def _in_time(given: Any, path: Path, components: int) -> Iterator[Problem]:
-    """A number, a vector or rows in time."""
     for index, message in problems_in_time(given, components):
         yield Problem((*path, *index), message)
 

@@ -92,7 +92,6 @@ def _alternatives(hint: Any, data: Any) -> Iterator[Any]:
 
 
 def _below(hint: Any, part: str | int) -> list[Any]:
-    """Return the annotation of one entry of a table or an array."""
     if models_in([hint]):
         return [field] if (field := hint.model_fields.get(part)) else []
     args = get_args(hint)

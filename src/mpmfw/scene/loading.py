@@ -155,7 +155,6 @@ def _with_resolved_paths(
 
 
 def _with_options(scene: Scene, chosen: Chosen) -> Scene:
-    """The scene with the validated options of its plug-ins in place."""
     options = chosen.options
     shape = scene.shape.model_copy(update={"options": options.get(("shape", scene.shape.method))})
     contact = scene.contact

@@ -50,7 +50,6 @@ def _allow_units(part: Any) -> None:
 
 
 def _options(schema: dict[str, Any], kind: Kind, name: str) -> dict[str, Any]:
-    """Reference to the plug-in's option table, which is put among the scene's definitions."""
     plugin = load(kind, name)
     model = getattr(plugin, "Options", None)
     if model is None:
@@ -65,7 +64,6 @@ def _options(schema: dict[str, Any], kind: Kind, name: str) -> dict[str, Any]:
 
 
 def _add_models(schema: dict[str, Any], table: str, kind: Kind) -> None:
-    """Add the installed models to a table, each with the core's keys and its own."""
     core = schema["$defs"][table]
     alternatives = []
     for name in available(kind):

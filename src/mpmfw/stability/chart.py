@@ -125,7 +125,6 @@ def stability_map(
 def _points(
     scene: Scene, objects: Mapping[str, Any], axis: Axis, values: Sequence[float]
 ) -> list[Combination]:
-    """Return the scene and the objects at each stiffness."""
     time = {"end": scene.time.end, "output_interval": scene.time.output_interval}
     base = scene.with_overrides({"allow_unstable": True, "time": time})
     vary: dict[str, list[Any]] = {kind: [one] for kind, one in objects.items()}
@@ -149,7 +148,6 @@ def _grid(
     cfl: Sequence[float],
     steps: int,
 ) -> RunGrid:
-    """Return all points at all Courant numbers."""
     what = f"{steps} steps judged by {package('mpmfw.stability')}"
     combinations: dict[Index, Combination] = {}
     for (i, value), (j, courant) in itertools.product(enumerate(values), enumerate(cfl)):
@@ -256,7 +254,6 @@ def _attributes(scene: Scene, objects: Mapping[str, Any], steps: int, axis: str)
 
 
 def _named(name: str, holder: Any, axis: str) -> str:
-    """Return a method with options that are not varied."""
     options = holder.options
     given = set() if options is None else options.model_fields_set - {axis}
     return specification_of(name, {key: getattr(options, key) for key in given})

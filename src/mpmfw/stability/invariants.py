@@ -104,7 +104,6 @@ def probe_once(task: Task, steps: int) -> Finished:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Context without warnings."""
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore", ResultsWarning)
         warnings.simplefilter("ignore", RuntimeWarning)
@@ -243,6 +242,5 @@ def _total(series: Mapping[str, object], names: tuple[str, ...]) -> float:
 
 
 def _least(series: Mapping[str, object], name: str) -> float:
-    """Least number of a series; infinite if there is none."""
     values = np.asarray(series.get(name, np.nan), dtype=float)
     return float(np.nanmin(values)) if np.isfinite(values).any() else np.inf

@@ -62,7 +62,6 @@ def check_overrides(scene: Scene, axis: Axis) -> None:
 
 
 def _leaves(path: Path, value: Any) -> Iterator[Path]:
-    """Yield the paths of all values in nested tables."""
     if isinstance(value, Mapping):
         for key, inner in value.items():
             yield from _leaves((*path, key), inner)

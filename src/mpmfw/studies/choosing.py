@@ -162,7 +162,6 @@ def _dataset(ladder: Ladder) -> xr.Dataset:
 
 
 def _known(scene: Scene, name: str | None, about: About) -> tuple[Measure, str]:
-    """Return the measure, and the kind of its reference."""
     if name is not None:
         measure = measure_of(name)
         exact = exact_of(measure, scene, about)

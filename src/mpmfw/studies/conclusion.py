@@ -86,7 +86,6 @@ def method_rows(dataset: xr.Dataset) -> list[dict[str, Any]]:
 
 
 def _row(method: xr.Dataset) -> dict[str, Any]:
-    """Return the row of one method from its runs over ``cell_size``."""
     ran = method.isel(cell_size=np.flatnonzero(method["status"].values != "not run"))
     errors, costs = ran["error"].values, ran["cpu_time"].values
     row: dict[str, Any] = {"contact": str(method["contact"].item()), "shape": str(method["shape"].item())}

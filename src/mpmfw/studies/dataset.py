@@ -115,7 +115,6 @@ def _costs(grid: RunGrid, costs: Mapping[Index, list[Cost]], settling: bool) -> 
 
 
 def _front(grid: RunGrid, dataset: xr.Dataset) -> xr.DataArray:
-    """Return the front of each problem."""
     inner = [dim for dim in grid.coords if dim not in grid.problem_dims]
     marked: xr.DataArray = xr.apply_ufunc(
         front,

@@ -111,7 +111,6 @@ def load_study(study: str | os.PathLike[str] | Mapping[str, Any] | Study, trust:
 
 
 def _checks(tables: StudyTables) -> Iterator[Problem]:
-    """Problems between keys that are valid by themselves."""
     if tables.scene is None and not tables.scenes:
         yield Problem(("scene",), "missing; expected the name of a shipped scene or of a file", "missing")
     if tables.scene is not None and tables.scenes:
@@ -136,7 +135,6 @@ def _checks(tables: StudyTables) -> Iterator[Problem]:
 
 
 def _key(path: tuple[str, str]) -> Iterator[Problem]:
-    """Return problems of a key of ``vary`` or ``set``."""
     key = path[1]
     try:
         first = parse_path(key)[0]
@@ -150,7 +148,6 @@ def _key(path: tuple[str, str]) -> Iterator[Problem]:
 
 
 def _error(tables: StudyTables) -> Iterator[Problem]:
-    """Return problems of the table ``error``."""
     error = tables.error
     try:
         measure = measure_of(error.quantity)

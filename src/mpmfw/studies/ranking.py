@@ -130,7 +130,6 @@ def rank(
 def _cheapest(
     judged: list[dict[str, Any]], problems: list[Any], methods: list[Any], levels: Sequence[float]
 ) -> tuple[FloatArray, AnyArray]:
-    """Return CPU time [s] and settings of the cheapest runs."""
     shape = (len(QUANTITIES), len(problems), len(levels), len(methods))
     cost, best = np.full(shape, np.nan), np.full(shape, "", dtype=object)
     for (q, quantity), (p, problem), (m, method) in itertools.product(
@@ -154,7 +153,6 @@ def check_levels(levels: Sequence[float]) -> None:
 
 
 def _study(given: str | os.PathLike[str] | xr.Dataset, by: str, about: Mapping[str, str]) -> xr.Dataset:
-    """Return a study's results, if they can be ranked."""
     if isinstance(given, xr.Dataset):
         dataset, file = given, "dataset"
     else:
@@ -173,12 +171,10 @@ def _study(given: str | os.PathLike[str] | xr.Dataset, by: str, about: Mapping[s
 
 
 def _error_of(dataset: xr.Dataset) -> str:
-    """Return the quantity of a study's error in words."""
     return said(dataset.attrs.get("quantity", ""), _about(dataset))
 
 
 def _about(dataset: xr.Dataset) -> About:
-    """Return the axis, body and pair of a study's error."""
     try:
         return About(**json.loads(dataset.attrs.get("about", "{}")))
     except (TypeError, ValueError):
@@ -186,7 +182,6 @@ def _about(dataset: xr.Dataset) -> About:
 
 
 def _runs(dataset: xr.Dataset, by: str) -> Iterator[dict[str, Any]]:
-    """Yield the runs of a study with problem, method and settings."""
     problem_dims = json.loads(dataset.attrs["problem_dims"])
     settings = [str(dim) for dim in dataset["status"].dims if dim not in (*problem_dims, by)]
     for row in rows(dataset):

@@ -101,7 +101,6 @@ def study(
 def _with(
     study: Study, repeats: int | None, under: float | str | None, about: Mapping[str, str] | None
 ) -> Study:
-    """The study with the request's own values of some keys."""
     limit = None if under is None else relative_error(under)
     tables = study.tables
     cost = tables.cost if repeats is None else tables.cost.model_copy(update={"repeats": repeats})
@@ -141,7 +140,6 @@ def make_grid(study: Study) -> RunGrid:
 
 
 def _base(study: Study, label: str, chosen: Any) -> Scene:
-    """Return a scene with shared keys and the outputs that are needed."""
     tables = study.tables
     shared: dict[str, Any] = dict(outputs_for(measure_of(tables.error.quantity)))
     try:
@@ -158,7 +156,6 @@ def _base(study: Study, label: str, chosen: Any) -> Scene:
 
 
 def _check(study: Study, grid: RunGrid) -> None:
-    """Refuse a study with a value that no combination can run."""
     varied, combinations = study.tables.vary, grid.combinations
     first = next(iter(combinations.values()))
     if all(one.scene is None for one in combinations.values()):
@@ -174,7 +171,6 @@ def _check(study: Study, grid: RunGrid) -> None:
 
 
 def _blamed(problem: SceneProblem, scene: Scene, values: Mapping[str, Any]) -> str | None:
-    """Return the study's key that a problem is about, or None."""
     for key, value in values.items():
         if problem.override in overrides_of(scene.bodies, scene.dim, key, value):
             return key

@@ -295,6 +295,5 @@ class RunSet(list[CaseRun]):
 
 
 def _number(found: Any, key: str | None, scale: float) -> float | None:
-    """Return one of several values by key, scaled; None stays None."""
     value = found[key] if isinstance(found, Mapping) and key is not None else found
     return None if value is None else scale * float(value)

@@ -96,7 +96,6 @@ def _parts(results: Sequence[CaseResult], folder: str) -> Iterable[str]:
 
 
 def _matrix(rows: Sequence[Row], methods: set[str], cell: Callable[[Sequence[Row]], str]) -> str:
-    """Return a table of cases by methods: those that most cases run, and the usual ones."""
     cases = sorted({row.case for row in rows})
     usual = [str(Method(contact, "cpdi")) for contact in CONTACTS]
     usual += [str(Method("penalty", shape)) for shape in SHAPES if shape != "cpdi"]

@@ -186,7 +186,6 @@ def kept(cases: Iterable[Path], output: Path, quick: bool) -> list[CaseResult]:
 
 
 def _drawn(store: Store, key: str, output: Path) -> bool:
-    """Return whether a case is done and its figures are there."""
     outcome = store.outcome(key)
     names = outcome.values.get("figures", ()) if outcome is not None else ()
     return outcome is not None and all((output / name).is_file() for name in names)
