@@ -13,32 +13,15 @@ class MpmfwError(Exception):
 
 @dataclass(frozen=True)
 class SceneProblem:
-    """One thing that is wrong with a request; its text is the line that a user reads.
+    """One thing that is wrong with a request; its text is the line that a user reads."""
 
-    Attributes
-    ----------
-    message
-        What is wrong and what was expected.
-    key
-        Dotted key that it is about; empty of a request that has no keys.
-    source
-        Where the key was written: file and line, or the option that set it.
-    override
-        Key that an option, or a request, set over the scene; empty where the scene itself is wrong.
-    value
-        What was given, where it is known.
-    expected, nearest
-        What would have been valid, and the valid name that is nearest to the given one; empty where nothing
-        is known.
-    """
-
-    message: str
-    key: str = ""
-    source: str = ""
-    override: str = ""
-    value: Any = None
-    expected: str = ""
-    nearest: str = ""
+    message: str  #: what is wrong and what was expected
+    key: str = ""  #: dotted key that it is about
+    source: str = ""  #: where the key was written: file and line, or the option that set it
+    override: str = ""  #: key that was set over the scene; empty where the scene itself is wrong
+    value: Any = None  #: what was given, if it is known
+    expected: str = ""  #: what would have been valid, if it is known
+    nearest: str = ""  #: valid name that is nearest to the given one
 
     def __str__(self) -> str:
         return ": ".join(part for part in (self.source, self.key, self.message) if part)
@@ -52,19 +35,8 @@ class SceneProblem:
 class SceneError(MpmfwError):
     """The request was wrong: the scene, an option, a plug-in's name. Exit status 2.
 
-    Parameters
-    ----------
-    message
-        What is wrong, if it is one thing.
-    problems
-        All that is wrong with a scene, instead.
-    key
-        Dotted key of the scene that the message is about.
-
-    Attributes
-    ----------
-    problems
-        What is wrong, as data; the error's text has a line for each.
+    It is made of one ``message``, about a dotted ``key`` of the scene, or of several ``problems``. Attribute
+    ``problems``: what is wrong, as data; the error's text has a line for each.
     """
 
     def __init__(self, message: str = "", problems: Sequence[SceneProblem] = (), key: str = "") -> None:
@@ -82,14 +54,8 @@ class NoSuchFileError(SceneError):
 class SimulationError(MpmfwError):
     """The run failed after it began; what was written so far is intact. Exit status 1.
 
-    Parameters
-    ----------
-    what
-        What happened.
-    body, index, position, time
-        Where and when: the body's name, the point's index within it, its position [m], the time [s].
-    advice
-        What to try.
+    ``what`` happened, at which point (the ``index`` within a ``body``, the ``position`` [m]) and ``time``
+    [s]; ``advice`` is what to try.
     """
 
     def __init__(
@@ -136,14 +102,9 @@ class PastStabilityLimit(SimulationError):
 
 
 class PluginError(SimulationError):
-    """A plug-in failed while the run went on: what it did is named with plug-in, distribution and hook.
+    """A plug-in failed during a run; ``what`` names plug-in, distribution and hook.
 
-    Parameters
-    ----------
-    what
-        What happened, and to whom.
-    step, time
-        Steps done before, and the time [s].
+    ``step`` are the steps done before, ``time`` [s].
     """
 
     def __init__(self, what: str, *, step: int, time: float) -> None:
@@ -154,12 +115,7 @@ class PluginError(SimulationError):
 class Interrupted(KeyboardInterrupt):
     """Ctrl-C or SIGTERM stopped a run; what was written so far is intact. Exit status 130 or 143.
 
-    Parameters
-    ----------
-    number
-        Of the signal.
-    said
-        What there is, and how to go on.
+    ``number`` is that of the signal; the text says what there is, and how to go on.
     """
 
     def __init__(self, number: int, said: str = "interrupted") -> None:

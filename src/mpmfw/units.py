@@ -66,12 +66,8 @@ def _registry() -> Any:
 def to_si(value: object, unit: str) -> object:
     """Return ``value`` in ``unit``; numbers pass through, of strings a number and a unit are read.
 
-    Nothing is evaluated: ``"1/2 m"`` and ``"(1 + 1) m"`` are no quantities.
-
-    Raises
-    ------
-    ValueError
-        The value is a boolean, or a string that is no quantity or has another dimension than ``unit``.
+    Nothing is evaluated: ``"1/2 m"`` and ``"(1 + 1) m"`` are no quantities. A ValueError refuses booleans and
+    strings that are no quantity, or of another dimension than ``unit``.
     """
     if isinstance(value, bool):
         raise ValueError(f"{str(value).lower()} is a boolean; expected a number or a string {_example(unit)}")
@@ -89,13 +85,7 @@ def to_si(value: object, unit: str) -> object:
 
 
 def powers_of(unit: str) -> tuple[float, float, float]:
-    """Powers of mass, length and time in a unit as results write it, ``N s m-1``; ``1`` has none.
-
-    Raises
-    ------
-    ValueError
-        It is no unit.
-    """
+    """Powers of mass, length and time in a unit as results write it, ``N s m-1``; else a ValueError."""
     if unit == "1":
         return (0.0, 0.0, 0.0)
     text = re.sub(r"([^\W\d_])\^?(-?\d)", r"\1**\2", unit.strip().replace(" ", " * "))
@@ -152,13 +142,7 @@ def _example(unit: str) -> str:
 
 
 def within_range(value: float) -> float:
-    """The value, if products of such values can be computed with.
-
-    Raises
-    ------
-    ValueError
-        It is nearer to zero, or larger, than any physical quantity of a scene.
-    """
+    """Return the value; a ValueError if products of such values are out of the range of numbers."""
     if value != 0.0 and math.isfinite(value) and not 1.0 / LARGEST <= abs(value) <= LARGEST:
         raise ValueError(
             f"{value!r} is out of range: a magnitude is 0 or from {1.0 / LARGEST:g} to {LARGEST:g} in SI "

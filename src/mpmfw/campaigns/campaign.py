@@ -9,11 +9,10 @@ from typing import Any, Unpack
 
 import xarray as xr
 
-from mpmfw.campaigns.execution import Execution, Running
 from mpmfw.campaigns.grid import RunGrid, make_grid
 from mpmfw.campaigns.grid_runs import GridRuns, costs_of, least, over_repeats
 from mpmfw.campaigns.judging import judge_all
-from mpmfw.campaigns.running import Event
+from mpmfw.campaigns.running import Event, Execution, Running
 from mpmfw.campaigns.store import COSTS
 from mpmfw.errors import ResultsWarning, SceneError, status_code
 from mpmfw.results.concatenation import concatenate_runs
@@ -44,7 +43,7 @@ def campaign(
     set
         Values by key that all runs share.
     **running
-        As :class:`mpmfw.campaigns.execution.Execution` takes them.
+        As :class:`mpmfw.campaigns.running.Execution` takes them.
 
     Returns
     -------

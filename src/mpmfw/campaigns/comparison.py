@@ -11,9 +11,9 @@ from typing import Any, Unpack
 import xarray as xr
 
 from mpmfw.campaigns.campaign import run_grid
-from mpmfw.campaigns.execution import Execution, Running
 from mpmfw.campaigns.grid import given_twice, label_of, make_grid
 from mpmfw.campaigns.measures import exact_of, measure_of, names_of_measures
+from mpmfw.campaigns.running import Execution, Running
 from mpmfw.campaigns.store import store_of
 from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.plugin.discovery import Kind, object_of
@@ -58,7 +58,7 @@ def compare(
     measures
         As :func:`mpmfw.campaign` takes them; by default those of which the scene has an exact value.
     **running
-        As :class:`mpmfw.campaigns.execution.Execution` takes them.
+        As :class:`mpmfw.campaigns.running.Execution` takes them.
 
     Returns
     -------

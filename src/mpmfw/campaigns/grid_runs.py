@@ -11,11 +11,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from mpmfw.campaigns.execution import Execution
 from mpmfw.campaigns.executors import InProcess
 from mpmfw.campaigns.grid import Combination, Index, RunGrid
 from mpmfw.campaigns.judging import measured
-from mpmfw.campaigns.running import Progress, complete, counted, do, resumable
+from mpmfw.campaigns.running import Execution, Progress, complete, counted, do, resumable
 from mpmfw.campaigns.store import COSTS, Cost, Finished, Outcome
 from mpmfw.campaigns.work import LOADED, Task
 from mpmfw.errors import ResultsWarning, is_complete

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import os
 import signal
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypedDict
 
-from mpmfw.campaigns.executors import Executor, InProcess
-from mpmfw.campaigns.store import Cost, Finished, Outcome, Store
+from mpmfw.campaigns.executors import Executor, InProcess, executor_of
+from mpmfw.campaigns.store import Cost, Finished, Outcome, Store, store_of
 from mpmfw.campaigns.work import Task, run_once, time_once
-from mpmfw.errors import Interrupted, is_complete, status_code
+from mpmfw.errors import Interrupted, SceneError, is_complete, status_code
 from mpmfw.runs.interruption import interruptible
 
 
@@ -172,3 +173,49 @@ class _Counter:
         """Report where the campaign is."""
         if self.progress is not None:
             self.progress(Event(self.done, self.total, name, status, next(self.coming, "")))
+
+
+class Running(TypedDict, total=False):
+    """Keywords of :func:`mpmfw.campaign` and the like."""
+
+    executor: Any
+    jobs: int | None
+    store: str | os.PathLike[str] | None
+    repeats: int | None
+    force: bool
+    progress: Progress | None
+    run_progress: Callable[[float, int], None] | None
+
+
+@dataclass(frozen=True)
+class Execution:
+    """How runs take place."""
+
+    #: an executor of ``concurrent.futures``, a ``Client`` or cluster of ``dask.distributed``, or the address
+    #: of its scheduler
+    executor: Any = None
+    jobs: int | None = 1  #: processes of one thread each; 1 is this process itself, None one for each core
+    #: folder of finished runs, from which a campaign takes what applies; without it nothing is kept
+    store: str | os.PathLike[str] | None = None
+    repeats: int | None = None  #: runs of each point, of which the cheapest counts; 1, or as a study says
+    force: bool = False  #: whether runs may be past the limits of steps and frames
+    progress: Progress | None = None  #: called after every run
+    run_progress: Callable[[float, int], None] | None = None  #: called within runs in this process
+
+    def __post_init__(self) -> None:
+        repeats: Any = self.repeats  # a caller may give anything
+        if repeats is not None and not (isinstance(repeats, int) and repeats >= 1):
+            raise SceneError(f"repeats: must be at least 1, not {repeats!r}")
+
+    @classmethod
+    def of(cls, running: Mapping[str, Any], **others: Any) -> Execution:
+        """Return these keywords, with ``others`` set over them."""
+        return cls(**{**running, **others})
+
+    def runner(self) -> Executor:
+        """Return what runs tasks, as :func:`executor_of` does."""
+        return executor_of(self.executor, self.jobs)
+
+    def kept(self, output: str | os.PathLike[str] | None = None) -> Store:
+        """Return the store: as named, ``<output>.runs`` or a temporary one."""
+        return Store(self.store if self.store is not None else store_of(output))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -12,7 +11,7 @@ from typer import Argument, Option
 from mpmfw.cli import arguments as args
 from mpmfw.cli.paths import new_path
 from mpmfw.cli.progress import campaign_progress
-from mpmfw.errors import MpmfwError, SceneError
+from mpmfw.errors import SceneError
 
 
 def validate(
@@ -48,7 +47,7 @@ def validate(
 
     folder = suite_of(suite)
     found = find_cases(folder, cases or ())
-    _check_places(found, output, document, force)
+    _check_places(output, document, force)
     command = _command(cases, quick, suite if suite != folder else None, jobs, scheduler)
     running: dict[str, Any] = {**args.workers(jobs, scheduler, None), "command": command, "force": force}
     with campaign_progress("cases") as reports:
@@ -70,21 +69,13 @@ def validate(
         raise typer.Exit(1)
 
 
-def _check_places(cases: Sequence[Path], output: Path, document: Path | None, force: bool) -> None:
-    from mpmfw.campaigns.store import own_files
-    from mpmfw.results.replacing import check_new, check_writable
+def _check_places(output: Path, document: Path | None, force: bool) -> None:
     from mpmfw.validation.page import BEGIN
 
     if output.exists() and not output.is_dir():
         raise SceneError(f"--output {output}: is a file; give the name of a folder")
-    try:
-        output.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise MpmfwError(f"cannot make '{output}': {error.strerror or error}") from error
-    check_writable(output / "validation.csv")
-    if not (output / "runs").is_dir() or not own_files(output / "runs"):  # the folder of no validation yet
-        for file in (output / "validation.csv", *(output / f"{case.name}.png" for case in cases)):
-            check_new(file, force)
+    output.mkdir(parents=True, exist_ok=True)
+    new_path(output / "validation.csv", force or (output / "runs").is_dir())
     if document is None:
         return
     if document.suffix != ".md":

@@ -10,12 +10,11 @@ import numpy as np
 
 from mpmfw.geometry import SurfaceMesh
 from mpmfw.plugin.discovery import REFERENCES, available, nearest
-from mpmfw.scene.gravity import ConstantGravity
 from mpmfw.scene.locator import Path
 from mpmfw.scene.options import NAMED
 from mpmfw.scene.problem import Problem
 from mpmfw.scene.sides import check_sides
-from mpmfw.scene.tables import Body, Side, Tables
+from mpmfw.scene.tables import Body, ConstantGravity, Side, Tables
 from mpmfw.scene.wording import unknown_name
 from mpmfw.units import problems_in_time, wrong_length
 
@@ -61,9 +60,7 @@ def _reference(scene: Tables) -> Iterator[Problem]:
 
 
 def _output(scene: Tables) -> Iterator[Problem]:
-    point, dim = scene.output.contact_moment, scene.grid.dim
-    if isinstance(point, tuple) and len(point) != dim:
-        yield Problem(("output", "contact_moment"), wrong_length(len(point), dim))
+    yield from _vector(scene.output.contact_moment, ("output", "contact_moment"), scene.grid.dim)
 
 
 def _grid(scene: Tables) -> Iterator[Problem]:
@@ -201,6 +198,11 @@ def _gravity(gravity: ConstantGravity, path: Path, dim: int) -> Iterator[Problem
         yield Problem((*path, "tilt"), "is for two dimensions; give gravity as a vector in 3D")
 
 
+def _vector(given: Any, path: Path, dim: int) -> Iterator[Problem]:
+    if isinstance(given, tuple) and len(given) != dim:
+        yield Problem(path, wrong_length(len(given), dim))
+
+
 def _in_time(given: Any, path: Path, components: int) -> Iterator[Problem]:
     for index, message in problems_in_time(given, components):
         yield Problem((*path, *index), message)
@@ -217,8 +219,7 @@ def _body(scene: Tables, path: Path, body: Body) -> Iterator[Problem]:
         yield from _surface_mesh(scene, (*path, "geometry"), body.geometry)
     if len(body.particles.offset) > dim:
         yield Problem((*path, "particles", "offset"), wrong_length(len(body.particles.offset), dim))
-    if body.velocity is not None and len(body.velocity) != dim:
-        yield Problem((*path, "velocity"), wrong_length(len(body.velocity), dim))
+    yield from _vector(body.velocity, (*path, "velocity"), dim)
     if body.angular_velocity is not None and isinstance(body.angular_velocity, tuple) != (dim == 3):
         expected = "an array of 3 components in rad/s" if dim == 3 else "a number in rad/s"
         yield Problem((*path, "angular_velocity"), f"expected {expected}, because the grid is {dim}D")
@@ -277,8 +278,7 @@ def _side(body: Body, path: Path, index: int, dim: int) -> Iterator[Problem]:
         yield Problem((*path, "fixed"), "'z' is a component in 3D; expected x or y")
     if isinstance(side.fixed, tuple) and len(set(side.fixed)) != len(side.fixed):
         yield Problem((*path, "fixed"), "names a component twice")
-    if side.velocity is not None and len(side.velocity) != dim:
-        yield Problem((*path, "velocity"), wrong_length(len(side.velocity), dim))
+    yield from _vector(side.velocity, (*path, "velocity"), dim)
     for key, components in (("pressure", 1), ("traction", dim), ("force", dim)):
         yield from _in_time(getattr(side, key), (*path, key), components)
     if side.velocity is not None and all(component == "free" for component in side.velocity):

@@ -16,9 +16,9 @@ import numpy as np
 import xarray as xr
 
 from mpmfw._version import __version__
-from mpmfw.campaigns.execution import Execution, Running
 from mpmfw.campaigns.grid import Combination, Index, RunGrid, make_grid
 from mpmfw.campaigns.grid_runs import GridRuns
+from mpmfw.campaigns.running import Execution, Running
 from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.plugin.discovery import load
 from mpmfw.results.replacing import check_replaceable, replace_dataset
@@ -76,7 +76,7 @@ def stability_map(
         Steps of every run.
     **request
         ``output``: NetCDF file to write, beside the folder ``<output>.runs``. ``set``: values by dotted key.
-        Others are those of :class:`mpmfw.campaigns.execution.Execution`.
+        Others are those of :class:`mpmfw.campaigns.running.Execution`.
 
     Returns
     -------

@@ -13,11 +13,11 @@ from typing import Any, Unpack
 import numpy as np
 import xarray as xr
 
-from mpmfw.campaigns.execution import Execution, Running
 from mpmfw.campaigns.grid import make_grid
 from mpmfw.campaigns.grid_runs import GridRuns
 from mpmfw.campaigns.judging import ErrorTable, Judge, check_names
 from mpmfw.campaigns.measures import MEASURES, exact_of, measure_of, names_of_measures, outputs_for
+from mpmfw.campaigns.running import Execution, Running
 from mpmfw.errors import SceneError
 from mpmfw.plugin.measure import About, Measure
 from mpmfw.results.provenance import provenance
@@ -77,7 +77,7 @@ def choose(
     **request
         ``body``, ``pair``, ``axis``: subject of the quantity, by default from the motion. ``set``: values by
         key that all runs share. ``output``: NetCDF file to write, beside the folder ``<output>.runs``. Others
-        are those of :class:`mpmfw.campaigns.execution.Execution`; ``repeats`` has no effect.
+        are those of :class:`mpmfw.campaigns.running.Execution`; ``repeats`` has no effect.
 
     Returns
     -------

@@ -10,13 +10,13 @@ from typing import Any, Literal, Unpack, get_args
 
 import xarray as xr
 
-from mpmfw.campaigns.execution import Execution, Running
 from mpmfw.campaigns.grid import RunGrid
 from mpmfw.campaigns.grid import make_grid as make_points
 from mpmfw.campaigns.grid_runs import GridRuns
 from mpmfw.campaigns.judging import Judge
 from mpmfw.campaigns.keys import overrides_of
 from mpmfw.campaigns.measures import measure_of, outputs_for
+from mpmfw.campaigns.running import Execution, Running
 from mpmfw.errors import Interrupted, NoSuchFileError, SceneError, SceneProblem
 from mpmfw.results.replacing import check_replaceable, replace_dataset
 from mpmfw.scene import Scene, load_scene
@@ -53,7 +53,7 @@ def study(
         Replace the study's ``under``, such as 0.01 or ``"1 %"``, and its ``error.body``, ``pair`` and
         ``axis``.
     **running
-        As :class:`mpmfw.campaigns.execution.Execution` takes them. Jobs are by default one for each core, for
+        As :class:`mpmfw.campaigns.running.Execution` takes them. Jobs are by default one for each core, for
         exclusive costs a single one.
     trust
         Import code that the files name as ``module:Class``.

@@ -14,7 +14,12 @@ from mpmfw.campaigns.measures import exact_of, measure_of
 from mpmfw.errors import SceneError
 from mpmfw.plugin.measure import About
 from mpmfw.scene import Scene
-from mpmfw.validation.rows import Case, Tolerance, limits
+from mpmfw.validation.rows import Case, Row, Tolerance, Verdict, limits
+
+__all__ = [
+    "CLASSICAL", "CONTACTS", "RECOMMENDED", "SHAPES", "Case", "CaseRun", "Method", "Place", "Row", "RunSet",
+    "Runs", "Verdict", "Version", "each", "full", "known_red", "methods", "quick", "together",
+]  # fmt: skip
 
 #: Classical contact in its plainest form and in its strongest.
 CLASSICAL = ("bardenhagen", "bardenhagen(criterion=position, normal=master)")
