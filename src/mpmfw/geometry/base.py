@@ -116,21 +116,26 @@ class BodyGeometry(BaseModel):
         raise ValueError(f"a {self.type} has no fitted layout (size {size} m): choose layout = 'lattice'")
 
 
-class Round(BodyGeometry):
-    """Base of discs and balls."""
+class Centred(BodyGeometry):
+    """Base of bodies given by their centre."""
 
     centre: tuple[Length, ...]
+
+    @property
+    def centroid(self) -> FloatArray:
+        """The centre (dim,) [m]."""
+        return np.array(self.centre)
+
+
+class Round(Centred):
+    """Base of discs and balls."""
+
     radius: PositiveLength
 
     @property
     def width(self) -> float:
         """2 R [m]."""
         return float(2.0 * self.radius)
-
-    @property
-    def centroid(self) -> FloatArray:
-        """The centre (dim,) [m]."""
-        return np.array(self.centre)
 
     @property
     def bounds(self) -> FloatArray:

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from pydantic import model_validator
 
-from mpmfw.geometry.base import Point2D, PositiveLength, Round
+from mpmfw.geometry.base import Centred, Point2D, PositiveLength, Round
 from mpmfw.geometry.layout import FloatArray, Layout, layout_of_quadrilaterals
 from mpmfw.geometry.plane import (
     PlaneGeometry,
@@ -104,7 +104,7 @@ def _cells(nodes: FloatArray) -> FloatArray:
     )
 
 
-class Ring(PlaneGeometry):
+class Ring(Centred, PlaneGeometry):
     """The region between two concentric circles [m]."""
 
     type: Literal["ring"] = "ring"
@@ -129,10 +129,6 @@ class Ring(PlaneGeometry):
     def outline_length(self) -> float:
         """2 π (R_o + R_i) [m]."""
         return float(2.0 * np.pi * (self.outer_radius + self.inner_radius))
-
-    @property
-    def centroid(self) -> FloatArray:
-        return np.array(self.centre)
 
     @property
     def bounds(self) -> FloatArray:

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from mpmfw.geometry.base import Point3D, PositiveLength
+from mpmfw.geometry.base import Centred, Point3D, PositiveLength
 from mpmfw.geometry.disc import Disc, Ring
 from mpmfw.geometry.layout import FloatArray
 from mpmfw.geometry.polygon import Polygon, Rectangle
@@ -65,7 +65,7 @@ class Extrusion(TurnedSolid):
         return ((self.turned(nodes), facets),)
 
 
-class Cylinder(AxialSolid):
+class Cylinder(Centred, AxialSolid):
     """A full cylinder [m] along ``axis``, turned about its centre by ``angles`` [rad]."""
 
     type: Literal["cylinder"] = "cylinder"
@@ -77,10 +77,6 @@ class Cylinder(AxialSolid):
     def exact_volume(self) -> float:
         """π R² l [m^3]."""
         return float(np.pi * self.radius**2 * self.length)
-
-    @property
-    def centroid(self) -> FloatArray:
-        return np.array(self.centre)
 
     @property
     def area(self) -> float:
@@ -149,7 +145,7 @@ class Revolution(AxialSolid):
         return tuple(found)
 
 
-class Torus(AxialSolid):
+class Torus(Centred, AxialSolid):
     """A torus [m]: a disc of ``tube_radius`` whose centre runs round ``axis`` on a circle of ``radius``.
 
     The body is turned about its centre by ``angles`` [rad] about x, then y, then z.
@@ -175,10 +171,6 @@ class Torus(AxialSolid):
     def width(self) -> float:
         """2 r, of the tube [m]."""
         return float(2.0 * self.tube_radius)
-
-    @property
-    def centroid(self) -> FloatArray:
-        return np.array(self.centre)
 
     @property
     def area(self) -> float:
