@@ -17,16 +17,25 @@ DEEPEST = 32
 TOO_DEEP = f"tables and arrays are nested too deeply to be read; no scene needs more than {DEEPEST} levels"
 
 
+def walk(content: Any, at: Path = ()) -> Iterator[tuple[Path, Any]]:
+    """Yield ``content`` and all that is in it, with paths; a list of what is left allows any depth."""
+    waiting = [(at, content)]
+    while waiting:
+        path, value = waiting.pop()
+        yield path, value
+        if isinstance(value, Mapping):
+            waiting += [((*path, str(key)), item) for key, item in value.items()]
+        elif isinstance(value, list | tuple):
+            waiting += [((*path, index), item) for index, item in enumerate(value)]
+
+
 def check_content(content: Any, at: Path = ()) -> Iterator[Problem]:
     """Problems of the values as such, those of ``content`` at a place of the scene.
 
     Where something is nested too deeply it comes alone: nothing else can be asked.
     """
     problems: list[Problem] = []
-    # A list of what is still to be looked at instead of calls: depth is what is asked about
-    waiting: list[tuple[Path, Any]] = [(at, content)]
-    while waiting:
-        path, value = waiting.pop()
+    for path, value in walk(content, at):
         if len(path) > DEEPEST:
             yield Problem(path[:3], f"is nested more than {DEEPEST} tables and arrays deep")
             return
@@ -34,9 +43,6 @@ def check_content(content: Any, at: Path = ()) -> Iterator[Problem]:
             problems += [
                 Problem(path, f"has a key {key!r}; {wrong}") for key in value if (wrong := _text(key))
             ]
-            waiting += [((*path, str(key)), item) for key, item in value.items()]
-        elif isinstance(value, list | tuple):
-            waiting += [((*path, index), item) for index, item in enumerate(value)]
         elif isinstance(value, int) and abs(value) > LARGEST:
             problems.append(Problem(path, f"is an integer past {LARGEST:g}, out of range"))
         elif isinstance(value, str) and (wrong := _text(value)):
@@ -48,21 +54,15 @@ def check_content(content: Any, at: Path = ()) -> Iterator[Problem]:
 _FREE = frozenset({"title", "path", "file", "scene", "scenes"})
 
 
-def code_in(content: Any) -> Iterator[Problem]:
+def code_in(content: Any, at: Path = ()) -> Iterator[Problem]:
     """Yield a problem for each ``module:Class`` among the values of a file, whose code a run would import."""
-    waiting: list[tuple[Path, Any]] = [((), content)]
-    while waiting:
-        path, value = waiting.pop()
-        if isinstance(value, Mapping):
-            waiting += [((*path, str(key)), item) for key, item in value.items()]
-        elif isinstance(value, list | tuple):
-            waiting += [((*path, index), item) for index, item in enumerate(value)]
-        elif isinstance(value, str) and names_code(value):
+    for path, value in walk(content, at):
+        if isinstance(value, str) and names_code(value):
             if path[-1] not in _FREE and path[:-1] != ("scenes",):
                 trusted = "a file may name only with --trust (Python: trust=True)"
                 yield Problem(path, f"'{value}' is Python code, which {trusted}")
         elif isinstance(value, str) and (read := parse_value(value)) != value:
-            waiting.append((path, read))  # a study's texts are read as TOML values
+            yield from code_in(read, path)  # a study's texts are read as TOML values
 
 
 def _text(text: Any) -> str:

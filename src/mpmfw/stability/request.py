@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, Literal, TypeAlias
 
 from mpmfw.campaigns.grid import given_twice, has_option
 from mpmfw.errors import SceneError
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import Scene
+from mpmfw.scene.content import walk
 from mpmfw.scene.locator import Path
 from mpmfw.scene.override import parse_path
 from mpmfw.scene.specification import keys_of
@@ -55,18 +56,10 @@ def check_overrides(scene: Scene, axis: Axis) -> None:
         own["contact", scene.contact.method, "kappa"] = "it varies kappa: give the values as kappa"
     for key, value in scene.source.overrides.items():
         for path, given in (keys_of(key, value) or {parse_path(key): value}).items():
-            for leaf in _leaves(path, given):
+            for at, _ in walk(given, path):
                 for taken, why in own.items():
-                    if leaf[: len(taken)] == taken:
+                    if at[: len(taken)] == taken:
                         raise SceneError(f"--set {key}: has no effect on a map of stability: {why}")
-
-
-def _leaves(path: Path, value: Any) -> Iterator[Path]:
-    if isinstance(value, Mapping):
-        for key, inner in value.items():
-            yield from _leaves((*path, key), inner)
-    else:
-        yield path
 
 
 def stiffness_ratio(scene: Scene, ratio: float) -> dict[str, Any]:
