@@ -90,10 +90,7 @@ def read(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree | x
     except (OSError, UnicodeError) as error:
         raise MpmfwError(f"cannot read '{name}': {_reason(name, error)}{_how_to_go_on(name)}") from error
     try:
-        declared = sum(8 * v.size for _, group in groups_of(dataset) for v in group.variables.values())
-        if declared > LARGER * os.path.getsize(name) + SPARE:
-            raise MpmfwError(_DAMAGED)
-        tree = tree_of(dataset, load=not lazy)
+        tree = checked_tree(dataset, os.path.getsize(name), load=not lazy)
     except MpmfwError as error:
         dataset.close()
         raise MpmfwError(f"cannot read '{name}': {error}{_how_to_go_on(name)}") from error
@@ -146,6 +143,14 @@ def check_results(path: str | os.PathLike[str]) -> None:
     except OSError as error:
         name = os.fspath(path)
         raise SceneError(f"{name}: is no results' file ({_reason(name, error)})") from error
+
+
+def checked_tree(dataset: netCDF4.Dataset, size: int, *, load: bool) -> xr.DataTree:
+    """Return the tree of a file, unless it declares much more than its ``size`` [bytes]."""
+    declared = sum(8 * v.size for _, group in groups_of(dataset) for v in group.variables.values())
+    if declared > LARGER * size + SPARE:
+        raise MpmfwError(_DAMAGED)
+    return tree_of(dataset, load=load)
 
 
 def tree_of(dataset: netCDF4.Dataset, *, load: bool = True) -> xr.DataTree:

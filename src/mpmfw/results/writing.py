@@ -16,7 +16,7 @@ import numpy as np
 
 from mpmfw.errors import MpmfwError
 from mpmfw.results.frame import Frame, RunHeader
-from mpmfw.results.reading import groups_of, read_run, tree_of
+from mpmfw.results.reading import checked_tree, read_run, tree_of
 from mpmfw.results.replacing import check_room, replacement
 from mpmfw.results.timeline import Timeline
 from mpmfw.results.writers import claim, release
@@ -197,50 +197,37 @@ class RunWriter:
         self._groups = {place: Timeline(dataset[place], self.header) for place in copy._groups}
         return dataset
 
-    def _repeat(self, content: Any) -> None:
+    def _repeat(self, content: AnyArray) -> None:
         """Write the complete outputs of another file of the same run.
 
-        Declared variables are copied. To append to the file itself would be unsafe: HDF5 follows its links,
-        and writes to other files.
+        To append to the file itself would be unsafe: HDF5 follows its links, and writes to other files.
         """
         try:
             with netCDF4.Dataset("results.nc", memory=content) as old:
-                old.set_always_mask(False)
-                old.set_auto_maskandscale(False)
-                pairs: Any = old.variables.get("pair", [])
-                if 8 * max(len(old["time"]), len(pairs)) > content.nbytes:
-                    raise ValueError("the file is shorter than its dimensions say")
-                times = old["time"][:].tolist()
-                if not np.isfinite(times).all():
+                tree = checked_tree(old, content.nbytes, load=False)
+                times = tree["time"].values.tolist()
+                if len(times) < len(old["time"]):
                     raise ValueError("outputs are missing")
-                self._add_pairs(tuple(map(str, pairs[:])))
-                for place, group in groups_of(old):
-                    if place != "/" and "time" in group.variables:
-                        self._repeat_group(place.strip("/"), group, set(times), content.nbytes)
+                self._add_pairs(tuple(map(str, tree["pair"].values)) if "pair" in tree.coords else ())
+                for node in tree.descendants:
+                    if "time" in (group := node.to_dataset(inherit=False)):
+                        self._repeat_group(node.path.strip("/"), group)
                 for at in times:
                     self._outputs.add(at, {})
                 self._times += times
                 self.flush()
-        except (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError) as error:
+        except (MpmfwError, OSError, RuntimeError, LookupError, ValueError, TypeError) as error:
             raise MpmfwError("its copy of the results is damaged, or of another run") from error
 
-    def _repeat_group(self, place: str, group: netCDF4.Dataset, times: set[float], size: int) -> None:
-        """Write the declared variables of a group at ``times``; no frame is larger than ``size`` [bytes]."""
-        columns: list[tuple[Field, Any]] = []
-        kind: Any = place.partition("/")[0]
-        for name, variable in group.variables.items():
-            if (field := self._fields.get((kind, name))) is not None:
-                columns.append((field, variable))
-                shape = variable.shape[len(variable.dimensions) - len(field.dims) :]
-                if variable.dtype != field.dtype or math.prod(shape) * variable.dtype.itemsize > size:
-                    raise ValueError(f"{place}/{name} is not as it was declared")
-        for k, at in enumerate(group["time"][:].tolist()):
-            if at in times:
-                arrays = {
-                    field.name: (field, variable[k] if "time" in variable.dimensions else variable[...])
-                    for field, variable in columns
-                }
-                self._timeline(place).add(at, arrays)
+    def _repeat_group(self, place: str, group: xr.Dataset) -> None:
+        kind, columns = place.partition("/")[0], []
+        for field in (one for (of, name), one in self._fields.items() if of == kind and name in group):
+            if group[field.name].dtype != field.dtype:
+                raise ValueError(f"{place}/{field.name} is not as it was declared")
+            columns.append((field, group[field.name].values, "time" in group[field.name].dims))
+        for k, at in enumerate(group["time"].values.tolist()):
+            arrays = {field.name: (field, values[k] if moves else values) for field, values, moves in columns}
+            self._timeline(place).add(at, arrays)
             if self._waiting_bytes() > WRITTEN_AT_ONCE:
                 self._timeline(place).write()
 

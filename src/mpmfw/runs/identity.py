@@ -19,8 +19,7 @@ from mpmfw.scene.options import NAMED
 
 #: Parts of the core that the numbers of a run depend on; the values of a scene are in its key themselves.
 _COUNTED = (
-    "contact", "effects", "geometry", "kernels", "plugin", "runs", "state", "step", "scene/gravity.py",
-    "scene/scene.py",
+    "contact", "effects", "geometry", "kernels", "plugin", "runs", "state", "step", "scene/scene.py",
     "scene/tables.py",
 )  # fmt: skip
 _LIBRARIES = ("numpy", "numba", "scipy", "shapely")

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import itertools
 import json
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from mpmfw.campaigns.judging import said
@@ -17,7 +17,6 @@ from mpmfw.plugin.measure import About
 from mpmfw.results import check_results
 from mpmfw.results.reading import read
 from mpmfw.results.selection import series_of
-from mpmfw.state.fields import AnyArray, FloatArray
 from mpmfw.studies.conclusion import rows
 
 #: Relative errors that a method may reach; those of other quantities than the error are the same numbers.
@@ -86,63 +85,42 @@ def rank(
     """
     check_levels(levels)
     studies = [_study(one, by, about or {}) for one in results]
-    found = [row for one in studies for row in _runs(one, by)]
-    judged = [row for row in found if row["status"] == "ok"]
-    judged = [row for row in judged if np.isfinite(row["error"]) and np.isfinite(row["cpu_time"])]
-    if not judged:
+    found = pd.DataFrame([row for one in studies for row in _runs(one, by)])
+    judged = found[found["status"] == "ok"].dropna(subset=["error", "cpu_time"]) if len(found) else found
+    if judged.empty:
         raise SceneError("nothing to rank: no run has an error and a cost")
-    problems, methods = (list(dict.fromkeys(row[key] for row in found)) for key in ("problem", "method"))
-    pairs = {(row["problem"], row["method"]) for row in found}
-    cost, best = _cheapest(judged, problems, methods, levels)
-    least = np.where(np.isfinite(cost), cost, np.inf).min(axis=-1, keepdims=True)
-    least[~np.isfinite(least)] = np.nan
-    dims = ("quantity", "problem", "level", by)
-    titles = {
-        "cost": "CPU time of the cheapest run that reaches the level",
-        "over_best": "the same over the cheapest method's",
-        "best": "settings of that run",
-    }
-    values = {"cost": cost, "over_best": cost / least, "best": best}
-    units: dict[str, dict[str, str]] = {"cost": {"units": "s"}, "over_best": {"units": "1"}}
-    ranking = xr.Dataset(
-        {n: (dims, values[n], {**units.get(n, {}), "long_name": text}) for n, text in titles.items()},
-        coords={
-            "quantity": list(QUANTITIES),
-            "unit": ("quantity", [unit_of(name) for name in QUANTITIES]),
-            "problem": problems,
-            "level": list(levels),
-            by: methods,
-        },
-    )
-    ran = [[(p, m) in pairs for m in methods] for p in problems]
-    meaning = {"long_name": "whether a study has runs of the method for the problem"}
-    ranking["ran"] = (("problem", by), ran, meaning)
-    failed = [
-        {key: row[key] for key in ("problem", "method", "settings", "status")}
-        for row in found
-        if row["status"] != "ok"
+    problems, methods = (found[key].unique().tolist() for key in ("problem", by))
+    sound = judged[judged["error"] <= levels[0]]
+    reached = [
+        runs[runs[name].abs() <= level].assign(quantity=name, level=level)
+        for name, runs in {name: judged if name == "error" else sound for name in QUANTITIES}.items()
+        if name in runs
+        for level in levels
     ]
+    dims = ["quantity", "problem", "level", by]
+    cheapest = pd.concat(reached).sort_values("cpu_time", kind="stable").drop_duplicates(dims)
+    table = cheapest.set_index(dims)[["cpu_time", "settings"]].to_xarray()
+    coords = {"quantity": list(QUANTITIES), "problem": problems, "level": list(levels), by: methods}
+    table = table.reindex(coords).assign_coords(unit=("quantity", [unit_of(name) for name in QUANTITIES]))
+    cost, ran = table["cpu_time"], pd.crosstab(found["problem"], found[by]).loc[problems, methods] > 0
+    values = {
+        "cost": (cost, "CPU time of the cheapest run that reaches the level", "s"),
+        "over_best": (cost / cost.min(by), "the same over the cheapest method's", "1"),
+        "best": (table["settings"].astype(object).fillna(""), "settings of that run", None),
+        "ran": (
+            (("problem", by), ran.values),
+            "whether a study has runs of the method for the problem",
+            None,
+        ),
+    }
+    ranking = xr.Dataset({name: value for name, (value, _, _) in values.items()})
+    for name, (_, meaning, unit) in values.items():
+        ranking[name].attrs = {"long_name": meaning, **({"units": unit} if unit else {})}
+    failed = found[found["status"] != "ok"].rename(columns={by: "method"})
+    failures = failed[["problem", "method", "settings", "status"]].to_dict("records")
     errors = "; ".join(dict.fromkeys(map(_error_of, studies)))
-    ranking.attrs = {"kind": "ranking", "by": by, "errors": errors, "failures": json.dumps(failed)}
+    ranking.attrs = {"kind": "ranking", "by": by, "errors": errors, "failures": json.dumps(failures)}
     return ranking
-
-
-def _cheapest(
-    judged: list[dict[str, Any]], problems: list[Any], methods: list[Any], levels: Sequence[float]
-) -> tuple[FloatArray, AnyArray]:
-    shape = (len(QUANTITIES), len(problems), len(levels), len(methods))
-    cost, best = np.full(shape, np.nan), np.full(shape, "", dtype=object)
-    for (q, quantity), (p, problem), (m, method) in itertools.product(
-        enumerate(QUANTITIES), enumerate(problems), enumerate(methods)
-    ):
-        runs = [row for row in judged if row["problem"] == problem and row["method"] == method]
-        runs = [row for row in runs if quantity == "error" or row["error"] <= levels[0]]
-        runs = [row for row in runs if np.isfinite(row.get(quantity, np.nan))]
-        for k, level in enumerate(levels):
-            if reached := [row for row in runs if abs(row[quantity]) <= level]:
-                cheapest = min(reached, key=lambda row: row["cpu_time"])
-                cost[q, p, k, m], best[q, p, k, m] = cheapest["cpu_time"], cheapest["settings"]
-    return cost, best
 
 
 def check_levels(levels: Sequence[float]) -> None:
@@ -194,7 +172,7 @@ def _runs(dataset: xr.Dataset, by: str) -> Iterator[dict[str, Any]]:
         yield {
             **row,
             "problem": ": ".join(part for part in (dataset.attrs["title"], where) if part),
-            "method": label,
+            by: label,
             "settings": " ".join(part for part in named if part),
         }
 
