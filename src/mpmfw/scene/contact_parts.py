@@ -7,14 +7,13 @@ into the form with a method, so that nothing behind this module knows of two."""
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from mpmfw.errors import SceneError
-from mpmfw.plugin.discovery import available, load
+from mpmfw.plugin.discovery import available
 from mpmfw.scene.locator import Path
 from mpmfw.scene.problem import Problem
-from mpmfw.scene.wording import shown, unknown_name, with_options
+from mpmfw.scene.wording import shown, unknown_name
 
 #: The keys, each with the kind of plug-in that it names.
 PARTS: tuple[Literal["detection", "law"], ...] = ("detection", "law")
@@ -26,11 +25,16 @@ class Parts:
 
     table: dict[str, Any]  #: with the method that they make, and with its options in one table
     names: tuple[str, str]  #: of the tables that the options came from: detection, law
+    options: Mapping[str, str]  #: names of these tables, by option
 
-    @property
-    def method(self) -> str:
-        """``DETECTION+LAW``."""
-        return "+".join(self.names)
+    def placed(self, problem: Problem) -> Problem:
+        """Return a problem of the method at the key of a part that it is about."""
+        path = problem.path
+        if path == ("contact", "method"):
+            path = ("contact", "law")
+        elif path[:2] == ("contact", "+".join(self.names)) and path[2:] and path[2] in self.options:
+            path = ("contact", self.options[str(path[2])], *path[2:])
+        return replace(problem, path=path)
 
 
 def latest_spelling(mapping: dict[str, Any], set_paths: Iterable[Path]) -> None:
@@ -77,36 +81,17 @@ def parts_of(table: Mapping[str, Any]) -> tuple[Parts | None, list[Problem]]:
             problems.append(Problem(("contact", part), f"expected the name of a {part}, not {shown(name)}"))
         elif name not in valid:
             problems.append(unknown_name(("contact", part), name, list(valid), f"no such {part}: "))
-    return (None, problems) if problems else _checked(table, (table["detection"], table["law"]))
-
-
-def _checked(table: Mapping[str, Any], names: tuple[str, str]) -> tuple[Parts | None, list[Problem]]:
-    """The parts after the options of each were judged by its own model, at the place where they stand."""
-    problems: list[Problem] = []
-    method = "+".join(names)
-    whole = table.get(method, {})
-    options: dict[str, Any] = {}
-    for part, name in zip(PARTS, names, strict=True):
-        own = table.get(name, {})
-        if not isinstance(own, Mapping):
-            message = f"expected a table of options of {part} '{name}', not {shown(own)}"
-            problems.append(Problem(("contact", name), message))
-            continue
-        try:
-            problems += with_options(load(part, name), own, ("contact", name))[1]
-        except SceneError as error:
-            problems.append(Problem(("contact", part), str(error)))
-        options |= own
-        for option in own.keys() & (whole.keys() if isinstance(whole, Mapping) else ()):
-            message = f'[contact."{method}"] gives it too; leave one of them out'
-            problems.append(Problem(("contact", name, option), message))
-    if not problems:
-        try:
-            load("contact", method)
-        except SceneError as error:
-            problems.append(Problem(("contact", "law"), str(error)))
     if problems:
         return None, problems
-    beside = {key: value for key, value in table.items() if key not in (*PARTS, *names)}
-    joined = {**options, **whole} if isinstance(whole, Mapping) else whole
-    return Parts({**beside, "method": method, **({method: joined} if joined else {})}, names), []
+    names = (table["detection"], table["law"])
+    method = "+".join(names)
+    tables = {name: table.get(name, {}) for name in (*names, method)}
+    tables = {name: own for name, own in tables.items() if isinstance(own, Mapping)}
+    options = {key: value for own in tables.values() for key, value in own.items()}
+    places = {key: name for name in names for key in tables.get(name, {})}
+    beside = {key: value for key, value in table.items() if key not in (*PARTS, *tables)}
+    message = f'[contact."{method}"] gives it too; leave one of them out'
+    twice = [
+        Problem(("contact", places[key], key), message) for key in tables.get(method, {}) if key in places
+    ]
+    return Parts({**beside, "method": method, **({method: options} if options else {})}, names, places), twice

@@ -56,6 +56,8 @@ def separate_options(mapping: Mapping[str, Any]) -> Chosen:
             chosen.core["contact"], chosen.contact_tables = parts.table, parts.names
         chosen.whole = dict(chosen.core)
         table = _method_table(chosen, "contact", chosen.core["contact"])
+        if parts is not None:
+            chosen.problems = [parts.placed(problem) for problem in chosen.problems]
         # what is wrong with the parts was told
         chosen.core["contact"] = {**table, "method": ""} if problems and "method" not in table else table
     else:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -61,22 +61,16 @@ class Origin:
         """Return the last override that set the key, one around it or one that a table's problem is between.
 
         Of a table that the file does not have, any override that made it."""
-        path, overrides = problem.path, self.overrides[::-1]
-        if not path:
-            return None
-        for key, target in overrides:
-            if path[: len(target)] == target:
-                return key
+        path = problem.path
         between = [(*path, name) for name in problem.keys]
-        for key, target in overrides:
-            if target in between:
-                return key
         absent = self.locator is not None and len(path) > 1 and path[:-1] not in self.locator
-        if absent:
-            for key, target in overrides:
-                if len(target) >= len(path) and target[: len(path) - 1] == path[:-1]:
-                    return key
-        return None
+        rules: tuple[Callable[[Path], bool], ...] = (
+            lambda target: path[: len(target)] == target,
+            lambda target: target in between,
+            lambda target: absent and len(target) >= len(path) and target[: len(path) - 1] == path[:-1],
+        )
+        blamed = (key for holds in rules for key, target in self.overrides[::-1] if holds(target))
+        return next(blamed, None) if path else None
 
 
 def _printable(line: str) -> str:

@@ -9,6 +9,7 @@ from typing import Any
 from mpmfw.errors import SceneError
 from mpmfw.geometry.discretise import geometry_class
 from mpmfw.plugin.discovery import Kind, available, load, only_bundled
+from mpmfw.scene.content import walk
 from mpmfw.scene.options import NAMED
 from mpmfw.scene.tables import Tables
 
@@ -34,19 +35,14 @@ def json_schema() -> dict[str, Any]:
     return schema
 
 
-def _allow_units(part: Any) -> None:
+def _allow_units(schema: dict[str, Any]) -> None:
     """Let quantities be strings with a unit as well, and give limits the names that JSON Schema knows."""
-    if isinstance(part, list):
-        for item in part:
-            _allow_units(item)
-    elif isinstance(part, dict):
-        if "unit" in part and part.get("type") == "number":
+    for _, part in walk(schema):
+        if isinstance(part, dict) and "unit" in part and part.get("type") == "number":
             part["type"] = ["number", "string"]
             for ours, theirs in _LIMITS.items():
                 if ours in part:
                     part[theirs] = part.pop(ours)
-        for item in part.values():
-            _allow_units(item)
 
 
 def _options(schema: dict[str, Any], kind: Kind, name: str) -> dict[str, Any]:
