@@ -88,12 +88,13 @@ class Pool:
         self, work: Callable[[T], R], waiting: deque[T], jobs: int, died: deque[T]
     ) -> Iterator[tuple[T, R]]:
         """Do tasks, some at a time; add those whose process died to ``died``."""
+        context = multiprocessing.get_context("spawn")  # threads do not survive a fork
         idle: list[ProcessPoolExecutor] = []
         under_way: dict[Future[R], tuple[T, ProcessPoolExecutor]] = {}
         try:
             while waiting or under_way:
                 while waiting and len(under_way) < jobs:
-                    process = idle.pop() if idle else _process()
+                    process = idle.pop() if idle else ProcessPoolExecutor(1, context, _begin_worker)
                     try:
                         with unbroken():  # a process whose start is broken off complains
                             under_way[process.submit(work, waiting[0])] = waiting[0], process
@@ -114,12 +115,6 @@ class Pool:
                     one.kill()
             for process in (*idle, *(process for _, process in under_way.values())):
                 process.shutdown(wait=False, cancel_futures=True)
-
-
-def _process() -> ProcessPoolExecutor:
-    """Return one process, started afresh: threads do not survive a fork."""
-    context = multiprocessing.get_context("spawn")
-    return ProcessPoolExecutor(1, mp_context=context, initializer=_begin_worker)
 
 
 def _leaves(task: Any) -> bool:

@@ -28,7 +28,9 @@ def check_surface(nodes: FloatArray, facets: IntArray, merging: str = "") -> Non
     ``nodes`` (n, 3) [m], ``facets`` (k, 3); ``merging`` says in the message about a hole which nodes were
     taken as one."""
     _check_areas(nodes, facets)
-    _check_copies(nodes, facets)
+    _, which, count = np.unique(np.sort(facets, axis=1), axis=0, return_inverse=True, return_counts=True)
+    copies = np.flatnonzero(count[which.ravel()] > 1)
+    _refuse(copies, f"{np.count_nonzero(count > 1)} triangles are there more than once", nodes[facets])
     _check_sides(nodes, facets, merging)
     _check_crossings(nodes, facets)
     for shell in shells_of(facets, len(nodes)):
@@ -76,13 +78,6 @@ def _check_areas(nodes: FloatArray, facets: IntArray) -> None:
     sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
     flat = np.flatnonzero(2.0 * measures_of(nodes, facets) <= FLAT * sides**2)
     _refuse(flat, f"{len(flat)} triangles have no area", corners)
-
-
-def _check_copies(nodes: FloatArray, facets: IntArray) -> None:
-    """No triangle is there twice, whichever way its corners run."""
-    _, which, count = np.unique(np.sort(facets, axis=1), axis=0, return_inverse=True, return_counts=True)
-    copies = np.flatnonzero(count[which.ravel()] > 1)
-    _refuse(copies, f"{np.count_nonzero(count > 1)} triangles are there more than once", nodes[facets])
 
 
 def _check_sides(nodes: FloatArray, facets: IntArray, merging: str) -> None:

@@ -85,18 +85,14 @@ class FieldPanel:
 
     def largest_force(self, frames: Iterable[int]) -> float:
         """Return the largest contact force on a surface node [N/m]."""
-        self._check_forces()
+        if not any("force" in self.tree[f"surface/{body}"].data_vars for body in self.outlined):
+            raise SceneError("the run stored no contact force of surface nodes; leave the arrows out")
         sizes = [
             np.linalg.norm(frame_of(self.tree, f"surface/{body}", frame)["force"].values, axis=1).max()
             for frame in frames
             for body in self.outlined
         ]
         return float(np.nanmax(sizes))
-
-    def _check_forces(self) -> None:
-        known = {str(name) for body in self.outlined for name in self.tree[f"surface/{body}"].data_vars}
-        if "force" not in known:
-            raise SceneError("the run stored no contact force of surface nodes; leave the arrows out")
 
     def show(self, axes: Any, frame: int, scales: Scales, title: str = "") -> Any:
         """Draw another output; return the artist of the colour bar."""

@@ -88,16 +88,11 @@ def _failed(dataset: xr.Dataset) -> str:
     return f" Without a result: {'; '.join(failed)}." if failed else ""
 
 
-def _can_be_drawn(run: xr.Dataset) -> bool:
-    """Return True if a logarithmic axis can show a run."""
-    return bool(np.isfinite(run["error"]) and run["error"] > 0.0 and np.isfinite(run["cpu_time"]))
-
-
 def _draw_run(axes: Any, row: dict[str, Any], look: Look, size: float) -> None:
     """Draw a run with the range of its repeats: filled and with a dark edge on the front, open else."""
     run, colour = row["run"], look.colours[row["contact"]]
-    if not _can_be_drawn(run):
-        return
+    if not (np.isfinite(run["error"]) and run["error"] > 0.0 and np.isfinite(run["cpu_time"])):
+        return  # a logarithmic axis cannot show it
     cost, spread = float(run["cpu_time"]), float(np.nan_to_num(run["cpu_time_spread"]))
     on = bool(run["pareto"])
     axes.errorbar(

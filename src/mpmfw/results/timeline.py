@@ -141,13 +141,10 @@ class Timeline:
         variable = _variable(self.group, field.name, dtype, dims, chunksizes=chunks)
         if chunks is not None:  # HDF5 would keep 16 MB of every variable
             variable.set_var_chunk_cache(size=dtype.itemsize * math.prod(chunks))
-        variable.setncatts({**field.attributes, "units": self._unit(field.unit)})
+        plane = self.header.dim == 2 and (self.header.per_metre or field.unit == "m2")
+        unit = field.unit if plane else _WHOLE.get(field.unit, field.unit)
+        variable.setncatts({**field.attributes, "units": unit})
         return variable
-
-    def _unit(self, unit: str) -> str:
-        """Return a unit in 3D, or of whole bodies in 2D."""
-        plane = self.header.dim == 2 and (self.header.per_metre or unit == "m2")
-        return unit if plane else _WHOLE.get(unit, unit)
 
     def _chunks(self, field: Field, sizes: tuple[int, ...], itemsize: int) -> tuple[int, ...] | None:
         if _is_static(field):

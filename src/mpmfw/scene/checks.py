@@ -47,7 +47,7 @@ def check(scene: Tables, plugins: Mapping[Path, type[Any]], options: Mapping[Pat
     yield from _loads(scene)
     yield from _named(scene, plugins, options)
     yield from _reference(scene)
-    yield from _output(scene)
+    yield from _vector(scene.output.contact_moment, ("output", "contact_moment"), scene.grid.dim)
     for name, body in scene.bodies.items():
         yield from _body(scene, ("bodies", name), body)
 
@@ -57,10 +57,6 @@ def _reference(scene: Tables) -> Iterator[Problem]:
         known = sorted({*REFERENCES, *available("reference")})
         if scene.reference.kind not in known:
             yield unknown_name(("reference", "kind"), scene.reference.kind, known)
-
-
-def _output(scene: Tables) -> Iterator[Problem]:
-    yield from _vector(scene.output.contact_moment, ("output", "contact_moment"), scene.grid.dim)
 
 
 def _grid(scene: Tables) -> Iterator[Problem]:

@@ -116,15 +116,12 @@ def _expanded(overrides: Mapping[str, Any]) -> tuple[dict[str, Any], list[Proble
         except SceneError as error:
             problems.append(Problem((), str(error), override=key))
             continue
-        twice = [other for other in overrides if other != key and any(_within(one, other) for one in keys)]
+        others = [other for other in overrides if other != key]
+        twice = [other for other in others if any(f"{one}.".startswith(f"{other}.") for one in keys)]
         message = f"{key} = '{value}' sets it too; leave one of them out"
         problems += [Problem((), message, override=other) for other in twice]
         found |= keys or {key: value}
     return found, problems
-
-
-def _within(key: str, table: str) -> bool:
-    return key == table or key.startswith(f"{table}.")
 
 
 def _with_resolved_paths(

@@ -86,23 +86,22 @@ def _parts(results: Sequence[CaseResult], folder: str) -> Iterable[str]:
     else:
         yield "Every gate holds."
     yield "Values within their limits, of those that have any, by case and method:"
-    yield _matrix(rows, {row.method for row in rows}, _share)
+    yield _matrix(rows, _share)
     cases = {row.case for row in rows}
     shared = Counter(quantity for _, quantity in {(row.case, row.quantity) for row in rows if row.method})
     for quantity in (name for name, count in shared.items() if len(cases) > 2 and count > len(cases) // 2):
         own = [row for row in rows if row.quantity == quantity]
         yield f"{quantity.capitalize()} [{own[0].unit}]:"
-        yield _matrix(own, {row.method for row in own}, _value)
+        yield _matrix(own, lambda cells: f"{cells[0].value:.4g}" if cells else "")
 
 
-def _matrix(rows: Sequence[Row], methods: set[str], cell: Callable[[Sequence[Row]], str]) -> str:
+def _matrix(rows: Sequence[Row], cell: Callable[[Sequence[Row]], str]) -> str:
     cases = sorted({row.case for row in rows})
     usual = [str(Method(contact, "cpdi")) for contact in CONTACTS]
     usual += [str(Method("penalty", shape)) for shape in SHAPES if shape != "cpdi"]
-    number = Counter(method for _, method in {(row.case, row.method) for row in rows})
-    columns = [one for one in usual if one in methods]
-    columns += [one for one in dict.fromkeys(r.method for r in rows) if number[one] > len(cases) // 2]
-    columns = list(dict.fromkeys(one for one in columns if one))
+    number = Counter(method for _, method in dict.fromkeys((row.case, row.method) for row in rows))
+    columns = [one for one in usual if one in number]
+    columns += [one for one in number if one and one not in usual and number[one] > len(cases) // 2]
     lines = [["case", *(f"`{one}`" for one in columns)], ["---"] * (len(columns) + 1)]
     for case in cases:
         own = [[row for row in rows if (row.case, row.method) == (case, one)] for one in columns]
@@ -117,7 +116,3 @@ def _share(rows: Sequence[Row]) -> str:
         row.verdict in (Verdict.HOLDS, Verdict.WITHIN) for row in rows if row.verdict is not Verdict.SHOWN
     ]
     return f"{sum(judged)}/{len(judged)}" if judged else ""
-
-
-def _value(rows: Sequence[Row]) -> str:
-    return f"{rows[0].value:.4g}" if rows else ""
