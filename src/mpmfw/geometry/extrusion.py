@@ -49,15 +49,10 @@ class Extrusion(TurnedSolid):
 
     @property
     def bounds(self) -> FloatArray:
-        nodes = self.fine_nodes
-        return np.array([nodes.min(axis=0), nodes.max(axis=0)])
-
-    @property
-    def fine_nodes(self) -> FloatArray:
-        """Nodes (n, 3) [m] on the rims, so fine that they bound the body."""
         loops = np.concatenate(self.outline.outlines(self.outline.outline_length / 400.0))
         ends = [np.column_stack([loops, np.full(len(loops), z)]) for z in (self.low, self.high)]
-        return self.turned(np.concatenate(ends))
+        nodes = self.turned(np.concatenate(ends))
+        return np.array([nodes.min(axis=0), nodes.max(axis=0)])
 
     def surfaces(self, edge: float) -> Surfaces:
         """Nodes (n, 3) [m] and triangles (k, 3) with sides up to ``edge`` [m], 1.4 of it across."""

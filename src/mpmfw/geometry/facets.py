@@ -7,12 +7,6 @@ import numpy as np
 from mpmfw.geometry.layout import FloatArray, IntArray
 
 
-def closed_loop(n: int) -> IntArray:
-    """Segments (n, 2) of a closed polyline of ``n`` nodes: segment s runs from node s to the next."""
-    index = np.arange(n)
-    return np.stack([index, np.roll(index, -1)], axis=1)
-
-
 def neighbours_of(facets: IntArray) -> IntArray:
     """Facet across the side opposite each corner (n_f, dim); a ValueError if the surface is not closed."""
     n, dim = facets.shape

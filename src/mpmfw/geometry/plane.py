@@ -11,7 +11,6 @@ import shapely
 
 from mpmfw.geometry.base import BodyGeometry
 from mpmfw.geometry.clipped_lattice import clipped_lattice
-from mpmfw.geometry.facets import closed_loop
 from mpmfw.geometry.layout import FloatArray, IntArray, Layout
 
 
@@ -61,7 +60,8 @@ class PlaneGeometry(BodyGeometry):
 
     def surfaces(self, edge: float) -> tuple[tuple[FloatArray, IntArray], ...]:
         """Nodes (m, 2) [m] and segments (m, 2) of every outline, the segments no longer than ``edge`` [m]."""
-        return tuple((loop, closed_loop(len(loop))) for loop in self.outlines(edge))
+        loops = [(loop, np.arange(len(loop))) for loop in self.outlines(edge)]
+        return tuple((loop, np.stack([node, np.roll(node, -1)], axis=1)) for loop, node in loops)
 
     @property
     def axes(self) -> FloatArray:

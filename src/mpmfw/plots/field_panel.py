@@ -107,16 +107,13 @@ class FieldPanel:
             self._drawn.append(axes.add_collection(shapes, autolim=False))
         for body in self.outlined:
             self._drawn += self._draw_surface(axes, frame_of(self.tree, f"surface/{body}", frame), scales)
-        text = ", ".join(part for part in (title, self.time_text(frame)) if part)
+        times = times_of(self.tree)
+        scale, unit = time_scale(float(times[-1]))
+        time = f"t = {scale * float(times[frame]):.4g} {unit}"
+        text = f"{title}, {time}" if title else time
         lines = [textwrap.fill(line, TITLE_WIDTH) for line in on_lines(text).splitlines()]
         axes.set_title("\n".join(lines), loc="left")
         return first
-
-    def time_text(self, frame: int) -> str:
-        """``t = 0.3 s`` of an output."""
-        times = times_of(self.tree)
-        scale, unit = time_scale(float(times[-1]))
-        return f"t = {scale * float(times[frame]):.4g} {unit}"
 
     def _places(self, body: str, data: xr.Dataset) -> tuple[FloatArray, float]:
         """Return corners of domains, or centres and the largest point's radius [m]."""

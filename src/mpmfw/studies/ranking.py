@@ -83,7 +83,9 @@ def rank(
     SceneError
         A file is no study's, has no dimension ``by``, or no run has an error and a cost.
     """
-    check_levels(levels)
+    if not levels or min(levels) <= 0.0 or list(levels) != sorted(set(levels), reverse=True):
+        text = ", ".join(map(str, levels)) or "none"
+        raise SceneError(f"levels {text}: expected relative errors that fall, as 0.1, 0.01")
     studies = [_study(one, by, about or {}) for one in results]
     found = pd.DataFrame([row for one in studies for row in _runs(one, by)])
     judged = found[found["status"] == "ok"].dropna(subset=["error", "cpu_time"]) if len(found) else found
@@ -121,13 +123,6 @@ def rank(
     errors = "; ".join(dict.fromkeys(map(_error_of, studies)))
     ranking.attrs = {"kind": "ranking", "by": by, "errors": errors, "failures": json.dumps(failures)}
     return ranking
-
-
-def check_levels(levels: Sequence[float]) -> None:
-    """Refuse levels that do not fall or are no relative errors."""
-    if not levels or min(levels) <= 0.0 or list(levels) != sorted(set(levels), reverse=True):
-        text = ", ".join(map(str, levels)) or "none"
-        raise SceneError(f"levels {text}: expected relative errors that fall, as 0.1, 0.01")
 
 
 def _study(given: str | os.PathLike[str] | xr.Dataset, by: str, about: Mapping[str, str]) -> xr.Dataset:
