@@ -15,7 +15,7 @@ from drop_for_tests import drop, drop_scene
 from mpmfw.cli import app
 from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.geometry.solids import sphere_surface
-from mpmfw.plots import plane_cut, rendered
+from mpmfw.plots import plane_cut
 from mpmfw.plots.animation import Movie
 from mpmfw.plots.plane_cut import cut_lines
 from mpmfw.results.point_fields import point_field, point_fields
@@ -268,24 +268,3 @@ def test_points_on_the_plane_are_drawn_with_the_outlines(tree):
     assert len(lines) == 2
     assert (panel.get_xlabel(), panel.get_ylabel()) == ("x [m]", "z [m]")
     assert "m/s" in bar.get_ylabel()
-
-
-def bright(figure):
-    """Number of pixels of the picture that are not white."""
-    (picture,) = figure.axes[0].images
-    return int((np.asarray(picture.get_array()) < 250).any(axis=2).sum())
-
-
-def test_bodies_are_rendered_in_the_colours_of_a_field_with_its_scale(tree):
-    figure = rendered(tree, "von_mises")
-    panel, bar = figure.axes
-    points = [tree[f"particles/{body}"].to_dataset().isel(time=-1) for body in ("solid", "ball")]
-    assert panel.get_title("left").startswith("t = ")
-    assert "von Mises stress" in bar.get_ylabel()
-    assert bright(figure) > 1e5
-    assert bright(rendered(tree, "velocity_z", bodies=["ball"])) < bright(figure)
-    speed = np.concatenate([one["velocity"].values[:, 2] for one in points])
-    scale = np.array(rendered(tree, "velocity_z").axes[1].get_ylim())
-    np.testing.assert_allclose(
-        scale / scale[0], np.array([speed.min(), speed.max()]) / speed.min(), atol=1e-6
-    )

@@ -30,12 +30,12 @@ class Mesh:
     units: Mapping[str, str]
 
 
-def mesh_library(user: str = "export", instead: str = "") -> Any:
-    """Import pyvista; a SceneError says what needs it."""
+def mesh_library() -> Any:
+    """Import pyvista; a SceneError says that export needs it."""
     try:
         import pyvista
     except ImportError as error:
-        raise SceneError(f"{user} needs pyvista: pip install 'mpmfw[render]'{instead}") from error
+        raise SceneError("export needs pyvista: pip install 'mpmfw[render]'") from error
     return pyvista
 
 

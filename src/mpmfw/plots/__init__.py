@@ -7,7 +7,6 @@ from mpmfw.plots.files import figures_of, plot_file, plot_files, write_figure
 from mpmfw.plots.histories import history
 from mpmfw.plots.outlines import positions
 from mpmfw.plots.plane_cut import plane_cut
-from mpmfw.plots.rendering import rendered
 from mpmfw.plots.rolling import contact_force, motion
 from mpmfw.plots.scene import gap_history
 from mpmfw.plots.study import front
@@ -26,7 +25,6 @@ __all__ = [
     "plot_file",
     "plot_files",
     "positions",
-    "rendered",
     "side_by_side",
     "stages",
     "write_figure",

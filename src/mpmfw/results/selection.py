@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import itertools
 import json
-import operator
 import os
 from collections.abc import Hashable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from numbers import Integral
 from typing import Any
 
 import numpy as np
@@ -120,12 +120,8 @@ def frame_of(tree: xr.DataTree, place: str, index: int) -> xr.Dataset:
 
 def chosen_frames(tree: xr.DataTree, every: int) -> range:
     """Return each ``every``-th output with points."""
-    try:
-        every = operator.index(every)
-    except TypeError:
-        raise SceneError(f"every {every!r}: expected a whole number") from None
-    if every < 1:
-        raise SceneError(f"every {every}: expected 1 or more")
+    if not isinstance(every, Integral) or every < 1:
+        raise SceneError(f"every {every!r}: expected a whole number of 1 or more")
     return range(0, frame_at(tree) + 1, every)
 
 

@@ -63,9 +63,8 @@ class Method:
     @property
     def recommended(self) -> bool:
         """Return whether gates bind it: penalty or no contact, CPDI or CPDI2, no other change."""
-        return self.bound or (
-            self.contact in ("", "penalty") and self.shape in RECOMMENDED and not self.label
-        )
+        usual = self.contact in ("", "penalty") and self.shape in RECOMMENDED and not self.label
+        return self.bound or usual
 
     def matches(self, *patterns: str) -> bool:
         """Return whether a pattern such as ``penalty, cpdi*`` fits its name; it must fit one of all runs."""
@@ -92,8 +91,7 @@ def methods(
 class Place:
     """One variant of the scene that all methods run, such as a cell size.
 
-    ``open`` are gates that do not bind here, by key: the reason, or reasons by patterns of methods; ``run``
-    is the run itself."""
+    ``open`` gates do not bind here, by key: the reason, or reasons by patterns; ``run`` is the run itself."""
 
     at: str = ""
     set: Mapping[str, Any] = field(default_factory=dict)
@@ -282,11 +280,9 @@ class CaseRun:
 class RunSet(list[CaseRun]):
     """Runs that are judged together."""
 
-    def of(
-        self, measure: Callable[..., Any], key: str | None = None, scale: float = 1.0, **args: Any
-    ) -> float | None:
+    def of(self, measure: Callable[..., Any], scale: float = 1.0, **args: Any) -> float | None:
         """Return what a function of all these runs gives: a number, or None."""
-        return _number(measure(self, **args), key, scale)
+        return _number(measure(self, **args), None, scale)
 
     def by_method(self, *patterns: str) -> Iterator[tuple[Method, RunSet]]:
         """Yield each method whose name a pattern fits, all without patterns, with its runs."""

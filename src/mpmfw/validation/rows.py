@@ -99,15 +99,12 @@ class Case:
             given = str(self.folder / given)
         return load_scene(given, set={**chosen, **values, **(method.set if method else {})})
 
-    def run(
-        self, scene: str | Scene, method: Any = None, set: Mapping[str, Any] | None = None
-    ) -> xr.DataTree:
+    def run(self, scene: Scene) -> xr.DataTree:
         """Run a scene, as ``mpmfw.run``; settling that ends with a warning is in the rows."""
-        loaded = scene if isinstance(scene, Scene) else self.scene(scene, method, set or {})
         self._seconds = math.nan
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ResultsWarning)
-            tree = run_scene(loaded)
+            tree = run_scene(scene)
         self._seconds = float(tree.attrs["cpu_time"]) + float(tree.attrs.get("settle_time", 0.0))
         return tree
 
@@ -117,7 +114,7 @@ class Case:
         """Run a scene with each method; one that fails keeps its row and is not yielded."""
         for method in methods:
             try:
-                yield method, self.run(scene, method, set)
+                yield method, self.run(self.scene(scene, method, set or {}))
             except (SimulationError, SceneError) as error:
                 self.failed(method, str(error))
 
