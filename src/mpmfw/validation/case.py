@@ -153,10 +153,6 @@ class Runs:
         """Yield these runs with every combination of place, version and method."""
         return itertools.product([self], self.places, self.versions, self.methods)
 
-    def count(self, now: str) -> int:
-        """Return how many run in the ``full`` or ``quick`` version of the case."""
-        return sum(all(one.when in ("", now) for one in point) for point in self.points())
-
     def scene_at(self, case: Case, place: Place, version: Version, method: Method | None) -> Scene:
         """Return the scene of a place in a version, with the method."""
         given = place.scene or self.scene
@@ -280,9 +276,11 @@ class CaseRun:
 class RunSet(list[CaseRun]):
     """Runs that are judged together."""
 
-    def of(self, measure: Callable[..., Any], scale: float = 1.0, **args: Any) -> float | None:
+    def of(
+        self, measure: Callable[..., Any], key: str | None = None, scale: float = 1.0, **args: Any
+    ) -> float | None:
         """Return what a function of all these runs gives: a number, or None."""
-        return _number(measure(self, **args), None, scale)
+        return _number(measure(self, **args), key, scale)
 
     def by_method(self, *patterns: str) -> Iterator[tuple[Method, RunSet]]:
         """Yield each method whose name a pattern fits, all without patterns, with its runs."""

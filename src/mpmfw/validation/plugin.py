@@ -59,9 +59,10 @@ def run(request: pytest.FixtureRequest, case: Case) -> CaseRun:
 def runs(request: pytest.FixtureRequest, case: Case) -> RunSet:
     """Return all runs that the test takes together; it is skipped if some were deselected."""
     taken = request.node.get_closest_marker("together").args
-    now = "quick" if case.quick else "full"
-    if any(runs.started < runs.count(now) for runs in taken):
-        pytest.skip("some of its runs were deselected")
+    versions = ("", "quick" if case.quick else "full")
+    for runs in taken:
+        if runs.started < sum(all(one.when in versions for one in point) for point in runs.points()):
+            pytest.skip("some of its runs were deselected")
     return RunSet(run for runs in taken for run in runs.done)
 
 
