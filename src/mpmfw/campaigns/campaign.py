@@ -56,10 +56,6 @@ def campaign(
     ------
     SceneError
         The request as a whole is wrong, or no point can run.
-    MpmfwError
-        The store cannot be written.
-    Interrupted
-        Ctrl-C or SIGTERM; what is done is in the store.
     """
     grid = make_grid({"": scene}, vary, dict(set or {}))
     return run_grid(grid, Execution.of(running), tuple(measures), reference)

@@ -71,10 +71,6 @@ def compare(
     ------
     SceneError
         The request as a whole is wrong, no combination can run, or the output is a file of another kind.
-    MpmfwError
-        The output cannot be written.
-    Interrupted
-        Ctrl-C or SIGTERM; the output keeps the runs that were done.
     """
     methods = {"contact": _methods("contact", contact), "shape": _methods("shape", shape)}
     varied = dict(vary or {})

@@ -189,7 +189,11 @@ class Running(TypedDict, total=False):
 
 @dataclass(frozen=True)
 class Execution:
-    """How runs take place."""
+    """How runs take place.
+
+    All that take these keywords raise MpmfwError where a file cannot be written, and Interrupted at Ctrl-C or
+    SIGTERM, with what is done in the store.
+    """
 
     #: an executor of ``concurrent.futures``, a ``Client`` or cluster of ``dask.distributed``, or the address
     #: of its scheduler

@@ -91,10 +91,6 @@ def stability_map(
     ------
     SceneError
         The scene or a value is wrong.
-    MpmfwError
-        The file cannot be written.
-    Interrupted
-        Ctrl-C or SIGTERM; the points that are done are kept.
     """
     output, changes = request.pop("output", None), request.pop("set", None)
     execution = Execution.of(request)

@@ -90,10 +90,6 @@ def choose(
     ------
     SceneError
         The request is wrong, or nothing is known that the measure's error could be of.
-    MpmfwError
-        A file cannot be written.
-    Interrupted
-        Ctrl-C or SIGTERM; what is done is in the store.
     """
     target, output = relative_error(error, "error"), request.pop("output", None)
     shared = dict(request.pop("set", None) or {})

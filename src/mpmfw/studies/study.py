@@ -68,8 +68,6 @@ def study(
     ------
     SceneError
         The request is wrong: one line for each problem.
-    MpmfwError
-        A file cannot be written, or no scheduler's worker does its work. A run that fails is recorded.
     """
     loaded = _with(load_study(study, trust), running.get("repeats"), under, about)
     if timing not in get_args(Timing):
