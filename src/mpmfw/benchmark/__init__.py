@@ -113,11 +113,10 @@ def _methods(simulation: Simulation) -> dict[str, str]:
 
 
 def stage_times(wall: FloatArray, cpu: FloatArray) -> FloatArray:
-    """Time of each stage, (n_stages,): the least CPU time of a sample, shared out by the stages' least wall
-    times.
+    """Return the least CPU time of a sample, shared out by the stages' least wall times (n_stages,).
 
-    Wall time counts other processes, and the CPU timer is too slow to be read at every stage. ``wall`` is
-    that of every stage in every sample, (n_samples, n_stages) [s], ``cpu`` that of samples, (n_samples,) [s].
+    The CPU timer is too slow to be read at every stage. ``wall`` (n_samples, n_stages), ``cpu`` (n_samples,)
+    [s].
     """
     least = wall.min(axis=0)
     times: FloatArray = least * (cpu.min() / least.sum())

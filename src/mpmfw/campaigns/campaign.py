@@ -70,10 +70,7 @@ def run_grid(
     threads: int = 1,
     grown: Callable[[xr.Dataset], None] | None = None,
 ) -> xr.Dataset:
-    """Run all points of a grid, and join them, as :func:`campaign` returns them.
-
-    ``threads`` are those of each run in this process; ``grown`` gets the dataset so far after each run.
-    """
+    """Run and join all points of a grid, as :func:`campaign`; ``grown`` gets the dataset after each run."""
     if all(one.scene is None for one in grid.combinations.values()):
         raise SceneError(problems=next(iter(grid.combinations.values())).problems)
     judges = judge_all(grid, measures, reference)

@@ -62,10 +62,7 @@ class InProcess:
 
 
 class Pool:
-    """Processes of one thread each, by default one for each core.
-
-    One that dies takes no other run with it.
-    """
+    """Processes of one thread each, by default one for each core, which die alone."""
 
     def __init__(self, jobs: int | None = None) -> None:
         self.jobs = jobs or cores()
@@ -166,10 +163,7 @@ class Futures:
 
 
 def dask_cluster(place: Any) -> Futures:
-    """Return the workers of a Dask cluster, which share no files with this process.
-
-    ``place`` is a ``distributed.Client``, a cluster's object, or the scheduler's address.
-    """
+    """Return the workers of a Dask ``Client``, cluster or scheduler's address; they share no files."""
     try:
         import distributed
     except ImportError as error:

@@ -108,10 +108,7 @@ class RunGrid:
 def make_grid(
     scenes: Mapping[str, Any], vary: Mapping[str, Sequence[Any]], shared: Mapping[str, Any]
 ) -> RunGrid:
-    """Expand ``vary``, values by short name or dotted key, over scenes by label.
-
-    A single scene without a label has no dimension. ``shared`` are values by dotted key of all runs.
-    """
+    """Expand ``vary``, values by key, over scenes by label; ``shared`` are values of all runs."""
     names = dimension_names(vary)
     coords: dict[str, list[Any]] = {"scene": list(scenes)} if list(scenes) != [""] else {}
     offset = len(coords)

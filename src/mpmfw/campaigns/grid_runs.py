@@ -74,10 +74,9 @@ def timing_of(costs: Sequence[Cost]) -> str:
 
 
 class GridRuns:
-    """The runs of a grid, which a store keeps and an executor does.
+    """The runs of a grid, which a store keeps and an executor does; ``what`` names the whole in messages.
 
-    ``what`` names the whole in messages. With ``exclusive`` only costs count that were measured one run at a
-    time. ``threads`` are those of each run in this process.
+    With ``exclusive`` only costs count that were measured one run at a time.
     """
 
     def __init__(

@@ -88,10 +88,7 @@ def names_of_measures() -> list[str]:
 
 
 def exact_of(measure: Measure, scene: Scene, about: About) -> Exact | None:
-    """Return the exact value of a quantity in a scene, by its ``[reference] kind``; None where it is unknown.
-
-    A SceneError says that the scene is not of the kind, or that the kind cannot be imported.
-    """
+    """Return the exact value of a quantity by the scene's ``[reference] kind``, or None."""
     about = known_axis(measure, scene, about)
     return _exact_along(measure, scene, replace(about, axis=about.axis or "x"))
 
@@ -123,11 +120,7 @@ def _incline(scene: Scene) -> Incline | None:
 
 
 def inferred(measure: Measure, run: xr.DataTree, scene: Scene, about: About) -> About:
-    """Return the subject of a measure, with the closed form's or the motion's labels where none is named.
-
-    The pair is that of the largest impulse, the body the one whose centre moves farthest, the axis that of
-    the largest motion or impulse.
-    """
+    """Return the subject of a measure: as named, else that of the largest motion or impulse."""
     series, keys, known = run["series"].to_dataset(), measure.keys, _incline(scene)
     if known is not None:
         sure = {"body": known.body, "axis": "x"}

@@ -37,9 +37,7 @@ def do(
     executor: Executor,
     progress: Progress | None = None,
 ) -> None:
-    """Do the tasks that the store has no outcome of, and keep each as it ends.
-
-    ``work`` takes a task, which has a ``key`` and a ``name``."""
+    """Do the tasks (each with a ``key`` and a ``name``) that the store lacks, and keep each as it ends."""
     missing = [task for task in tasks if store.outcome(task.key) is None]
     _do(work, missing, store, executor, _Counter(progress, len(missing)))
 

@@ -74,8 +74,7 @@ _ABANDONED = 3600.0
 class Store:
     """A folder of finished runs: ``<key>.nc`` with the results, then ``<key>.json``, which completes them.
 
-    Files get their names when they are whole, so that campaigns may share a folder. Without a folder outcomes
-    are kept as long as this object lives.
+    Files are whole, so that campaigns may share a folder. Without one outcomes live as long as this object.
     """
 
     def __init__(self, folder: str | os.PathLike[str] | None = None) -> None:
@@ -122,8 +121,8 @@ class Store:
     ) -> tuple[int, int, int]:
         """Forget outcomes whose code ``takes`` refuses, older than ``days``, or left by killed processes.
 
-        Return the numbers of runs that were forgotten and are kept, and the bytes that became free. A
-        SceneError refuses a folder without any.
+        Return the numbers of runs forgotten and kept, and the bytes freed. A SceneError refuses other
+        folders.
         """
         try:
             own = own_files(self.folder)

@@ -16,10 +16,7 @@ _ENDINGS = {"run": "", "compare": "-compare", "choice": "-choose", "stability": 
 
 
 def check_result(path: Path, kind: str, force: bool = False) -> Path:
-    """Return the path; raise a SceneError if results of a ``kind`` would replace a file.
-
-    With ``force`` it is replaced. A campaign goes on from finished runs.
-    """
+    """Return the path; a SceneError if results would replace a file without ``force`` or finished runs."""
     from mpmfw.campaigns.store import own_files
     from mpmfw.results.replacing import check_replaceable
 

@@ -44,8 +44,7 @@ def print_table(
 ) -> None:
     """Print rows as a table, or as several where columns find no room.
 
-    ``rows`` are cells by column, and rich's ``style``; ``heads`` gives columns in order. Columns without any
-    value are left out. ``words`` are wrapped, as labels are; all other columns are numbers.
+    ``heads`` gives columns in order; those without a value are left out. Labels and ``words`` are wrapped.
     """
     from rich import box
     from rich.console import Console

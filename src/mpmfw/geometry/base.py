@@ -31,9 +31,7 @@ _CELLS = re.compile(r"\s*([0-9]*\.?[0-9]+(?:[eE][+-]?[0-9]+)?)\s*cells?\s*")
 
 
 def context_of_cells(tables: Mapping[str, Any]) -> dict[str, float]:
-    """Return the validation context of a scene in which lengths may be given in cells.
-
-    Where the cell size itself is wrong, a cell counts as 1 m, so that the cell size alone is reported."""
+    """Return the validation context of lengths in cells; a wrong cell size counts as 1 m."""
     try:
         return {"cell_size": TypeAdapter(PositiveLength).validate_python(tables["grid"]["cell_size"])}
     except (TypeError, LookupError, ValidationError):

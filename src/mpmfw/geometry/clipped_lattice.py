@@ -162,10 +162,7 @@ def _neighbours(index: npt.NDArray[np.intp], small: npt.NDArray[np.intp]) -> npt
 
 
 def _most_shared(piece: int, beside: npt.NDArray[np.intp], owner: npt.NDArray[np.intp]) -> int:
-    """The (joint) piece that shares most with ``piece``; ``piece`` itself where there is none.
-
-    ``beside`` has its neighbours, those with the largest face first, −1 where there is none.
-    """
+    """The (joint) piece among the neighbours ``beside`` that shares most with ``piece``, or itself."""
     for other in beside.tolist():
         if other >= 0 and (root := _root(owner, other)) != piece:
             return root

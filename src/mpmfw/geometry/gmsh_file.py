@@ -39,10 +39,7 @@ def started_gmsh(needed_for: str) -> Iterator[Any]:
 
 
 def _keep_python_s_answer_to_broken_pipes() -> None:
-    """Python's handling of SIGPIPE again, which gmsh sets to end the process as it starts.
-
-    Else the death of one process of a pool, or of a reader of the output, would take this one with it.
-    """
+    """Restore Python's handling of SIGPIPE, which gmsh sets to end the process."""
     if hasattr(signal, "SIGPIPE") and threading.current_thread() is threading.main_thread():
         # What Python knows, gmsh has not told it
         signal.signal(signal.SIGPIPE, signal.getsignal(signal.SIGPIPE))
@@ -51,8 +48,7 @@ def _keep_python_s_answer_to_broken_pipes() -> None:
 def read_blocks(path: Path, kinds: Mapping[int, int]) -> tuple[FloatArray, dict[int, IntArray]]:
     """Read the nodes (n, 3) of a gmsh file and the nodes (k, m) of its elements of each kind.
 
-    ``kinds`` are gmsh's numbers of the kinds that are read, with their nodes. A ValueError refuses other
-    files and kinds, and says where gmsh is not installed.
+    ``kinds`` are gmsh's numbers, with their nodes. A ValueError refuses other files and kinds.
     """
     with started_gmsh(f"reading {path.name}") as gmsh:
         if not path.read_bytes().lstrip().startswith(b"$"):

@@ -22,10 +22,7 @@ FLAT = 1e-10
 
 
 class MeshFile(PlaneGeometry):
-    """A gmsh file (.msh) of first-order triangles and quads in the x-y plane, coordinates in [m].
-
-    The elements themselves are the shape: the boundary of their union makes the outlines.
-    """
+    """A gmsh file (.msh) of first-order triangles and quads in the x-y plane [m]; they are the shape."""
 
     type: Literal["mesh"] = "mesh"
     path: Path

@@ -88,20 +88,13 @@ def number_of_segments(length: float, segment: float) -> int:
 
 
 def circle_nodes(centre: tuple[float, float], radius: float, n: int) -> FloatArray:
-    """``n`` nodes (n, 2) [m] on a circle, counter-clockwise, the first at angle 0.
-
-    For even ``n`` they are mirror images of one another about both axes through the centre, for multiples of
-    four about the diagonals too.
-    """
+    """``n`` nodes (n, 2) [m] on a circle, counter-clockwise, the first at angle 0."""
     angle = 2 * np.pi * np.arange(n) / n
     return np.asarray(np.array(centre) + radius * np.column_stack([np.cos(angle), np.sin(angle)]))
 
 
 def circle_outline(centre: tuple[float, float], radius: float, segment: float) -> FloatArray:
-    """Nodes (n, 2) [m] on the true circle, n = 4 ceil(2 π radius/(4 segment)) equal segments.
-
-    A multiple of four: the outline has the circle's mirror planes along axes and diagonals.
-    """
+    """Nodes (n, 2) [m] on the true circle, n = 4 ceil(2 π radius/(4 segment)): it keeps the mirror planes."""
     return circle_nodes(centre, radius, 4 * number_of_segments(0.5 * np.pi * radius, segment))
 
 

@@ -108,10 +108,7 @@ class Polygon(PlaneGeometry):
 
 
 def polygon_mesh(loops: tuple[FloatArray, ...], size: float) -> FloatArray:
-    """Fill loops (k, 2) [m], the outer one and holes, with quadrilaterals (n, 4, 2) of edges up to ``size``.
-
-    A ValueError says that gmsh is not installed, or makes no mesh of that size.
-    """
+    """Fill loops (k, 2) [m] with quadrilaterals (n, 4, 2) of edges up to ``size``; it needs gmsh."""
     with started_gmsh("a fitted layout of a polygon") as gmsh:
         # In units of the size, far from gmsh's absolute tolerances; the last subdivision halves edges
         scaled = tuple(loop / size for loop in loops)

@@ -23,10 +23,7 @@ INSIDE = 1e-7
 
 
 def check_surface(nodes: FloatArray, facets: IntArray, merging: str = "") -> None:
-    """Refuse a surface that is open, turned inwards or crosses itself, with the fault and its place.
-
-    ``nodes`` (n, 3) [m], ``facets`` (k, 3); ``merging`` says in the message about a hole which nodes were
-    taken as one."""
+    """Refuse a surface (n, 3) [m], (k, 3) that is open, turned inwards or crosses itself, and say where."""
     _check_areas(nodes, facets)
     _, which, count = np.unique(np.sort(facets, axis=1), axis=0, return_inverse=True, return_counts=True)
     copies = np.flatnonzero(count[which.ravel()] > 1)
@@ -195,10 +192,7 @@ def solid_angle_winding(point: FloatArray, corners: FloatArray) -> float:
 
 
 def overlapping(nodes: FloatArray, facets: IntArray) -> IntArray:
-    """Return up to :data:`ASKED` triangles that do not have the body below them once.
-
-    They lie within another part, or belong to a cavity that reaches out of the body. Parts must be turned
-    outwards, and cavities inwards."""
+    """Return up to :data:`ASKED` triangles that do not have the body below them once."""
     corners = nodes[facets]
     places = places_below(nodes, facets)
     odd = np.flatnonzero(windings(places, corners) != 1)[:ASKED]

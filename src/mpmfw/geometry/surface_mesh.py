@@ -105,11 +105,7 @@ class SurfaceMesh(TurnedSolid):
 
 
 def subdivided_triangles(nodes: FloatArray, facets: IntArray, edge: float) -> tuple[FloatArray, IntArray]:
-    """Nodes (n, 3) [m] and triangles (k, 3) of a closed surface with all sides up to ``edge`` [m].
-
-    Sides that are longer are halved, again and again; a triangle with one, two or three of them becomes two,
-    three or four.
-    """
+    """Nodes (n, 3) [m] and triangles (k, 3) of a closed surface, sides halved until up to ``edge`` [m]."""
     while True:
         sides = np.stack([facets[:, [1, 2]], facets[:, [2, 0]], facets[:, [0, 1]]], axis=1).reshape(-1, 2)
         pairs, which = np.unique(np.sort(sides, axis=1), axis=0, return_inverse=True)
@@ -159,8 +155,7 @@ SINGLE = float(4.0 * np.finfo(np.float32).eps)
 def read_surface(path: Path) -> tuple[FloatArray, IntArray]:
     """Read nodes (n, 3) in the file's unit and triangles (k, 3); nodes at one place are one.
 
-    Nodes of an STL, whose triangles have their own, are one where they are equal in single precision. A
-    Raise ValueError if the file is missing or damaged.
+    Nodes of an STL are one where they are equal in single precision. A ValueError refuses damaged files.
     """
     if not path.is_file():
         raise ValueError(f"mesh file not found: {path}")

@@ -42,10 +42,7 @@ def mesh_library() -> Any:
 def points_mesh(
     tree: xr.DataTree, bodies: Mapping[str, int], corners: Mapping[str, Corners | None], frame: int
 ) -> Mesh:
-    """Return material points of the ``bodies``, with their indices, at one output.
-
-    With ``corners`` a point is a quadrilateral, without them a vertex.
-    """
+    """Return points of the ``bodies`` at one output, quadrilaterals if ``corners`` are known."""
     frames = {body: frame_of(tree, f"particles/{body}", frame) for body in bodies}
     points = _joined(frames, bodies, "particle")
     fields = _fields(points)
@@ -92,10 +89,7 @@ def surface_mesh(tree: xr.DataTree, bodies: Mapping[str, int], frame: int) -> Me
 def _nearest(
     body: str, shapes: Mapping[str, tuple[FloatArray, IntArray]]
 ) -> tuple[FloatArray, FloatArray | None]:
-    """Return the distance (s,) [m] of a body's nodes from the nearest other surface, as ``min_gap``.
-
-    It is NaN without another surface. In space its outward direction (s, 3) comes with it.
-    """
+    """Return distances (s,) [m] of a body's nodes from the nearest other surface, and in space directions."""
     position = shapes[body][0]
     others = [shape for other, shape in shapes.items() if other != body]
     if not others:
@@ -110,10 +104,7 @@ def _nearest(
 
 
 def distances_in_plane(points: FloatArray, nodes: FloatArray, segments: IntArray) -> FloatArray:
-    """Return the distance (n,) [m] of points (n, 2) from closed polylines, negative inside an odd number.
-
-    The first node of segment s of ``segments`` (s, 2) is node s of ``nodes`` (s, 2) [m].
-    """
+    """Return distances (n,) [m] of points (n, 2) from closed polylines of ``segments``, negative inside."""
     rings = [shapely.Polygon(nodes[loop]) for loop in loops(segments[:, 1])]
     outlines = shapely.MultiLineString([ring.exterior for ring in rings])
     shapely.prepare(rings)
@@ -125,10 +116,9 @@ def distances_in_plane(points: FloatArray, nodes: FloatArray, segments: IntArray
 def distances_in_space(
     points: FloatArray, nodes: FloatArray, facets: IntArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the distance (n,) [m] of points (n, 3) from a closed surface, negative inside, with directions.
+    """Return distances (n,) [m] of points (n, 3) from a closed surface, negative inside, with directions.
 
-    Triangles ``facets`` (k, 3) of ``nodes`` (s, 3) [m] are counter-clockwise as seen from outside. On edges
-    and nodes the angle-weighted normal decides (J. A. Bærentzen, H. Aanæs, 2005), as for ``min_gap``.
+    On edges and nodes the angle-weighted normal decides (J. A. Bærentzen, H. Aanæs, 2005).
     """
     mesh: Any = mesh_library().PolyData  # its annotations know no fixed width of integers
     surface = mesh.from_regular_faces(nodes, facets)

@@ -91,10 +91,7 @@ def side_by_side(
     limits: tuple[float, float] | None = None,
     arrows: bool = False,
 ) -> Figure:
-    """Draw a field of several runs, by label or in a sequence, under one colour scale.
-
-    The rest is as of :func:`field`.
-    """
+    """Draw a field of several runs under one colour scale; the rest is as of :func:`field`."""
     with labelled(results) as trees:
         frames = {label: [frame_at(tree, time)] for label, tree in trees.items()}
         drawing = Drawing(trees, name, frames, bodies, limits, arrows=arrows)
@@ -111,11 +108,7 @@ def labelled(
     against: str | None = None,
     name: str = "",
 ) -> Iterator[dict[str, xr.DataTree]]:
-    """Context with runs by label: "" of a single run, else their own, their methods, or their files' names.
-
-    ``contact``, ``against`` and ``name`` choose runs of a comparison, as of
-    :func:`mpmfw.results.selection.runs_of`.
-    """
+    """Context with runs by label: "" of a single run, else their methods or their files' names."""
     with ExitStack() as stack:
         if isinstance(results, xr.DataTree | xr.Dataset | str | os.PathLike):
             found = stack.enter_context(opened(results))
@@ -153,11 +146,7 @@ def _labels(results: Sequence[Results], trees: Sequence[xr.DataTree]) -> list[st
 
 
 class Drawing:
-    """Panels of several runs with common scales and a colour bar, which move from output to output.
-
-    ``trees`` are runs by label, ``frames`` the outputs of each that will be shown; scales are those of all.
-    The rest is as of :func:`field`.
-    """
+    """Panels of runs by label with common scales and a colour bar, which move through their ``frames``."""
 
     @journal_style()
     def __init__(

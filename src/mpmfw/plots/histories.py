@@ -136,10 +136,7 @@ Beside = tuple[xr.DataArray, str, FloatArray, FloatArray]
 def beside_reference(
     comparisons: Sequence[tuple[xr.Dataset, str, Mapping[str, Beside]]], label: str, noisy: str = ""
 ) -> Figure:
-    """Draw series of ``comparisons``, and their reference with a ``label``.
-
-    A ``noisy`` series has thin lines.
-    """
+    """Draw series of ``comparisons`` and their reference, ``label``; a ``noisy`` series has thin lines."""
     panels, keys = [], []
     for dataset, title, series in comparisons:
         arrays = {

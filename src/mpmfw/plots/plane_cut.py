@@ -33,10 +33,9 @@ def plane_cut(
     bodies: Sequence[str] | None = None,
     limits: tuple[float, float] | None = None,
 ) -> Figure:
-    """Draw a field of a run on a plane across the axis ``normal``, at a place [m].
+    """Draw a field of a run in space on a plane across ``normal``, at a place [m], by default the middle.
 
-    Points nearer to the plane than half their size are discs; stored surfaces are lines. By default the plane
-    is in the middle of the points; the rest is as of :func:`field`. A SceneError says what the run lacks.
+    Points within half their size are discs, stored surfaces lines; the rest is as of :func:`field`.
     """
     with opened_run(results) as tree:
         own, frame = bodies_of(tree, bodies), frame_at(tree, time)

@@ -19,10 +19,7 @@ WINDOW = 100e-6
 
 
 def motion(datasets: Sequence[xr.Dataset]) -> Figure:
-    """Draw displacement, velocity, spin and error of the cylinder's displacement.
-
-    The last panel leaves out cylinders that stick. A ValueError refuses other scenes.
-    """
+    """Draw motion and error of rolling cylinders, the error of those that move; else a ValueError."""
     comparisons = []
     for dataset in datasets:
         reference = drawn_reference(dataset)

@@ -37,10 +37,7 @@ def study_figures(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
 
 @journal_style()
 def front(dataset: xr.Dataset) -> Figure:
-    """Draw error over CPU time of a study, one panel a problem, with the Pareto front.
-
-    Colour says the contact, marker the shape function, size the resolution.
-    """
+    """Draw error over CPU time of a study, a panel a problem, with the Pareto front; size is resolution."""
     named = with_methods(dataset)
     problems = list(problems_of(named))
     look, resolution = Look(named), resolution_of(named)

@@ -197,10 +197,7 @@ def combinations(dataset: xr.Dataset) -> Iterator[tuple[str, str, xr.Dataset]]:
 def legend_below(
     figure: Figure, rows: Sequence[Sequence[Artist]], most: int | None = None, **look: float
 ) -> None:
-    """Put the legend below the panels; each row of entries begins a new line.
-
-    The figure grows by the lines. The legend has at most ``most`` columns, by default four a panel.
-    """
+    """Put the legend below the panels, each row of entries on new lines; the figure grows by these."""
     if figure.get_figwidth() <= PANEL:
         for one in itertools.chain(*rows):
             one.set_label(on_lines(str(one.get_label())))

@@ -23,10 +23,7 @@ def method_dims(dataset: xr.Dataset) -> list[Hashable]:
 
 
 def table(dataset: xr.Dataset) -> list[dict[str, Any]]:
-    """Return one row for each combination: labels, :data:`CHOICES`, ``status`` and measures.
-
-    Errors are in per cent; NaN where a run did not reach the time of the measure.
-    """
+    """Return one row for each combination, errors in per cent; NaN where a run did not reach the time."""
     rows = []
     for labels, one in points_of(dataset, method_dims(dataset)):
         row = labels | {name: str(one[name].item()) for name in CHOICES if name in dataset.data_vars}

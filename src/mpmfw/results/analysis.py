@@ -110,10 +110,9 @@ NOISE_WINDOW = 20
 
 
 def force_noise(time: FloatArray, force: FloatArray, window: float | None = None) -> float:
-    """Return the rms of a force less its running mean, over the rms of that mean.
+    """Return the rms of a force (time,) or (time, axis) [N/m] less its running mean, over that of the mean.
 
-    The force (time,) or (time, axis) [N/m] holds means over the output intervals. The ``window`` of the mean
-    [s] is :data:`NOISE_WINDOW` intervals by default. NaN without a force, or twice the window of it.
+    The ``window`` [s] is :data:`NOISE_WINDOW` intervals by default. NaN if the series is below twice of it.
     """
     known = np.isfinite(np.atleast_2d(force.T).T).all(axis=1)
     if known.sum() < 2 * NOISE_WINDOW:
@@ -173,10 +172,7 @@ _WORKS = ("contact_energy", "frictional_work", "damping_work")
 
 
 def energy_kept(run: xr.Dataset) -> FloatArray:
-    """Return energy, with friction and damping, over the energy at the start (time,).
-
-    A series that is absent counts as nothing, and so does a pair before it is listed.
-    """
+    """Return energy, friction and damping over the energy at the start (time,); absent series are zero."""
     total = np.zeros(run.sizes["time"])
     for names, dim in ((_ENERGIES, "body"), (_WORKS, "pair")):
         for name in names:

@@ -33,9 +33,7 @@ def concatenate_runs(
 ) -> xr.Dataset:
     """Join the runs of a grid over new dimensions, whose values are ``coords``; ``trees`` are by index.
 
-    The dataset has series, costs, costs by stage, first and last outlines, scheme and transfer unless they
-    are varied, and with ``fields`` those of material points as ``particle_<name>``. Where material points
-    differ, the attribute ``fields`` says so.
+    With ``fields`` those of material points are ``particle_<name>``; the attribute ``fields`` says why not.
     """
     shape = tuple(len(values) for values in coords.values())
     joined: dict[str, Any] = {}
@@ -132,8 +130,7 @@ def union_of_times(times: Sequence[FloatArray]) -> FloatArray:
 def series_at_outputs(tree: xr.DataTree) -> xr.Dataset:
     """Return the series of a run at the multiples of its output interval.
 
-    Between two records, the ends of steps, a series is linear; one of means over the time since the last
-    record is constant, so that its integral stays; whole numbers are those of the nearest record.
+    Series are linear between records, means are constant, whole numbers are those of the nearest record.
     """
     series, times = tree["series"].to_dataset(), output_times(tree)
     if tree.attrs.get("outputs", "exact") == "exact" or times.size < 2:

@@ -24,8 +24,7 @@ Corners = Callable[[xr.Dataset], FloatArray]
 def corners_of(tree: xr.DataTree, body: str) -> Corners | None:
     """Return a function that gives the corners of the domains of a body's material points.
 
-    CPDI2 stores them. Those of CPDI are x_p + F R_0 ξ, with the half-edges R_0 of the stored scene's layout.
-    None in 3D, with other shape functions, and where the layout's areas do not fit the stored masses.
+    CPDI2 stores them; CPDI has x_p + F R_0 ξ, R_0 from the stored scene. None of other shapes, and in 3D.
     """
     points = tree[f"particles/{body}"].to_dataset()
     if points.sizes.get("axis") != 2:

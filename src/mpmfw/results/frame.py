@@ -29,10 +29,7 @@ class RunHeader:
 
 @dataclass
 class Frame:
-    """Arrays of one output, by group and name, with the declared shapes without the time.
-
-    The writer copies them. A declared field that a frame lacks is missing (NaN) at that time.
-    """
+    """Arrays of one output with the declared shapes, without the time; a field that is absent is NaN."""
 
     time: float  #: [s]
     #: fields over the points of all bodies, in the header's order; a frame may have none

@@ -180,10 +180,7 @@ def _loaded(text: str) -> Scene | None:
 
 
 def declared(scene: Scene) -> Reference | None:
-    """Return the bundled reference that a scene declares, or None.
-
-    A SceneError says why the scene is not of the kind that it declares.
-    """
+    """Return the bundled reference that a scene declares, or None; a SceneError if it does not apply."""
     kind = None if scene.reference is None else scene.reference.kind
     if kind not in _KINDS:
         return None

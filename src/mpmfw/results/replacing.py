@@ -111,10 +111,7 @@ def replace_bytes(content: bytes | memoryview, path: str | os.PathLike[str]) -> 
 
 
 def replace_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
-    """Write a dataset as NetCDF, as :func:`replacement` does.
-
-    The file is built in memory: HDF5 keeps a file open that finds no room on its disk.
-    """
+    """Write a dataset as NetCDF, built in memory: HDF5 keeps a file open that finds no room on its disk."""
     from xarray.backends import NetCDF4DataStore
 
     with replacement(path) as growing:

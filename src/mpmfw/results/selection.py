@@ -170,10 +170,7 @@ def _tree(run: xr.Dataset) -> xr.DataTree:
 def runs_of(
     comparison: xr.Dataset, against: str | None = None, name: str = "", *, contact: str | None = None
 ) -> dict[str, xr.DataTree]:
-    """Return the runs of a comparison with material points, all or of a ``contact``.
-
-    With ``against`` every other run gets the field ``NAME_difference``.
-    """
+    """Return the runs of a comparison that keep points; ``against`` a contact, their differences."""
     if "particle_position" not in comparison:
         why = "the comparison keeps no fields; run it with --set output.particles=true"
         raise SceneError(str(comparison.attrs.get("fields", why)))

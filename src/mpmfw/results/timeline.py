@@ -165,10 +165,7 @@ def _is_static(field: Field) -> bool:
 def _variable(
     group: netCDF4.Dataset, name: str, dtype: Any, dims: tuple[str, ...], **layout: Any
 ) -> netCDF4.Variable[Any]:
-    """Return a new variable; NaN where none is written.
-
-    It is not compressed: deflate takes ten times as long as the writing and saves a sixth.
-    """
+    """Return a new variable, NaN where none is written; deflate would be slow and save a sixth."""
     missing = np.nan if np.dtype(dtype).kind == "f" else None
     variable: netCDF4.Variable[Any] = group.createVariable(name, dtype, dims, fill_value=missing, **layout)
     variable.set_auto_maskandscale(False)  # takes longer than the writing itself

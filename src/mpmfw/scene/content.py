@@ -30,10 +30,7 @@ def walk(content: Any, at: Path = ()) -> Iterator[tuple[Path, Any]]:
 
 
 def check_content(content: Any, at: Path = ()) -> Iterator[Problem]:
-    """Problems of the values as such, those of ``content`` at a place of the scene.
-
-    Where something is nested too deeply it comes alone: nothing else can be asked.
-    """
+    """Problems of the values as such, at a place of the scene; too deep nesting comes alone."""
     problems: list[Problem] = []
     for path, value in walk(content, at):
         if len(path) > DEEPEST:

@@ -129,8 +129,8 @@ def _with_resolved_paths(
 ) -> tuple[dict[str, Any], list[Problem]]:
     """Return the tables with mesh files' paths from the scene's folder, and problems of those elsewhere.
 
-    A scene's file may be a stranger's: it may name files in its own folder and the working folder alone. A
-    program that makes a scene, and an override, may name any file."""
+    A stranger's file may name files in its own folder and the working folder alone.
+    """
     bodies = core.get("bodies")
     if directory is None or not isinstance(bodies, dict):
         return core, []
@@ -191,9 +191,7 @@ def error_of(problems: Iterable[Problem], source: Source, overrides: Mapping[str
 
 
 def located(error: SceneError, scene: Scene) -> SceneError:
-    """Return an error of a simulation's build with the file and line of its key, or the option that set it.
-
-    An error without a key comes back as it is."""
+    """Return an error of a simulation's build with the file and line of its key, if it has one."""
     problem, *others = error.problems
     if others or problem.source or not problem.key:
         return error

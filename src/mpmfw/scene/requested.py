@@ -22,10 +22,7 @@ _TABLES: dict[Kind, str] = dict.fromkeys(("contact", *PARTS, "friction"), "conta
 def check_requested(
     shared: Iterable[str], varied: Iterable[str], said: tuple[str, str] = ("set", "vary")
 ) -> None:
-    """Refuse a comparison's keys that are none, choose methods, or are both set and varied.
-
-    ``shared`` are the keys of all runs, ``varied`` those that differ; ``said`` is what the request calls the
-    two."""
+    """Refuse keys that are none, choose methods, or are both set and varied; ``said`` names the two."""
     set_paths = {key: _path(key, said[0]) for key in shared}
     vary_paths = {key: _path(key, said[1]) for key in varied}
     for name, paths in zip(said, (set_paths, vary_paths), strict=True):
@@ -42,9 +39,7 @@ def check_requested(
 
 
 def check_methods_run(keys: Iterable[str], methods: Mapping[str, Sequence[str]], said: str = "set") -> None:
-    """Refuse a request's options of an installed method that does not run: they would have no effect.
-
-    ``methods`` are the names of the plug-ins that run, by kind. Without ``friction`` every law may run."""
+    """Refuse options of a method that does not run; ``methods`` are those that run, by kind."""
     for key in keys:
         path = _path(key, said)
         for kind, table in _TABLES.items():

@@ -93,10 +93,6 @@ class Scene(Tables):
         )
 
     def with_overrides(self, overrides: Mapping[str, Any], said: Mapping[str, str] | None = None) -> Scene:
-        """Return this scene with other values by dotted key, such as ``{"grid.cell_size": 0.2}``.
-
-        ``said`` is what messages call an override, where it is not ``--set KEY``. A SceneError refuses
-        unknown keys and wrong values.
-        """
+        """Return this scene with other values by dotted key; ``said`` is what messages call them."""
         source = replace(self._source, said={**self._source.said, **(said or {})})
         return self._read(source, overrides)

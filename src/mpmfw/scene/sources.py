@@ -49,10 +49,7 @@ def plain(value: Any) -> Any:
 def read_source(
     given: str | os.PathLike[str] | Mapping[str, Any], kind: str, shipped: Mapping[str, str]
 ) -> Source:
-    """Read a file, or else the text of that name among ``shipped``; nested mappings are taken as they are.
-
-    A SceneError refuses what is no ``kind`` such as a scene: no such file and no such name, or not TOML.
-    """
+    """Read a file, or else the text of that name among ``shipped``; mappings are taken as they are."""
     if isinstance(given, Mapping):
         try:
             return Source(plain(given))

@@ -63,10 +63,7 @@ def split_specifications(text: str) -> list[str]:
 
 
 def checked_specification(kind: Kind, text: str) -> Specification:
-    """Read the specification of an installed plug-in, with options that its model takes one by one.
-
-    A SceneError refuses a wrong form, a plug-in that is not installed, and options that its model refuses.
-    """
+    """Read the specification of an installed plug-in; a SceneError refuses its name, form or options."""
     asked = parse_specification(text)
     if asked.name not in choices(kind):
         raise SceneError(f"{text}: no such {kind} plug-in; {did_you_mean(asked.name, choices(kind))}")

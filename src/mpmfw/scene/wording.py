@@ -21,10 +21,7 @@ def problems_of(
     prefix: Path = (),
     also_valid: tuple[str, ...] = (),
 ) -> list[Problem]:
-    """The problems that ``error`` lists, for ``data`` that stands at ``prefix`` of the scene.
-
-    ``also_valid`` are keys of the same table that another model reads.
-    """
+    """The problems of ``data`` at ``prefix`` of the scene; ``also_valid`` keys are another model's."""
     found: dict[Path, list[Any]] = {}
     for item in error.errors(include_url=False):
         found.setdefault(_data_path(item["loc"], data, item["type"]), []).append(item)

@@ -22,9 +22,7 @@ def rows(dataset: xr.Dataset) -> Iterator[dict[str, Any]]:
 
 
 def conclusions(dataset: xr.Dataset, under: float | None = None) -> list[str]:
-    """Return a sentence for each problem of a study: the cheapest combination below an error.
-
-    ``under`` is a relative error, by default the study's own."""
+    """Return for each problem of a study the cheapest combination below an error, by default the study's."""
     limit = float(dataset.attrs["under"]) if under is None else under
     problems = json.loads(dataset.attrs["problem_dims"])
     text: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
@@ -71,10 +69,10 @@ def _of(row: dict[str, Any], dims: list[str]) -> str:
 
 
 def method_rows(dataset: xr.Dataset) -> list[dict[str, Any]]:
-    """Return a mapping for each method: the answer, those that meet the target by cost, the others.
+    """Return a row for each method: the answer, those that meet the target by cost, the others.
 
-    ``pilots`` are the errors of its runs [%] at falling cell sizes; ``error``, ``cost`` [s] and ``status``
-    are of the cheapest run that meets the target, else of the most accurate one.
+    ``pilots`` are errors [%] at falling cell sizes; the rest is of the cheapest run that meets it, or the
+    best.
     """
     found = [_row(method) for _, method in points_of(dataset, ("contact", "shape"))]
 

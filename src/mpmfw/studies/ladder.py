@@ -34,10 +34,9 @@ class Limit:
 
 
 class Ladder:
-    """Runs methods at falling cell sizes until one meets a relative error, the ``target``.
+    """Runs methods at falling cell sizes until one meets the ``target``; ``at_once`` methods at a time.
 
-    A ``judge`` of kind ``finest`` has no reference: errors are then against :class:`Limit`. ``at_once``
-    methods run at a time.
+    A ``judge`` of kind ``finest`` has no reference: errors are then against :class:`Limit`.
     """
 
     def __init__(self, runs: GridRuns, judge: Judge, target: float, at_once: int = 1) -> None:

@@ -90,10 +90,7 @@ def shipped_studies() -> dict[str, str]:
 
 
 def load_study(study: str | os.PathLike[str] | Mapping[str, Any] | Study, trust: bool = False) -> Study:
-    """Read and validate a study: a TOML file, the name of a shipped one, or nested mappings.
-
-    With ``trust`` its files may name ``module:Class``. A SceneError has one line for each problem.
-    """
+    """Read a study: a TOML file, a shipped one's name, or mappings; a SceneError lists all problems."""
     if isinstance(study, Study):
         return study
     source = read_source(study, "study", shipped_studies())

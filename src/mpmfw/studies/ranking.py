@@ -173,11 +173,7 @@ def _runs(dataset: xr.Dataset, by: str) -> Iterator[dict[str, Any]]:
 
 
 def summary(ranking: xr.Dataset, quantity: str) -> list[dict[str, Any]]:
-    """Return one row a method, the one that reaches the largest share first.
-
-    ``over best`` is the median of the cost over the cheapest method's, ``cheapest`` at how many problems and
-    levels it is that.
-    """
+    """Return one row a method, the largest share first; ``over best`` is a median, ``cheapest`` how often."""
     by, one = ranking.attrs["by"], ranking.sel(quantity=quantity)
     labels = {level: level_label(quantity, level) for level in one["level"].values.tolist()}
     table = []

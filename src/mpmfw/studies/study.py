@@ -108,9 +108,7 @@ def _with(
 
 
 def relative_error(given: float | str, name: str = "under") -> float:
-    """Return a relative error as a request writes it: a number below 1, or text with ``%``.
-
-    A SceneError refuses others; a bare number of 1 or more was meant in per cent."""
+    """Return a relative error: a number below 1, or text with ``%``; a SceneError refuses others."""
     limit = positive(name, given, "1", "a relative error such as 0.01 or '1 %'")
     if limit >= 1.0 and "%" not in str(given):
         text = f"{name} {given}: is an error of {100.0 * limit:g} %"

@@ -48,10 +48,7 @@ def _fits(name: str, patterns: Iterable[str], known: Iterable[str]) -> bool:
 
 @dataclass(frozen=True)
 class Method:
-    """One way to run a scene: contact and shape with their options, values by dotted key, and a label.
-
-    ``bound`` methods are bound by gates as the recommended ones are. ``when`` is ``full`` or ``quick``.
-    """
+    """One way to run a scene, with values by dotted key and a label; ``when`` is ``full`` or ``quick``."""
 
     contact: str
     shape: str
@@ -265,9 +262,7 @@ class CaseRun:
         binds: bool | None = None,
         **args: Any,
     ) -> None:
-        """Record several values of one measure; ``args`` as :meth:`of` takes them.
-
-        A row has the quantity, in which ``{at}`` is the place, the key, and what :meth:`gate` takes next."""
+        """Record values of a measure: rows of a quantity with ``{at}``, a key, and :meth:`gate`'s arguments."""
         for quantity, key, *rest in rows:
             named = dict(zip(("reference", "tolerance", "unit"), rest, strict=False))
             self.gate(quantity.format(at=self.place.at), self.of(measure, key, **args), binds=binds, **named)

@@ -53,10 +53,7 @@ def summary(results: Sequence[CaseResult]) -> str:
 
 
 def write_page(results: Sequence[CaseResult], path: Path) -> None:
-    """Write the results between the marks of a page, all rows as CSV, and the figures that the page shows.
-
-    A page that is not there is made. CSV and figures lie in a folder of its name beside it.
-    """
+    """Write the results between the marks of a page; CSV and its figures in a folder of its name."""
     folder = path.with_suffix("")
     folder.mkdir(parents=True, exist_ok=True)
     page = path.read_text(encoding="utf-8") if path.is_file() else f"# Validation\n\n{BEGIN}\n{END}\n"

@@ -132,10 +132,9 @@ class Case:
         method: Any = "",
         binds: bool | None = None,
     ) -> None:
-        """Record a value beside its reference; None has no row.
+        """Record a value beside its reference; None has no row, and no ``tolerance`` no limits.
 
-        Without a ``tolerance`` the value is shown. If it ``binds``, the suite fails where the value is
-        outside; left out, it does for recommended methods and for none.
+        If it ``binds``, by default of recommended methods, the suite fails where the value is outside.
         """
         if value is None:
             return

@@ -128,10 +128,7 @@ def suite_of(given: Path | None) -> Path:
 
 
 def find_cases(suite: Path, names: Sequence[str] = ()) -> list[Path]:
-    """Return the folders of the suite with a ``test_*.py``: all, or the named ones.
-
-    A SceneError says that there is no such suite, or no such case.
-    """
+    """Return the folders of the suite with a ``test_*.py``, all or the named ones; else a SceneError."""
     if not suite.is_dir():
         raise SceneError(f"--suite {suite}: is no folder; expected one with a folder for each case")
     known = {file.parent.name: file.parent for file in sorted(suite.glob("*/test_*.py"))}
@@ -156,11 +153,9 @@ def run_cases(
     command: str = "",
     force: bool = False,
 ) -> list[CaseResult]:
-    """Run cases, longest first, and save their figures; those that today's code has done are not run again.
+    """Run cases, longest first; those that today's code has done are not run again.
 
-    ``output`` is the folder for the figures; results are kept in its folder ``runs``. ``jobs``, ``executor``
-    and ``progress`` are as :func:`mpmfw.campaign` takes them. ``command`` is the one that the results name.
-    ``force`` runs cases again that are done.
+    ``output`` is the folder for figures and, in ``runs``, results. ``command`` is the one that results name.
     """
     output.mkdir(parents=True, exist_ok=True)
     runner = executor_of(executor, jobs) if executor is not None else Pool(jobs)
