@@ -262,7 +262,7 @@ class CaseRun:
         binds: bool | None = None,
         **args: Any,
     ) -> None:
-        """Record values of a measure: rows of a quantity with ``{at}``, a key, and :meth:`gate`'s arguments."""
+        """Record values of a measure: rows of a quantity with ``{at}``, a key, and what a gate takes."""
         for quantity, key, *rest in rows:
             named = dict(zip(("reference", "tolerance", "unit"), rest, strict=False))
             self.gate(quantity.format(at=self.place.at), self.of(measure, key, **args), binds=binds, **named)
