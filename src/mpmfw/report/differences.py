@@ -40,30 +40,6 @@ def differences(dataset: xr.Dataset) -> list[Difference]:
     return sorted(_quantities(last), key=lambda one: -one.spread)
 
 
-def refinement(dataset: xr.Dataset) -> dict[tuple[str, str], tuple[str, float]]:
-    """Return by method the quantity that changed most at the finest cells."""
-    if dataset.sizes.get("cell_size", 0) < 2:
-        return {}
-    by_size = dataset.sortby("cell_size", ascending=False)
-    coarse, fine = (
-        {one.quantity: one for one in _quantities(at_last(by_size.isel(cell_size=slice(0, end))))}
-        for end in (-1, None)
-    )
-    changed = {}
-    for a, contact in enumerate(dataset["contact"].values):
-        for b, shape in enumerate(dataset["shape"].values):
-            moved = {
-                name: abs(one.values[a, b] - coarse[name].values[a, b]) / one.scale
-                for name, one in fine.items()
-                if name in coarse and one.scale > 0.0
-            }
-            known = {name: float(change) for name, change in moved.items() if np.isfinite(change)}
-            if known:
-                largest = max(known, key=lambda name: known[name])
-                changed[str(contact), str(shape)] = (largest, known[largest])
-    return changed
-
-
 def _quantities(runs: xr.Dataset) -> Iterator[Difference]:
     if "centre_of_mass" in runs:
         centre, velocity = runs["centre_of_mass"], runs["mean_velocity"]

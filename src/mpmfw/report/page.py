@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from mpmfw.plots import figures_of
 from mpmfw.plots.style import journal_style
 from mpmfw.report.columns import CHOICES, COLUMNS, COSTS, column_of
-from mpmfw.report.differences import differences, refinement
+from mpmfw.report.differences import differences
 from mpmfw.report.table import method_dims, shown, table
 from mpmfw.results.references import described
 from mpmfw.results.replacing import replace_bytes
@@ -52,7 +52,6 @@ def write_report(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
         methods=[f"{a}, {b}" for a in dataset["contact"].values for b in dataset["shape"].values],
         differences=[one for one in differences(dataset) if one.spread >= _LEAST_SPREAD],
         most=_MOST_DIFFERENCES,
-        changes=refinement(dataset),
         notes=json.loads(attributes.get("notes", "{}")),
         figures=figures_of(dataset),
         svg=_svg,
