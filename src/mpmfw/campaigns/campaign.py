@@ -71,7 +71,7 @@ def run_grid(
     grown: Callable[[xr.Dataset], None] | None = None,
 ) -> xr.Dataset:
     """Run and join all points of a grid, as :func:`campaign`; ``grown`` gets the dataset after each run."""
-    if all(one.scene is None for one in grid.combinations.values()):
+    if not grid.runnable:
         raise SceneError(problems=next(iter(grid.combinations.values())).problems)
     judges = judge_all(grid, measures, reference)
     runs = GridRuns(grid, "campaign", execution, threads=threads)

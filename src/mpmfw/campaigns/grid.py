@@ -79,6 +79,11 @@ class RunGrid:
     combinations: Mapping[Index, Combination]  #: by index into the coordinates
 
     @property
+    def runnable(self) -> dict[Index, Scene]:
+        """Scenes of the combinations that can be run."""
+        return {index: one.scene for index, one in self.combinations.items() if one.scene is not None}
+
+    @property
     def problem_dims(self) -> list[str]:
         """Dimensions that change the problem."""
         return [dim for dim in self.coords if dim == "scene" or not is_numerical(self.keys[dim])]

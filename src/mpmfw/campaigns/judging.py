@@ -76,15 +76,11 @@ class Judge:
         self.norm = error.norm or self.measure.norm
         self._check_names()
         self._file = None if error.file is None else _read_reference(error, self.at, beside)
-        self.exact: dict[Index, Exact] = {}
+        scenes = grid.runnable
         self._declared = self.is_exact and error.value is None and error.file is None
-        if self._declared:
-            scenes = (one.scene for one in grid.combinations.values() if one.scene is not None)
-            self.about = next((known_axis(self.measure, scene, self.about) for scene in scenes), self.about)
-        if self.is_exact:
-            for index, one in grid.combinations.items():
-                if one.scene is not None:
-                    self.exact[index] = self._exact(one.scene)
+        if self._declared and scenes:
+            self.about = known_axis(self.measure, next(iter(scenes.values())), self.about)
+        self.exact = {index: self._exact(scene) for index, scene in scenes.items() if self.is_exact}
 
     @property
     def is_exact(self) -> bool:
@@ -96,7 +92,7 @@ class Judge:
             if getattr(self.about, key) is not None and key not in self.measure.keys:
                 taken = " and ".join(self.measure.keys) or "none of body, pair and axis"
                 raise self.at(("error", key), f"has no effect: {self.measure.name} looks at {taken}")
-        for scene in (one.scene for one in self.grid.combinations.values() if one.scene is not None):
+        for scene in self.grid.runnable.values():
             check_names(self.about, scene, self.at)
 
     def _exact(self, scene: Scene) -> Exact:
@@ -136,12 +132,11 @@ class Judge:
 
     def measured(self, results: Results, succeeded: Mapping[Index, bool]) -> dict[Index, Measured]:
         """Read the measure off all complete runs; a SceneError where it is next to nothing."""
-        for index, one in self.grid.combinations.items():
-            tree = results(index) if succeeded.get(index) else None
-            if tree is not None and one.scene is not None:
+        for index, scene in self.grid.runnable.items():
+            if succeeded.get(index) and (tree := results(index)) is not None:
                 if not self._declared:  # a closed form says itself what it is of
-                    self.about = inferred(self.measure, tree, one.scene, self.about)
-                self._check_size(tree, one.scene)
+                    self.about = inferred(self.measure, tree, scene, self.about)
+                self._check_size(tree, scene)
                 break
         return measured(self.measure, self.grid, results, succeeded, self.about)
 
@@ -215,11 +210,10 @@ def measured(
 ) -> dict[Index, Measured]:
     """Read a measure off all runs that went through; without ``about`` the first decides what it is of."""
     found: dict[Index, Measured] = {}
-    for index, one in grid.combinations.items():
-        tree = results(index) if succeeded.get(index) else None
-        if tree is not None and one.scene is not None:
-            about = inferred(measure, tree, one.scene, About()) if about is None else about
-            found[index] = measure.of(tree, one.scene, about)
+    for index, scene in grid.runnable.items():
+        if succeeded.get(index) and (tree := results(index)) is not None:
+            about = inferred(measure, tree, scene, About()) if about is None else about
+            found[index] = measure.of(tree, scene, about)
     return found
 
 
@@ -250,13 +244,12 @@ def judge_all(
     grid: RunGrid, measures: tuple[str, ...], reference: Mapping[str, Any] | None
 ) -> list[tuple[Measure, Judge | None]]:
     """Return the measures, each with its judge, if there is one."""
-    scenes = [one.scene for one in grid.combinations.values() if one.scene is not None]
     judges: list[tuple[Measure, Judge | None]] = []
     for name in measures:
         given, measure = reference, measure_of(name)
         if given is None:
             try:
-                known = [exact_of(measure, scene, About()) for scene in scenes]
+                known = [exact_of(measure, scene, About()) for scene in grid.runnable.values()]
             except SceneError as error:
                 warnings.warn(f"no error of {name} is measured: {error}", ResultsWarning, stacklevel=4)
                 known = [None]

@@ -108,7 +108,7 @@ def choose(
     contacts = ["none"] if base.contact is None else list(contact or CONTACTS)
     vary = {"contact": contacts, "shape": list(shape or SHAPES), "cell_size": sizes}
     grid = make_grid({"": base}, vary, {})
-    if all(one.scene is None for one in grid.combinations.values()):
+    if not grid.runnable:
         raise SceneError(next(iter(grid.combinations.values())).why)
     given = {"quantity": chosen.name, "kind": kind, **asdict(about)}
     judge = Judge(ErrorTable.model_validate(given), grid, _error_at)

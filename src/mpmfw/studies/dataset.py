@@ -64,9 +64,8 @@ def _methods(grid: RunGrid) -> dict[str, Any]:
 def _stepping(grid: RunGrid) -> dict[str, xr.DataArray]:
     """Return scheme and transfer where they are not varied."""
     chosen = {
-        index: one.scene.stepping.chosen(load("shape", one.scene.shape.method))
-        for index, one in grid.combinations.items()
-        if one.scene is not None
+        index: scene.stepping.chosen(load("shape", scene.shape.method))
+        for index, scene in grid.runnable.items()
     }
     return {
         name: grid.array({index: both[k] for index, both in chosen.items()}, meaning)

@@ -154,7 +154,7 @@ def _base(study: Study, label: str, chosen: Any) -> Scene:
 def _check(study: Study, grid: RunGrid) -> None:
     varied, combinations = study.tables.vary, grid.combinations
     first = next(iter(combinations.values()))
-    if all(one.scene is None for one in combinations.values()):
+    if not grid.runnable:
         scene = next(iter(grid.scenes.values()))
         key = _blamed(first.problems[0], scene, {key: values[0] for key, values in varied.items()})
         raise study.at(("vary", key) if key else ("vary",), first.why)
