@@ -17,6 +17,8 @@ from mpmfw.validation.rows import Case, Verdict
 
 #: Of this process: the cases whose tests have run.
 CASES: list[Case] = []
+#: Of this process: errors of tests and of collection, but for the verdicts on gates.
+ERRORS: list[str] = []
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -31,6 +33,18 @@ def pytest_configure(config: pytest.Config) -> None:
     config.option.markexpr = f"({asked}) and not {other}" if asked else f"not {other}"
     for mark in ("full", "quick", "together(runs, ...)", "known_red(method, quantity, reason)"):
         config.addinivalue_line("markers", mark)
+
+
+def pytest_runtest_logreport(report: pytest.TestReport) -> None:
+    """Keep an error of a test."""
+    if report.failed and not report.user_properties:
+        ERRORS.append(f"{report.nodeid}\n{report.longreprtext}")
+
+
+def pytest_collectreport(report: pytest.CollectReport) -> None:
+    """Keep an error of collection."""
+    if report.failed:
+        ERRORS.append(report.longreprtext)
 
 
 @pytest.fixture(scope="module")

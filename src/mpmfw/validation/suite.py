@@ -9,7 +9,6 @@ import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,7 @@ from mpmfw.campaigns.executors import Pool, executor_of
 from mpmfw.campaigns.running import Progress, do, resumable
 from mpmfw.campaigns.store import Finished, Outcome, Store
 from mpmfw.errors import SceneError
+from mpmfw.results.selection import checked_name
 from mpmfw.runs.identity import code_of_plugins, digest, package, sources
 from mpmfw.validation.rows import Row, Verdict
 
@@ -58,26 +58,15 @@ def check_once(task: CaseTask) -> Finished:
     from mpmfw.plots.style import journal_style
     from mpmfw.validation import plugin
 
-    errors: list[str] = []
-
-    class Errors:
-        """Errors of tests and of collection, but for the verdicts on gates."""
-
-        def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
-            if report.failed and not report.user_properties:
-                errors.append(f"{report.nodeid}\n{report.longreprtext}")
-
-        def pytest_collectreport(self, report: pytest.CollectReport) -> None:
-            if report.failed:
-                errors.append(report.longreprtext)
-
+    errors = plugin.ERRORS
     plugin.CASES.clear()
+    errors.clear()
     options = ["-c", os.devnull, f"--rootdir={task.folder}", "-p", "no:cacheprovider"]
     options += ["--quick"] * task.quick
     printed = io.StringIO()
     try:
         with journal_style(), contextlib.redirect_stdout(printed), _modules_of(task.folder.parent):
-            code = pytest.main([*options, "-p", plugin.__name__, str(task.folder)], [Errors()])
+            code = pytest.main([*options, "-p", plugin.__name__, str(task.folder)])
         nothing = code == pytest.ExitCode.NO_TESTS_COLLECTED and task.quick  # a case of full runs alone
         if code not in (0, 1) and not nothing and not errors:
             errors.append(printed.getvalue())
@@ -134,12 +123,7 @@ def find_cases(suite: Path, names: Sequence[str] = ()) -> list[Path]:
     known = {file.parent.name: file.parent for file in sorted(suite.glob("*/test_*.py"))}
     if not known:
         raise SceneError(f"--suite {suite}: no folder in it has a test_*.py")
-    for name in names:
-        if name not in known:
-            near = get_close_matches(name, known, n=1)
-            hint = f"did you mean '{near[0]}'?" if near else f"expected one of {', '.join(known)}"
-            raise SceneError(f"there is no case '{name}' in {suite}: {hint}")
-    return [known[name] for name in names or sorted(known)]
+    return [known[checked_name("case", name, list(known))] for name in names or sorted(known)]
 
 
 def run_cases(
