@@ -7,7 +7,6 @@ import json
 import os
 from collections.abc import Hashable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from numbers import Integral
 from typing import Any
 
 import numpy as np
@@ -120,7 +119,7 @@ def frame_of(tree: xr.DataTree, place: str, index: int) -> xr.Dataset:
 
 def chosen_frames(tree: xr.DataTree, every: int) -> range:
     """Return each ``every``-th output with points."""
-    if not isinstance(every, Integral) or every < 1:
+    if every != int(every) or every < 1:
         raise SceneError(f"every {every!r}: expected a whole number of 1 or more")
     return range(0, frame_at(tree) + 1, every)
 

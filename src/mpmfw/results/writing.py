@@ -197,14 +197,14 @@ class RunWriter:
         self._groups = {place: Timeline(dataset[place], self.header) for place in copy._groups}
         return dataset
 
-    def _repeat(self, content: AnyArray) -> None:
+    def _repeat(self, content: Any) -> None:
         """Write the complete outputs of another file of the same run.
 
         To append to the file itself would be unsafe: HDF5 follows its links, and writes to other files.
         """
         try:
             with netCDF4.Dataset("results.nc", memory=content) as old:
-                tree = checked_tree(old, content.nbytes, load=False)
+                tree: Any = checked_tree(old, content.nbytes, load=False)
                 times = tree["time"].values.tolist()
                 if len(times) < len(old["time"]):
                     raise ValueError("outputs are missing")
@@ -216,7 +216,15 @@ class RunWriter:
                     self._outputs.add(at, {})
                 self._times += times
                 self.flush()
-        except (MpmfwError, OSError, RuntimeError, LookupError, ValueError, TypeError) as error:
+        except (
+            MpmfwError,
+            OSError,
+            RuntimeError,
+            LookupError,
+            ValueError,
+            TypeError,
+            AttributeError,
+        ) as error:
             raise MpmfwError("its copy of the results is damaged, or of another run") from error
 
     def _repeat_group(self, place: str, group: xr.Dataset) -> None:

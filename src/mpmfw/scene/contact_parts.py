@@ -70,8 +70,8 @@ def parts_of(table: Mapping[str, Any]) -> tuple[Parts | None, list[Problem]]:
         problems.append(Problem(("contact", given[0]), message))
     elif len(given) == 1:
         (other,) = (part for part in PARTS if part not in given)
-        names = ", ".join(available(other))
-        message = f"missing beside {given[0]} = {shown(table[given[0]])}; expected one of {names}"
+        expected = f"expected one of {', '.join(available(other))}"
+        message = f"missing beside {given[0]} = {shown(table[given[0]])}; {expected}"
         problems.append(Problem(("contact", other), message, "missing"))
     if problems:
         return None, problems

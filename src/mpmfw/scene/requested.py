@@ -16,7 +16,9 @@ from mpmfw.scene.override import parse_path
 from mpmfw.scene.specification import parse_specification
 
 #: Tables in which options of each kind of plug-in stand.
-_TABLES: dict[Kind, str] = dict.fromkeys(("contact", *PARTS, "friction"), "contact") | {"shape": "shape"}
+_TABLES: dict[Kind, str] = {
+    "contact": "contact", "detection": "contact", "law": "contact", "friction": "contact", "shape": "shape"
+}  # fmt: skip
 
 
 def check_requested(
