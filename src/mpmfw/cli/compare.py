@@ -85,8 +85,7 @@ def compare(
 def print_comparison(dataset: xr.Dataset) -> None:
     """Print the table of a comparison, why runs failed, and the reference."""
     from mpmfw.report import CHOICES, COLUMNS, method_dims, shown, table
-    from mpmfw.report.columns import column_of
-    from mpmfw.report.table import measured
+    from mpmfw.report.table import column_of, measured
     from mpmfw.results.references import described
 
     rows = table(dataset)

@@ -1,7 +1,6 @@
 """Tables and pages made from a comparison alone."""
 
-from mpmfw.report.columns import CHOICES, COLUMNS, Column
 from mpmfw.report.page import write_report
-from mpmfw.report.table import method_dims, shown, table
+from mpmfw.report.table import CHOICES, COLUMNS, Column, method_dims, shown, table
 
 __all__ = ["CHOICES", "COLUMNS", "Column", "method_dims", "shown", "table", "write_report"]

@@ -15,9 +15,8 @@ from matplotlib.figure import Figure
 
 from mpmfw.plots import figures_of
 from mpmfw.plots.style import journal_style
-from mpmfw.report.columns import CHOICES, COLUMNS, COSTS, column_of
 from mpmfw.report.differences import differences
-from mpmfw.report.table import method_dims, shown, table
+from mpmfw.report.table import CHOICES, COLUMNS, COSTS, column_of, method_dims, shown, table
 from mpmfw.results.references import described
 from mpmfw.results.replacing import replace_bytes
 

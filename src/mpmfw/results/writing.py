@@ -15,10 +15,9 @@ import netCDF4
 import numpy as np
 
 from mpmfw.errors import MpmfwError
-from mpmfw.results.frame import Frame, RunHeader
 from mpmfw.results.reading import checked_tree, read_run, tree_of
 from mpmfw.results.replacing import check_room, replacement
-from mpmfw.results.timeline import Timeline
+from mpmfw.results.timeline import Frame, RunHeader, Timeline
 from mpmfw.results.writers import claim, release
 from mpmfw.state.fields import AnyArray, Field
 
