@@ -26,6 +26,10 @@ from mpmfw.scene.specification import keys_of
 from mpmfw.scene.wording import problems_of
 
 
+#: Problems of which the lines are looked up: each takes about half a second in a file of thousands of lines.
+MOST_LOCATED = 25
+
+
 def shipped_scenes() -> dict[str, str]:
     """TOML texts of the scenes inside the package, by name."""
     return shipped_texts("scenes")
@@ -185,8 +189,10 @@ def origin_of(source: Source, overrides: Mapping[str, Any]) -> Origin:
 
 def error_of(problems: Iterable[Problem], source: Source, overrides: Mapping[str, Any]) -> SceneError:
     """Return what is wrong with a file or with what is set over it, in the order of its lines."""
-    origin = origin_of(source, overrides)
-    ordered = sorted(distinct(problems), key=origin.line_number)
+    found, origin = distinct(problems), origin_of(source, overrides)
+    if len(found) > MOST_LOCATED:
+        origin = replace(origin, locator=None)
+    ordered = sorted(found, key=origin.line_number)
     return SceneError(problems=[origin.located(problem) for problem in ordered])
 
 
