@@ -25,7 +25,6 @@ from mpmfw.scene.sources import Source, plain, read_source, shipped_texts
 from mpmfw.scene.specification import keys_of
 from mpmfw.scene.wording import problems_of
 
-
 #: Problems of which the lines are looked up: each takes about half a second in a file of thousands of lines.
 MOST_LOCATED = 25
 
