@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-FACTS = "mpmfw checkpoint 4"
+FACTS = "mpmfw checkpoint 5"
 
 
 def write(path: Path, facts: Any = None, **arrays: Any) -> None:

@@ -112,7 +112,7 @@ EFFECTS = {
     "interface layer": brings("surface_layer", arrays="surface_layer", modules="~surfaces.layer"),
     "ledger": brings(
         "energy_ledger",
-        modules=".ledger .ledger_works .energy_guard",
+        modules=".ledger .ledger_works",
         series="transfer_dissipation energy_residual",
     ),
     "ledger of gravity": brings(series="gravity_work"),
@@ -120,7 +120,6 @@ EFFECTS = {
     "moment": brings("contact_moment", modules=".contact_moment", series="contact_moment"),
     "stability": brings(
         "time_step_series",
-        modules=".time_step_series",
         series="time_step time_step_limit time_step_owner",
     ),
     "contact events": brings("contact_events", series="steps_per_contact penetration"),

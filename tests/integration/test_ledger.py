@@ -10,8 +10,7 @@ import pytest
 from contact_scenes import impact, rectangle, scene
 from mpmfw import run
 from mpmfw.api import SimulationError
-from mpmfw.effects.energies import negligible_energy
-from mpmfw.effects.energy_guard import GROWTH_LIMIT, EnergyGuard
+from mpmfw.effects.energies import GROWTH_LIMIT, EnergyGuard, negligible_energy
 from mpmfw.effects.ledger import CHECK_EVERY
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene, shipped_scenes

@@ -13,7 +13,7 @@ from interpreted import interpreted
 from mpmfw.api import SceneError
 from mpmfw.effects import constraint, energies, side_loads, side_rows
 from mpmfw.effects.constraint import AGREED, PASSES
-from mpmfw.effects.energy_guard import EnergyGuard
+from mpmfw.effects.energies import EnergyGuard
 from mpmfw.effects.side_rows import QUADRATURE, PlaneSides, list_rows, quadrature, splines
 from mpmfw.effects.surface import CRITICAL_MASS, LIGHT, weigh_by_mass, weigh_plain
 from mpmfw.kernels.stencil import LEAST_SHARE, linear_weights

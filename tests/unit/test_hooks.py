@@ -179,10 +179,15 @@ def test_cpu_time_is_shared_out_by_wall_time(now: SimpleNamespace) -> None:
     assert (clock.cpu["shape"], clock.cpu["force"]) == (2.0, 6.0)
 
 
-def test_excluded_seconds_count_nowhere(now: SimpleNamespace) -> None:
+def test_seconds_of_compilation_count_in_no_stage(now: SimpleNamespace) -> None:
     clock = Clock()
     clock("shape")
-    now.wall, now.cpu = now.wall + 10.0, now.cpu + 10.0
-    clock.exclude(9.0, 9.0)
+    now.wall, now.cpu = now.wall + 1.0, now.cpu + 1.0
+    clock.on_start(None)
+    clock.on_start(None)  # an inner kernel
+    clock.on_end(None)
+    now.wall, now.cpu = now.wall + 9.0, now.cpu + 9.0
+    clock.on_end(None)
     clock.flush()
     assert (sum(clock.wall.values()), sum(clock.cpu.values())) == (1.0, 1.0)
+    assert clock.compile_time == 9.0

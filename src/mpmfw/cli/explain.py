@@ -145,7 +145,7 @@ def _print_cost(simulation: Simulation, found: Prediction, everything: bool) -> 
     share = found.stages[largest] / found.cpu_time if found.cpu_time > 0.0 else 0.0
     typer.echo(f"{found.cpu_time:.3g} s of CPU time for the steps, {100.0 * share:.0f} % of it {largest}")
     typer.echo(f"at most {shown_bytes(most_memory(simulation.scene))} of memory while it is built and runs")
-    frames, each, size = results_size(simulation, simulation.header())
+    frames, each, size = results_size(simulation.scene, simulation.header())
     typer.echo(f"{frames:g} frames of {shown_bytes(each)}, and series: {shown_bytes(size)}")
     typer.echo(f"{found.output_time:.3g} s for output, {found.start_time:.3g} s to start")
     if found.settle_steps:

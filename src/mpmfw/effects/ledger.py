@@ -15,8 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.effects.energies import StrainEnergies, motion_energy, negligible_energy
-from mpmfw.effects.energy_guard import EnergyGuard
+from mpmfw.effects.energies import EnergyGuard, StrainEnergies, motion_energy, negligible_energy
 from mpmfw.effects.ledger_works import HalfStep, add_change, grid_energy, impulse_work
 from mpmfw.plugin.hooks import Observer
 from mpmfw.plugin.hookspecs import hookimpl

@@ -1,4 +1,4 @@
-"""Series that every run has: momentum, energy and rotation of every body, from its material points."""
+"""Series of the bodies, which every run has, of the stress of the material points, and of the time step."""
 
 from __future__ import annotations
 
@@ -126,3 +126,46 @@ class VonMises:
             deviator = stress - np.trace(stress, axis1=1, axis2=2)[:, None, None] / 3.0 * np.eye(3)
             values[own] = np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator))
         return {"von_mises": values}
+
+
+_MEAN = "mean length of the steps since the last output"
+_OWNER = "who sets the limit: index into the attribute time_step_owners of the root"
+TIME_STEP_FIELDS = [
+    Field("time_step", (), "s", _MEAN, "series", output=True, missing=True),
+    Field("time_step_limit", (), "s", "stable time step at the output", "series", output=True),
+    Field("time_step_owner", (), "1", _OWNER, "series", output=True),
+]
+
+
+class TimeStepSeries:
+    """Series of the time step: its length, the limit without the safety factor, and who sets the limit."""
+
+    name = "time_step_series"
+    stage = "output"
+    history = ("owners", "last")
+
+    def __init__(self, setup: Setup) -> None:
+        self.setup = setup  #: has the limits, once the run is built
+        self.owners: dict[str, float] = {}  #: their numbers, in the order in which they first set the limit
+        self.last = 0
+
+    @classmethod
+    def from_setup(cls, setup: Setup) -> Acts:
+        """Record the limits of the run, and the contact's series of stability."""
+        monitors = [] if setup.contact is None else setup.contact.monitors()
+        return Acts("output.stability = true", [cls(setup), *monitors])
+
+    @hookimpl
+    def declare_fields(self) -> list[Field]:
+        """The three series."""
+        return TIME_STEP_FIELDS
+
+    @hookimpl
+    def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
+        """Values at this output; an owner is numbered when it first sets the limit."""
+        limit, owner = min(self.setup.limits())
+        number = self.owners.setdefault(owner, float(len(self.owners)))
+        steps, self.last = state.steps - self.last, state.steps
+        mean = interval / steps if steps > 0 and interval > 0.0 else np.nan
+        values = {"time_step": mean, "time_step_limit": limit, "time_step_owner": number}
+        return {name: np.asarray(float(value)) for name, value in values.items()}

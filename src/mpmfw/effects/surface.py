@@ -162,3 +162,8 @@ class GapDiagnostic:
         """Least of both bodies' node-to-facet distances, (pair,) [m]."""
         first, second = np.ascontiguousarray(state.pair_bodies.T)
         return {"min_gap": least_gaps(state.tracked_surface, first, second, state.grid.spacing)}
+
+
+def frames_from_setup(setup: Setup) -> Acts | str:
+    """Return why frames have surface nodes, or why not."""
+    return "no surface is tracked" if setup.state.surface is None else Acts("output.surface")

@@ -11,6 +11,7 @@ import atexit
 import contextlib
 import functools
 import hashlib
+import importlib
 import os
 import pickle
 import shutil
@@ -226,3 +227,20 @@ def intrinsic(function: Callable[..., Any]) -> Callable[..., Any]:
     context."""
     compiled: Callable[..., Any] = _intrinsic(function)
     return compiled
+
+
+def import_numba_without_scipy() -> None:
+    """Import numba's functions of arrays before numba does, and without ``scipy.linalg``.
+
+    numba asks whether there is a BLAS as it imports them, which loads scipy and a dozen of its and NumPy's
+    packages. No kernel of ours calls BLAS, and numba asks once more as it compiles one that does."""
+    linalg: Any = importlib.import_module("numba.np.linalg")
+    ensure_blas = getattr(linalg, "ensure_blas", None)
+    if "numba.np.arraymath" in sys.modules or ensure_blas is None:  # another numba asks in another way
+        return
+    linalg.ensure_blas = lambda: None
+    try:
+        arraymath: Any = importlib.import_module("numba.np.arraymath")
+    finally:
+        linalg.ensure_blas = ensure_blas
+    arraymath.ensure_blas = ensure_blas

@@ -188,6 +188,14 @@ class Setup:
             found["contact"] = "another contact" if key is None else f"a softer contact ({key})"
         return {**found, "shape": f"another shape than '{self.shape}'"}
 
+    def add_effect(self, name: str, answer: Acts | str) -> None:
+        """Add what acts, or the reason why nothing does; without a name only the effect's own lines."""
+        acts = answer if isinstance(answer, Acts) else Acts(answer)
+        if name:
+            self.effects.append(Effect(name, acts is answer, acts.reason))
+        self.plugins += acts.plugins
+        self.effects += acts.lines
+
     def plugin(self, name: str) -> Any:
         """Return the plug-in of a name, or None."""
         return next((plugin for plugin in self.plugins if plugin.name == name), None)

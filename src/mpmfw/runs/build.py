@@ -1,9 +1,10 @@
-"""From a scene to its bodies and methods, the :class:`mpmfw.plugin.setup.Setup`."""
+"""From a scene to its bodies, methods and effects, the :class:`mpmfw.plugin.setup.Setup`."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from pkgutil import resolve_name
+from typing import Any
 
 import numpy as np
 
@@ -19,18 +20,16 @@ from mpmfw.plugin.hooks import HOOKS
 from mpmfw.plugin.load import Load
 from mpmfw.plugin.measure import Measure, Reference
 from mpmfw.plugin.named import NamedPlugIn, OutputSeries
-from mpmfw.plugin.setup import Setup
+from mpmfw.plugin.setup import Effect, Setup
 from mpmfw.runs.bodies import check_bodies, lay_out, make_bodies, make_particles
 from mpmfw.runs.limits import check_memory
+from mpmfw.scene import Scene, load_scene
 from mpmfw.scene.options import NAMED
 from mpmfw.state.pairs import FEW, BodyPairs
 from mpmfw.state.structs import Body, State
 from mpmfw.state.windows import make_grid
 from mpmfw.step.timestep import stable_length
 from mpmfw.step.transfer import make_transfer
-
-if TYPE_CHECKING:
-    from mpmfw.scene import Scene
 
 #: Base classes of what a scene names.
 BASES: dict[Kind, type[Any]] = {
@@ -42,34 +41,38 @@ BASES: dict[Kind, type[Any]] = {
 
 
 def build(
-    scene: Scene,
-    contact: ContactStrategy | None = None,
-    shape: ShapeFunction | None = None,
-    loads: Mapping[str, Load] | None = None,
+    scene: Any, contact: Any = None, shape: Any = None, loads: Mapping[str, Load] | None = None
 ) -> Setup:
-    """Discretise the bodies and make the plug-ins that the scene names.
+    """Discretise the bodies, make the plug-ins that the scene names, and decide the effects.
 
-    Objects replace the scene's methods, and ``loads`` come on top. Raise SceneError if bodies overlap or
-    leave the grid, or if a method cannot run this scene."""
-    chosen_shape = shape or _plugin("shape", scene.shape.method, scene.shape.options)
-    _check_dimensions(scene, chosen_shape, "shape.method")
-    chosen_contact = contact
+    Names and objects replace the scene's methods, and ``loads`` come on top. Raise SceneError if bodies
+    overlap or leave the grid, or if a method cannot run this scene."""
+    contact, shape = _strategy("contact", contact), _strategy("shape", shape)
+    chosen = chosen_methods(contact, shape)
+    if isinstance(scene, Scene):  # methods that it has already need no second reading
+        own = {"shape.method": scene.shape.method, "contact.method": scene.contact and scene.contact.method}
+        chosen = {key: name for key, name in chosen.items() if own[key] != name}
+    if chosen or not isinstance(scene, Scene):
+        scene = load_scene(scene, set=chosen)
+    if isinstance(shape, str | None):
+        shape = _plugin("shape", scene.shape.method, scene.shape.options)
+    _check_dimensions(scene, shape, "shape.method")
+    by_name = isinstance(contact, str | None)
     if len(scene.bodies) == 1:
-        _check_unused_contact(scene, contact)
-        chosen_contact = None
-    elif contact is None and scene.contact is not None:
-        chosen_contact = _plugin("contact", scene.contact.method, scene.contact.options)
-    if chosen_contact is not None:
-        _check_dimensions(scene, chosen_contact, "contact.method")
+        if by_name:
+            _check_unused_contact(scene)
+        contact = None
+    elif by_name:
+        contact = scene.contact and _plugin("contact", scene.contact.method, scene.contact.options)
+    if contact is not None:
+        _check_dimensions(scene, contact, "contact.method")
     check_memory(scene)
     layouts = lay_out(scene)
     materials = {
         name: _plugin("material", scene.materials[name].model, scene.materials[name].options)
         for name in dict.fromkeys(body.material for body in scene.bodies.values())
     }
-    setup = _put_together(scene, layouts, chosen_shape, chosen_contact, materials, loads or {})
-    check_bodies(scene, layouts, setup.bodies)
-    return setup
+    return _put_together(scene, layouts, shape, contact, materials, loads or {})
 
 
 def build_some(whole: Setup, which: Sequence[int]) -> Setup:
@@ -90,6 +93,12 @@ def build_some(whole: Setup, which: Sequence[int]) -> Setup:
     return _put_together(scene, layouts, shape, contact, materials, {}, whole)
 
 
+def chosen_methods(contact: Any, shape: Any) -> dict[str, str]:
+    """Return the keys of the scene that methods given by name set; strategy objects set none."""
+    given = {"contact.method": contact, "shape.method": shape}
+    return {key: value for key, value in given.items() if isinstance(value, str)}
+
+
 def _put_together(
     scene: Scene,
     layouts: tuple[Layout, ...],
@@ -99,8 +108,7 @@ def _put_together(
     loads: Mapping[str, Load],
     whole: Setup | None = None,
 ) -> Setup:
-    """Make the bodies and their state, of methods that are made; ``whole`` has all bodies if these are
-    some."""
+    """Join methods to bodies and their state; ``whole`` has all bodies if these are some."""
     per_body = whole is not None or (contact is not None and contact.velocity_fields == "per_body")
     bodies = make_bodies(scene, layouts, materials, per_body=per_body)
     scheme, name = scene.stepping.chosen(shape)
@@ -113,9 +121,12 @@ def _put_together(
     n_fields = len(bodies) if per_body else 1
     grid = make_grid(scene.grid.cell_size, np.array(scene.grid.lower), np.array(scene.grid.upper), n_fields)
     particles = make_particles(scene, layouts, bodies, transfer, n_fields)
-    for body in bodies:
-        material = materials[scene.bodies[body.name].material]
-        material.slices = joined(material.slices, body.particles)
+    for body in bodies:  # neighbours become one slice, and take one call of a kernel
+        material, own = materials[scene.bodies[body.name].material], body.particles
+        last = material.slices[-1:]
+        if last and last[0].stop == own.start:
+            material.slices, own = material.slices[:-1], slice(last[0].start, own.stop)
+        material.slices = (*material.slices, own)
     cell, of = scene.grid.cell_size, scene.bodies
     frequencies = [2.0 * b.wave_speed / stable_length(cell, of[b.name].geometry.width) for b in bodies]
     setup = Setup(
@@ -129,7 +140,6 @@ def _put_together(
         bulk_frequency=max(frequencies) if whole is None else whole.bulk_frequency,
         safety=scene.time.safety,
         allow_unstable=scene.allow_unstable,
-        friction_law=_friction_law(scene, contact),
         whole=whole,
         scene=scene,
         shape_function=shape,
@@ -139,16 +149,19 @@ def _put_together(
         named=_named(scene, bodies, loads),
         plugins=[*materials.values(), shape],
     )
-    _list_pairs(scene, setup.state, contact, setup.friction_law)
+    _add_interfaces(setup)
+    if whole is None:
+        check_bodies(scene, layouts, bodies)
+    setup.effects += _of_methods(setup)
+    for title, decides, called_for, otherwise in _effects(setup):
+        setup.add_effect(title, resolve_name(f"mpmfw.{decides}")(setup) if called_for else otherwise)
     return setup
 
 
 def _named(
     scene: Scene, bodies: tuple[Body, ...], loads: Mapping[str, Load]
 ) -> dict[str, dict[str, NamedPlugIn]]:
-    """Return the plug-ins with tables that the scene names, by table and name; each gets its title and its
-    bodies.
-    """
+    """Return the plug-ins of the scene's tables, by table and name, with their titles and bodies."""
     made: dict[str, dict[str, NamedPlugIn]] = {}
     for group in ("loads", "boundaries", "outputs"):
         made[group] = {}
@@ -164,13 +177,26 @@ def _named(
     return made
 
 
-def _friction_law(scene: Scene, contact: ContactStrategy | None) -> FrictionLaw | None:
-    """Return the scene's, if contact takes any."""
-    given = scene.contact
-    if given is None or given.friction_law is None or contact is None or not contact.takes_friction_law:
-        return None
-    law: FrictionLaw = _plugin("friction", given.friction_law, given.friction_options)
-    return law
+def _add_interfaces(setup: Setup) -> None:
+    """Add the friction law and all pairs of bodies.
+
+    Of more than a few bodies only named pairs are listed, if the strategy takes the others as they come."""
+    given, contact, state = setup.scene.contact, setup.contact, setup.state
+    if given is not None and given.friction_law is not None and contact and contact.takes_friction_law:
+        setup.friction_law = _plugin("friction", given.friction_law, given.friction_options)
+    law = setup.friction_law
+    index = {body.name: body.index for body in state.bodies}
+    named = () if given is None else given.pairs
+    ends = np.array([sorted(map(index.__getitem__, pair.bodies)) for pair in named], np.int64).reshape(-1, 2)
+    mu = {(a, b): float(pair.friction) for (a, b), pair in zip(ends.tolist(), named, strict=True)}
+    by_law = None if law is None or law.is_coulomb else law.label
+    near = BodyPairs(tuple(index), 0.0 if given is None else float(given.friction), mu, by_law)
+    follows = hasattr(contact, "add_pairs") or not any(hasattr(contact, name) for name in HOOKS)
+    if len(index) <= FEW or not follows:
+        near.add(state, *np.triu_indices(len(index), 1))
+    else:
+        near.add(state, *ends.T)
+        state.near = near
 
 
 def _plugin(kind: Any, name: str, options: Any) -> Any:
@@ -182,7 +208,7 @@ def _plugin(kind: Any, name: str, options: Any) -> Any:
         return plugin.from_options(options) if given else plugin()
 
 
-def strategy(kind: Kind, given: Any) -> Any:
+def _strategy(kind: Kind, given: Any) -> Any:
     """Return a method as it was given: None, a name, or a strategy object, which a class is made into."""
     if given is None or isinstance(given, str):
         return given
@@ -214,43 +240,68 @@ def _check_dimensions(scene: Scene, plugin: Any, key: str) -> None:
         raise SceneError(f"'{plugin.name}' works in {works}{note}; the scene's grid is {scene.dim}D", key=key)
 
 
-def _list_pairs(scene: Scene, state: State, contact: ContactStrategy | None, law: FrictionLaw | None) -> None:
-    """All pairs of bodies; of more than a few those that the scene names, if the strategy takes the others as
-    they come.
-    """
-    index = {body.name: body.index for body in state.bodies}
-    friction = 0.0 if scene.contact is None else scene.contact.friction
-    named = () if scene.contact is None else scene.contact.pairs
-    ends = [sorted(index[name] for name in pair.bodies) for pair in named]
-    given = {(a, b): float(pair.friction) for (a, b), pair in zip(ends, named, strict=True)}
-    by_law = None if law is None or law.is_coulomb else law.label
-    near = BodyPairs(tuple(index), float(friction), given, by_law)
-    follows = hasattr(contact, "add_pairs") or not any(hasattr(contact, name) for name in HOOKS)
-    if len(index) <= FEW or not follows:
-        near.add(state, *np.triu_indices(len(index), 1))
-    else:
-        first, second = (np.array([end[k] for end in ends], dtype=np.int64) for k in (0, 1))
-        near.add(state, first, second)
-        state.near = near
-
-
-def _check_unused_contact(scene: Scene, contact: ContactStrategy | None) -> None:
-    """Refuse options of the scene's contact, and a friction law, where there is one body and so nothing to
-    touch.
-    """
+def _check_unused_contact(scene: Scene) -> None:
+    """Refuse options of the scene's contact, and a friction law, where one body has nothing to touch."""
     given = scene.contact
-    if contact is not None or given is None:
-        return
-    options = () if given.options is None else sorted(given.options.model_fields_set)
-    keys = [f"{given.method}.{option}" for option in options]
-    if given.friction_law is not None:
+    options = () if given is None or given.options is None else sorted(given.options.model_fields_set)
+    keys = [f"{given.method}.{option}" for option in options] if given else []
+    if given is not None and given.friction_law is not None:
         keys.append("friction_law")
     if keys:
         raise SceneError("has no effect, since the scene has one body only", key=f"contact.{keys[0]}")
 
 
-def joined(slices: tuple[slice, ...], own: slice) -> tuple[slice, ...]:
-    """Return the slices and one more; neighbours become one slice, and take one call of a kernel."""
-    if slices and slices[-1].stop == own.start:
-        return (*slices[:-1], slice(slices[-1].start, own.stop))
-    return (*slices, own)
+def _effects(setup: Setup) -> list[tuple[str, str, object, str]]:
+    """Return the effects in the order of their hooks: name, ``module:function``, whether the scene calls for
+    it, and why not.
+
+    The function returns :class:`mpmfw.plugin.setup.Acts`, or the reason why nothing acts. Its file is
+    imported only if it is called. The name is empty where the effect has lines of its own, or none."""
+    scene, output, several = setup.scene, setup.scene.output, len(setup.bodies) > 1
+    gravity = scene.gravity or (scene.settle and scene.settle.gravity)
+    no_gap = "one body" if output.gap else "output.gap = false"
+    loaded = "no side has a pressure, traction or force"
+    contact_moment = output.contact_moment is not None
+    by_output = (
+        ("energy ledger", "effects.ledger:EnergyLedger.from_setup", "ledger"),
+        ("stability series", "effects.series:TimeStepSeries.from_setup", "stability"),
+        ("von Mises stress", "effects.series:VonMises.from_setup", "particles"),
+        ("surface frames", "effects.surface:frames_from_setup", "surface"),
+    )
+    return [
+        ("contact", "contact.strategy:from_setup", True, ""),
+        ("least gap", "effects.surface:GapDiagnostic.from_setup", output.gap and several, no_gap),
+        ("surfaces", "effects.surface:SurfaceTracker.from_setup", setup.surface_users,
+         "nothing needs outlines"),
+        ("gravity", "effects.gravity:Gravity.from_setup", gravity, "no [gravity]"),
+        ("settling", "effects.settling:from_setup", scene.settle, "no [settle]"),
+        ("prescribed sides", "effects.constraint:Constraint.from_setup", setup.held_sides,
+         "no fixed or moving side"),
+        ("loads on sides", "effects.side_loads:from_setup", setup.loaded_sides, loaded),
+        ("", "plugin.named:from_setup", True, ""),
+        ("", "effects.rotation:from_setup", True, ""),
+        ("", "effects.series:BodySeries.from_setup", True, ""),
+        ("", "effects.verdict:Verdict.from_setup", setup.whole is None, "all are judged together"),
+        ("", "effects.flutter:Flutter.from_setup", setup.records_friction, "no friction"),
+        ("contact moment", "effects.contact_moment:ContactMoment.from_setup", contact_moment,
+         "no output.contact_moment"),
+        *((name, at, getattr(output, key), f"output.{key} = false") for name, at, key in by_output),
+        ("sleep", "runs.sleeping:from_setup", scene.sleep, "no [sleep]"),
+    ]  # fmt: skip
+
+
+def _of_methods(setup: Setup) -> list[Effect]:
+    """Return effects that are part of the transfer and of the shape function."""
+    transfer, shape = setup.exchange, setup.shape
+    affine, stored = transfer.affine is not None, transfer.affine == "moment"
+    moves = hasattr(setup.shape_function, "update_particle_domains")
+    chosen = "as auto for" if setup.scene.stepping.transfer == "auto" else "given, with"
+    how = "C is carried along with the motion" if transfer.transported else "C stays as gathered"
+    stores = "stores B, D⁻¹ comes at the next projection" if stored else "does not store B"
+    tracks = "moves its domains in every step" if moves else "has no domains that it would move"
+    return [
+        Effect("affine field", affine, f"transfer {transfer.name}, {chosen} shape {shape}"),
+        *([Effect("transported affine gradient", transfer.transported, how)] if affine else []),
+        Effect("affine moments", stored, f"transfer {transfer.name} {stores}"),
+        Effect("domain tracking", moves, f"shape {shape} {tracks}"),
+    ]

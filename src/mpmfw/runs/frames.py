@@ -11,7 +11,6 @@ import numpy as np
 
 from mpmfw.errors import PluginError, SimulationError
 from mpmfw.plugin.checks import described, naming
-from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.results import Frame, RunHeader, provenance
 from mpmfw.results.timeline import STATIC
 from mpmfw.state.fields import PARTICLE_FIELDS, SURFACE_FIELDS, AnyArray, Field
@@ -162,8 +161,3 @@ def _stored(field: Field) -> Field:
     static = (field.group, field.name) in STATIC
     moving = field.group == "particles" and np.dtype(field.dtype) == np.float64 and not static
     return dataclasses.replace(field, dtype="f4") if moving else field
-
-
-def surface_frames(setup: Setup) -> Acts | str:
-    """Return why frames have surface nodes, or why not."""
-    return "no surface is tracked" if setup.state.surface is None else Acts("output.surface")

@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,15 +23,9 @@ if TYPE_CHECKING:
     from mpmfw.scene import Scene
     from mpmfw.scene.tables import Body
 
-#: Bytes that a material point takes at most by dimension: layout, state, table of interpolation, and what is
-#: made on the way to them. Measured: 1500 in 2D and 4500 in 3D, CPDI on a disc and a ball.
-POINT_BYTES = {2: 2_000, 3: 6_000}
-
-#: Bytes that a node of a window takes at most: nodal arrays, and those of contact and inertia correction.
-NODE_BYTES = {2: 400, 3: 600}
-
-#: Bytes that a surface node takes at most by dimension: outline, search and springs.
-SURFACE_BYTES = {2: 1_000, 3: 2_000}
+#: Bytes that a material point, a node of a window and a surface node take at most, by dimension: state,
+#: contact, and all that is made on the way. Measured of a point: 1500 in 2D and 4500 in 3D, CPDI on a disc.
+BYTES = {2: (2_000, 400, 1_000), 3: (6_000, 600, 2_000)}
 
 #: Extent of a body in cells below which nothing of it is left by the layouts.
 THINNEST = 1e-6
@@ -43,63 +36,35 @@ MOST_NODES = 2**31 - 1
 #: Nodes that a window has beyond the body, on both sides together.
 _BEYOND = 10
 
-#: Steps: with the least scene a day, at 1 ms a step three hours.
-MOST_STEPS = 10_000_000
 
-#: Frames: at 10 kB each, the least that a frame takes, 1 GB.
-MOST_FRAMES = 100_000
-
-#: Bytes of results past which a run says so.
-LARGE_RESULTS = 1e9
-
-
-@dataclass(frozen=True)
-class Size:
-    """Upper bounds of what one body takes."""
-
-    points: float  #: material points
-    nodes: float  #: of its window
-    surface_nodes: float  #: of its outline
-    dim: int  #: number of space dimensions
-
-    @property
-    def memory(self) -> tuple[float, float, float]:
-        """Bytes of points, nodes and surface nodes."""
-        each = POINT_BYTES[self.dim], NODE_BYTES[self.dim], SURFACE_BYTES[self.dim]
-        return self.points * each[0], self.nodes * each[1], self.surface_nodes * each[2]
-
-
-def size_of(body: Body, cell_size: float) -> Size:
-    """Return the size of one body, before it is discretised."""
-    extent = np.subtract(*body.geometry.bounds[::-1])
+def largest_counts(body: Body, cell_size: float) -> FloatArray:
+    """Return upper bounds of a body's material points, nodes of its window and surface nodes, (3,)."""
+    geometry, extent = body.geometry, np.subtract(*body.geometry.bounds[::-1])
     fitted = body.particles.layout == "fitted"
-    if fitted and body.geometry.type == "mesh":
-        points = float(len(body.geometry.elements.pieces))
-    else:
-        # No edge of a fitted layout may exceed the size: where it follows a curve, most are well below it
-        spare = 3.0 if fitted and body.geometry.type not in ("rectangle", "box") else 1.0
-        points = spare * float(np.prod(np.ceil(extent / body.particles.size) + 1.0))
+    # No edge of a fitted layout may exceed the size: where it follows a curve, most are well below it
+    spare = 3.0 if fitted and geometry.type not in ("rectangle", "box") else 1.0
+    points = spare * float(np.prod(np.ceil(extent / body.particles.size) + 1.0))
+    if fitted and geometry.type == "mesh":
+        points = float(len(geometry.elements.pieces))
     edge = body.segment_length(cell_size)
-    if isinstance(body.geometry, PlaneGeometry):
-        surface = 2.0 * body.geometry.outline_length / edge + 8.0
+    if isinstance(geometry, PlaneGeometry):
+        surface = 2.0 * geometry.outline_length / edge + 8.0
     else:
-        surface = body.geometry.surface_nodes(edge)
-    nodes = float(np.prod(np.ceil(extent / cell_size) + _BEYOND))
-    return Size(points, nodes, surface, len(extent))
+        surface = geometry.surface_nodes(edge)
+    return np.array([points, np.prod(np.ceil(extent / cell_size) + _BEYOND), surface])
 
 
 def most_memory(scene: Scene) -> float:
     """Return the memory that the scene needs at most beside the program itself [bytes]."""
-    return sum(sum(size_of(body, scene.grid.cell_size).memory) for body in scene.bodies.values())
+    cell, each = scene.grid.cell_size, np.array(BYTES[scene.dim])
+    return float(sum(largest_counts(body, cell) @ each for body in scene.bodies.values()))
 
 
 def check_memory(scene: Scene) -> None:
-    """Raise SceneError for a scene that needs more memory, or more nodes, than there can be.
-
-    The message names the largest body and the key that decides. Bodies outside the grid or far thinner than a
-    cell are refused, too."""
+    """Raise SceneError for more memory or nodes than there can be, and for bodies outside the grid or far
+    thinner than a cell. Nothing is made yet. The message names the key that decides."""
     cell = scene.grid.cell_size
-    for name, body in scene.bodies.items():  # far outside: nothing needs to be made to see it
+    for name, body in scene.bodies.items():
         lower, upper = body.geometry.bounds
         check_box_inside(scene, name, lower, upper, slack=cell)
         if not (least := float(np.subtract(upper, lower).min())) > THINNEST * cell:
@@ -108,36 +73,30 @@ def check_memory(scene: Scene) -> None:
                 f"{cell:g} m; expected a larger body, or smaller cells",
                 key=f"bodies.{name}.geometry",
             )
-    sizes = {name: size_of(body, cell) for name, body in scene.bodies.items()}
-    needed, limit = sum(sum(size.memory) for size in sizes.values()), min(_memory_limits(), default=math.inf)
-    if needed > limit:
-        largest = max(sizes, key=lambda name: sum(sizes[name].memory))
-        key, made = _largest_part(scene, largest, sizes[largest])
+    counts = {name: largest_counts(body, cell) for name, body in scene.bodies.items()}
+    amounts = {name: count * BYTES[scene.dim] for name, count in counts.items()}
+    needed = sum(float(amount.sum()) for amount in amounts.values())
+    if needed > (limit := min(_memory_limits(), default=math.inf)):
+        name = max(amounts, key=lambda name: float(amounts[name].sum()))
+        body, part = scene.bodies[name], int(np.argmax(amounts[name]))
+        key, what = (
+            (f"bodies.{name}.particles.size", f"material points of {body.particles.size:g} m"),
+            ("grid.cell_size", f"nodes of the grid, whose cells are of {cell:g} m"),
+            ("grid.cell_size" if body.segment is None else f"bodies.{name}.segment",
+             f"surface nodes, {body.segment_length(cell):g} m apart"),
+        )[part]  # fmt: skip
         raise SceneError(
-            f"the body '{largest}' of {_box(scene.bodies[largest])} m has up to {made}; the scene needs up "
-            f"to {shown_bytes(needed)} of memory, and the limit is {shown_bytes(limit)}, the memory of this "
-            f"machine; expected a larger {key}, or are lengths in millimetres?",
+            f"the body '{name}' of {_box(body)} m has up to {counts[name][part]:.3g} {what}; the scene needs "
+            f"up to {shown_bytes(needed)} of memory, and the limit is {shown_bytes(limit)}, the memory of "
+            f"this machine; expected a larger {key}, or are lengths in millimetres?",
             key=key,
         )
-    if (nodes := sum(size.nodes for size in sizes.values())) > MOST_NODES:
+    if (nodes := sum(count[1] for count in counts.values())) > MOST_NODES:
         raise SceneError(
             f"{nodes:.3g} nodes round the bodies are more than {MOST_NODES}, the most that can be counted; "
             "expected a larger grid.cell_size",
             key="grid.cell_size",
         )
-
-
-def _largest_part(scene: Scene, name: str, size: Size) -> tuple[str, str]:
-    """Return the key that decides over most of a body's memory, and a text on what it makes."""
-    cell, body = scene.grid.cell_size, scene.bodies[name]
-    parts = (
-        (f"bodies.{name}.particles.size",
-         f"{size.points:.3g} material points of {body.particles.size:g} m"),
-        ("grid.cell_size", f"{size.nodes:.3g} nodes of the grid, whose cells are of {cell:g} m"),
-        ("grid.cell_size" if body.segment is None else f"bodies.{name}.segment",
-         f"{size.surface_nodes:.3g} surface nodes, {body.segment_length(cell):g} m apart"),
-    )  # fmt: skip
-    return parts[int(np.argmax(size.memory))]
 
 
 def _memory_limits() -> Iterator[float]:
@@ -149,6 +108,13 @@ def _memory_limits() -> Iterator[float]:
             yield float(Path(file).read_text(encoding="ascii"))
         except (OSError, ValueError):  # absent, or the word "max"
             continue
+
+
+def shown_bytes(count: float) -> str:
+    """Return a number of bytes in the unit that suits it."""
+    units = ("bytes", "kB", "MB", "GB", "TB", "PB", "EB")
+    power = int(np.clip(np.log10(max(count, 1.0)) // 3, 0, len(units) - 1))
+    return f"{count / 1000.0**power:.3g} {units[power]}"
 
 
 def check_box_inside(
@@ -172,7 +138,7 @@ def _box(body: Body) -> str:
     return " by ".join(f"{edge:.4g}" for edge in np.subtract(*body.geometry.bounds[::-1]))
 
 
-def warnings_about(scene: Scene) -> list[str]:
+def coarse_bodies(scene: Scene) -> list[str]:
     """Return warnings about points or cells that are larger than the body that they resolve."""
     texts, cell = [], scene.grid.cell_size
     for name, body in scene.bodies.items():
@@ -187,28 +153,37 @@ def warnings_about(scene: Scene) -> list[str]:
     return texts
 
 
-def frames_of(simulation: Simulation) -> float:
-    """Return the number of frames that the run will write."""
-    time = simulation.scene.time
-    return max(1.0, float(math.ceil(time.end / time.output_interval - 1e-9))) + 1.0
+#: Steps: with the least scene a day, at 1 ms a step three hours.
+MOST_STEPS = 10_000_000
+
+#: Frames: at 10 kB each, the least that a frame takes, 1 GB.
+MOST_FRAMES = 100_000
+
+#: Bytes of results past which a run says so.
+LARGE_RESULTS = 1e9
 
 
-def steps_of(simulation: Simulation, step: float) -> float:
-    """Return the steps that the run will take, each of at most ``step`` [s], settling left out.
+def outputs_of(scene: Scene) -> int:
+    """Return the number of outputs after time zero."""
+    return int(max(1, math.ceil(scene.time.end / scene.time.output_interval - 1e-9)))
+
+
+def steps_of(scene: Scene, step: float) -> float:
+    """Return the steps that a run will take, each of at most ``step`` [s], settling left out.
 
     Steps between two outputs are of equal length, but where outputs shorten none.
     """
-    time = simulation.scene.time
+    time = scene.time
     if time.outputs == "nearest":
         return float(math.ceil(time.end / step - 1e-9))
-    return float((frames_of(simulation) - 1.0) * math.ceil(min(time.output_interval, time.end) / step - 1e-9))
+    return float(outputs_of(scene) * math.ceil(min(time.output_interval, time.end) / step - 1e-9))
 
 
 def check_length(simulation: Simulation) -> None:
     """Raise SceneError, with the key that decides, for more steps or frames than anybody wants."""
     time, settle = simulation.scene.time, simulation.scene.settle
     forced = "; --force (force=True) runs it all the same"
-    frames = frames_of(simulation)
+    frames = outputs_of(simulation.scene) + 1.0
     if frames > MOST_FRAMES:
         raise SceneError(
             f"{time.output_interval:g} s in {time.end:g} s makes {frames:.3g} frames, more than "
@@ -216,7 +191,7 @@ def check_length(simulation: Simulation) -> None:
             key="time.output_interval",
         )
     step = simulation.stable_step()
-    spans = {"time.end": (time.end, steps_of(simulation, step))}
+    spans = {"time.end": (time.end, steps_of(simulation.scene, step))}
     if settle is not None and settle.max_time is not None:
         spans["settle.max_time"] = settle.max_time, settle.max_time / step
     for key, (span, steps) in spans.items():
@@ -227,19 +202,6 @@ def check_length(simulation: Simulation) -> None:
                 f"{MOST_STEPS}{forced}",
                 key=key,
             )
-
-
-def remarks_on(simulation: Simulation, header: RunHeader | None) -> list[str]:
-    """Return remarks on more threads than cores, and on a file with this header that will be large."""
-    texts = remarks_on_threads(simulation.threads)
-    frames, each, size = (0.0, 0.0, 0.0) if header is None else results_size(simulation, header)
-    if size > LARGE_RESULTS:
-        texts.append(
-            f"the results take up to {shown_bytes(size)}: {frames:g} frames of {shown_bytes(each)}; a longer "
-            "time.output_interval or output.particle_interval, or output.particles = false, makes them "
-            "smaller"
-        )
-    return texts
 
 
 def remarks_on_threads(threads: int) -> list[str]:
@@ -258,28 +220,30 @@ def cores() -> int:
     return len(allowed(0)) if allowed is not None else os.cpu_count() or 1
 
 
-def results_size(simulation: Simulation, header: RunHeader) -> tuple[float, float, float]:
+def remarks_on_results(scene: Scene, header: RunHeader) -> list[str]:
+    """Return a remark on a file with this header that will be large."""
+    frames, each, size = results_size(scene, header)
+    if size <= LARGE_RESULTS:
+        return []
+    return [
+        f"the results take up to {shown_bytes(size)}: {frames:g} frames of {shown_bytes(each)}; a longer "
+        "time.output_interval or output.particle_interval, or output.particles = false, makes them smaller"
+    ]
+
+
+def results_size(scene: Scene, header: RunHeader) -> tuple[float, float, float]:
     """Return the number of frames with material points, bytes of each, and of all results, outputs without
     points included.
     """
-    scene, frames = simulation.scene, frames_of(simulation)
-    interval, lengths = scene.output.particle_interval, {"axis": header.dim, "axis2": header.dim}
-    lengths |= {"rotation": 1 if header.dim == 2 else 3, "body": len(header.bodies)}
-    lengths |= {"pair": len(header.pairs), "particle": sum(header.particle_count.values())}
-    lengths["surface_node"] = sum(header.surface_count.values())
+    lengths = {"axis": header.dim, "axis2": header.dim, "rotation": 1 if header.dim == 2 else 3}
+    lengths |= {"body": len(header.bodies), "pair": len(header.pairs)}
+    lengths |= {"particle": sum(header.particle_count.values())}
+    lengths |= {"surface_node": sum(header.surface_count.values())}
     points = others = 0.0
     for field in header.fields:
-        if all(dim in lengths for dim in field.dims):
-            size = np.dtype(field.dtype).itemsize * math.prod(lengths[dim] for dim in field.dims)
-            points, others = (
-                (points + size, others) if field.group == "particles" else (points, others + size)
-            )
+        size = np.dtype(field.dtype).itemsize * math.prod(lengths.get(dim, 0) for dim in field.dims)
+        points += size * (field.group == "particles")
+        others += size * (field.group != "particles")
+    frames, interval = outputs_of(scene) + 1.0, scene.output.particle_interval
     with_points = frames if interval is None else min(frames, math.floor(scene.time.end / interval) + 2.0)
     return with_points, points + others, with_points * points + frames * others
-
-
-def shown_bytes(count: float) -> str:
-    """Return a number of bytes in the unit that suits it."""
-    units = ("bytes", "kB", "MB", "GB", "TB", "PB", "EB")
-    power = int(np.clip(np.log10(max(count, 1.0)) // 3, 0, len(units) - 1))
-    return f"{count / 1000.0**power:.3g} {units[power]}"

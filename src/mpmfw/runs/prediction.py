@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mpmfw.effects.settling import longest_settling
-from mpmfw.runs.compilation import CompileTimer
-from mpmfw.runs.limits import frames_of, steps_of
+from mpmfw.runs.limits import outputs_of, steps_of
 from mpmfw.state.fields import STEP_STAGES, FloatArray
 from mpmfw.step.schemes import interpolate
 
@@ -57,7 +56,7 @@ def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
     ``arrays`` are the sizes of the arrays that are allocated already [bytes]."""
     before, clock, settle = clocks.process_time(), simulation.clock, simulation.scene.settle
     with ExitStack() as stack:
-        stack.enter_context(CompileTimer(clock))
+        stack.enter_context(clock.watching_compilation())
         step = _start(simulation, stack)
         step()
         first_step, limits = simulation.state.dt, simulation.limits()
@@ -74,7 +73,7 @@ def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
         clock.flush()
         frame = clock.cpu["output"] + clock.cpu["gap"]
         length, tables = simulation.stable_step(), _tables(simulation)
-    steps, settle_steps = int(steps_of(simulation, length)), 0
+    steps, settle_steps = int(steps_of(simulation.scene, length)), 0
     if settle is not None:
         settle_steps = math.ceil(longest_settling(settle, simulation.state.bodies) / length)
     return Prediction(
@@ -82,7 +81,7 @@ def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
         steps=steps,
         stages={stage: steps * times[stage] for stage in STEP_STAGES},
         settle_steps=settle_steps,
-        output_time=steps * (times["output"] + times["gap"]) + frames_of(simulation) * frame,
+        output_time=steps * (times["output"] + times["gap"]) + (outputs_of(simulation.scene) + 1) * frame,
         start_time=before,
         memory=sum(arrays) + tables,
         limits=tuple(limits),

@@ -35,18 +35,19 @@ from mpmfw.state.history import TYPES
 
 #: First array of a file: the number of the others and the facts, as JSON. Its name begins at byte 30 of the
 #: archive and tells the format.
-_FACTS = "mpmfw checkpoint 4"
+_FACTS = "mpmfw checkpoint 5"
 
 #: Place of the copy of the results.
 RESULTS = "results.nc"
 
-#: Root attributes that the results, their copy in the checkpoint and the run that goes on have in common.
+#: Root attributes that the results, the checkpoint and the run that goes on have in common.
 _SAME = ("scene", "contact", "shape", "scheme", "transfer")
 
 
 class Facts(BaseModel):
-    """Facts about the run of a checkpoint; others are in its copy of the results."""
+    """Facts about the run of a checkpoint."""
 
+    same: dict[str, str]  #: the attributes ``_SAME``
     made_by: dict[str, str]  #: code, libraries, interpreter and processor, by name
     scene: Source  #: where the scene came from
     times: list[float]  #: of this checkpoint, after those from which the run was taken up so far [s]
@@ -118,9 +119,13 @@ class Checkpoints:
         if self._next < math.inf:  # now: sources that are edited later are another version
             source = simulation.scene.source
             folder = None if source.directory is None else Path(os.path.abspath(source.directory))
-            code = _dependencies(simulation.scene, objects)
-            scene = dataclasses.replace(source, directory=folder)
-            self._facts = Facts(made_by=code, scene=scene, times=[*resumed, 0.0], every=every)
+            self._facts = Facts(
+                same={name: str(writer.header.attributes[name]) for name in _SAME},
+                made_by=_dependencies(simulation.scene, objects),
+                scene=dataclasses.replace(source, directory=folder),
+                times=[*resumed, 0.0],
+                every=every,
+            )
 
     def __call__(self) -> None:
         """End a step; raise Interrupted if a signal waits."""
@@ -159,36 +164,25 @@ class Checkpoints:
                     path.unlink()
 
 
-@dataclasses.dataclass(frozen=True)
-class Checkpoint:
-    """The checkpoint beside the file of a run that did not end."""
-
-    saved: dict[str, AnyArray]  #: by place
-    results: AnyArray  #: bytes of the results' file
-    made_with: dict[str, str]  #: root attributes of the results
-    facts: Facts
-
-
-def read_checkpoint(path: str) -> Checkpoint:
-    """Read the checkpoint beside a run's file.
+def read_checkpoint(path: str) -> tuple[dict[str, AnyArray], Facts]:
+    """Read the checkpoint beside a run's file: arrays by place, the copy of the results too, and the facts.
 
     Raise SceneError if the run ended, or if the checkpoint is missing, damaged, or of another run."""
-    file, there = checkpoint_path(path), {}
+    file, there = checkpoint_path(path), {"kind": "run", "status": "running"}
     if not os.path.isfile(path):
         raise SceneError(f"{path}: there is no such file; expected the results of a run")
     try:
-        there = _attributes(path)
-    except OSError:  # killed within a sync: the checkpoint has the outputs up to it
+        with netCDF4.Dataset(path) as results:
+            there = {name: str(getattr(results, name, "")) for name in ("kind", "status", *_SAME)}
+    except (OSError, RuntimeError):  # killed within a sync: the checkpoint has the outputs up to it
         if not is_hdf5(path) or not os.path.isfile(file):
             check_results(path)
             raise
-    kind, status = there.get("kind", "run"), there.get("status", "running")
-    if kind != "run" or is_complete(status):
-        raise SceneError(
-            f"{path}: holds no run but results of kind '{kind}'; give the command that made it again"
-            if kind != "run"
-            else f"{path}: the run is finished; there is nothing to go on with"
-        )
+    if there["kind"] != "run":
+        text = f"{path}: holds no run but results of kind '{there['kind']}'"
+        raise SceneError(f"{text}; give the command that made it again")
+    if is_complete(there["status"]):
+        raise SceneError(f"{path}: the run is finished; there is nothing to go on with")
     if not os.path.isfile(file):
         raise SceneError(
             f"{path}: there is no checkpoint beside it ({os.path.basename(file)}); a run writes one every "
@@ -196,42 +190,30 @@ def read_checkpoint(path: str) -> Checkpoint:
         )
     try:
         saved, facts = read_snapshot(file)
-        if facts is None or RESULTS not in saved:
-            raise SceneError(f"{file}: is not a checkpoint of a run")
-        results = saved.pop(RESULTS)
-        made_with = _attributes("results.nc", results)
-    except (MpmfwError, OSError) as error:
+    except MpmfwError as error:
         raise SceneError(f"{error}; run it again") from error
-    if other := [name for name in _SAME if there and there[name] != made_with[name]]:
+    if facts is None or RESULTS not in saved or facts.same.keys() != set(_SAME):
+        raise SceneError(f"{file}: is not a checkpoint of a run; run it again")
+    if other := [name for name in _SAME if there.get(name, facts.same[name]) != facts.same[name]]:
         raise SceneError(
             f"{path}: cannot go on from the checkpoint beside it: the file has another {' and '.join(other)}"
         )
-    return Checkpoint(saved, results, made_with, facts)
-
-
-def _attributes(path: str, content: Any = None) -> dict[str, str]:
-    """Root attributes of results, as texts."""
-    try:
-        with netCDF4.Dataset(path, memory=content) as dataset:
-            return {name: str(getattr(dataset, name, "")) for name in ("kind", "status", *_SAME)}
-    except RuntimeError as error:
-        raise OSError(str(error)) from error
+    return saved, facts
 
 
 def check_same(
-    last: Checkpoint, header: RunHeader, scene: Scene, objects: Mapping[str, Any], force: bool
+    facts: Facts, header: RunHeader, scene: Scene, objects: Mapping[str, Any], force: bool
 ) -> None:
     """Raise SceneError for other methods than the run had, and, unless ``force``, for other code or
     processor.
     """
-    for kind in _SAME:
-        then, now = last.made_with[kind], str(header.attributes[kind])
-        if then != now:
+    for kind, then in facts.same.items():
+        if then != (now := str(header.attributes[kind])):
             raise SceneError(
                 f"{kind}: the run had {then or 'none'}, found {now or 'none'}; mpmfw.resume takes the "
                 "strategy objects that the run was given"
             )
-    made_by, current = last.facts.made_by, _dependencies(scene, objects)
+    made_by, current = facts.made_by, _dependencies(scene, objects)
     changed = [
         f"{name} ({made_by.get(name, 'absent')[:8]} then, {current.get(name, 'absent')[:8]} now)"
         for name in sorted({*made_by, *current})
@@ -248,13 +230,3 @@ def _dependencies(scene: Scene, objects: Mapping[str, Any]) -> dict[str, str]:
     """Return the versions of all that the bits of a run depend on beside its scene, by name."""
     code = code_of(scene, objects.get("contact"), objects.get("shape"))
     return {**code, "python": platform.python_version(), "processor": str(get_host_cpu_name())}
-
-
-def rewritten(path: str, checkpoint: Checkpoint, header: RunHeader) -> RunWriter:
-    """Return the writer of a file of results, which begins as it was at the checkpoint.
-
-    Raise SceneError if the outputs are damaged or another run writes the file."""
-    try:
-        return RunWriter(path, header, checkpoint.results)
-    except (MpmfwError, OSError) as error:
-        raise SceneError(f"{path}: cannot go on from the checkpoint beside it: {error}") from error

@@ -7,17 +7,18 @@ import os
 import signal
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, nullcontext, suppress
+from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from typing import TYPE_CHECKING, Any
 
 from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError, SimulationError
 from mpmfw.results import Frame, RunWriter
 from mpmfw.results.memory import peak_memory, restart_peak_memory
 from mpmfw.results.replacing import check_replaceable
+from mpmfw.runs.build import chosen_methods
 from mpmfw.runs.interruption import interruptible, unbroken
-from mpmfw.runs.limits import check_length, remarks_on
-from mpmfw.runs.restart import Checkpoints, check_same, checkpoint_path, read_checkpoint, rewritten
-from mpmfw.runs.simulation import Simulation, chosen_methods
+from mpmfw.runs.limits import check_length, remarks_on_results, remarks_on_threads
+from mpmfw.runs.restart import RESULTS, Checkpoints, check_same, checkpoint_path, read_checkpoint
+from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene, located
 from mpmfw.scene.loading import refuse_code, scene_from
 from mpmfw.scene.override import parse_value
@@ -51,7 +52,7 @@ def run(
     contact, shape
         A plug-in's name or a configured strategy object, in place of the scene's.
     output
-        NetCDF file to write, frame by frame, in place of no file but another run's; None keeps the results in
+        NetCDF file to write, frame by frame; it replaces another run's file alone. None keeps the results in
         memory.
     progress
         Called now and then with the simulated time [s] and the number of steps.
@@ -80,8 +81,7 @@ def run(
         checkpoint beside it.
     """
     with begun(scene, contact, shape, output, set, force, checkpoint, threads) as checkpoints:
-        run_on(checkpoints, progress)
-        return checkpoints.writer.results()
+        return run_on(checkpoints, progress).results()
 
 
 @contextmanager
@@ -111,14 +111,19 @@ def begun(
     except SceneError as error:
         raise located(error, loaded) from error
     header = simulation.header()
-    for text in remarks_on(simulation, None if path is None else header):
+    large = [] if path is None else remarks_on_results(loaded, header)
+    for text in remarks_on_threads(simulation.threads) + large:
         warnings.warn(text, ResultsWarning, stacklevel=4)
-    methods = {"contact": contact, "shape": shape}
-    objects = {kind: one for kind, one in methods.items() if not isinstance(one, str | None)}
     with interruptible() as signals, RunWriter(path, header) as writer:
-        checkpoints = Checkpoints(simulation, writer, signals, every, objects)
+        checkpoints = Checkpoints(simulation, writer, signals, every, _objects(contact, shape))
         checkpoints.forget()  # of a run that was here before
         yield checkpoints
+
+
+def _objects(contact: Any, shape: Any) -> dict[str, Any]:
+    """Return strategy objects instead of the scene's methods, by kind."""
+    given = {"contact": contact, "shape": shape}
+    return {kind: one for kind, one in given.items() if not isinstance(one, str | None)}
 
 
 def seconds_between(given: float | str) -> float:
@@ -171,8 +176,7 @@ def resume(
         As :func:`mpmfw.run`.
     """
     with resumed(results, contact, shape, force, checkpoint, threads, trust) as checkpoints:
-        run_on(checkpoints, progress)
-        return checkpoints.writer.results()
+        return run_on(checkpoints, progress).results()
 
 
 @contextmanager
@@ -186,29 +190,33 @@ def resumed(
     trust: bool = False,
 ) -> Iterator[Checkpoints]:
     """Yield the checkpoints of a resumed run, with its simulation and its writer, as :func:`resume` says."""
-    every = None if checkpoint is None else seconds_between(checkpoint)
     restart_peak_memory()
+    every = None if checkpoint is None else seconds_between(checkpoint)
     path = os.path.abspath(results)
-    last = read_checkpoint(path)
+    saved, facts = read_checkpoint(path)
     if not trust:
-        refuse_code(last.facts.scene)
-    scene = scene_from(last.facts.scene, {})
-    objects = {kind: one for kind, one in (("contact", contact), ("shape", shape)) if one is not None}
+        refuse_code(facts.scene)
+    scene, content = scene_from(facts.scene, {}), saved.pop(RESULTS)
     simulation = Simulation(scene, contact=contact, shape=shape, threads=threads)
-    header = simulation.header({"resumed": json.dumps(last.facts.times)})  # names the pairs of its start
-    check_same(last, header, scene, objects, force)
-    try:
-        simulation.restore(last.saved)
-    except NotSaved as error:
-        text = f"{checkpoint_path(path)}: does not fit what is built from its scene: {error}"
-        raise SceneError(text) from error
-    every = last.facts.every if every is None else every
-    with interruptible() as signals, rewritten(path, last, header) as writer:
-        yield Checkpoints(simulation, writer, signals, every, objects, last.facts.times)
+    header = simulation.header({"resumed": json.dumps(facts.times)})  # names the pairs of its start
+    check_same(facts, header, scene, _objects(contact, shape), force)
+    with interruptible() as signals, ExitStack() as stack:
+        try:
+            simulation.restore(saved)
+            writer = stack.enter_context(RunWriter(path, header, content))
+        except NotSaved as error:
+            text = f"{checkpoint_path(path)}: does not fit what is built from its scene: {error}"
+            raise SceneError(text) from error
+        except (MpmfwError, OSError) as error:
+            raise SceneError(f"{path}: cannot go on from the checkpoint beside it: {error}") from error
+        every = facts.every if every is None else every
+        yield Checkpoints(simulation, writer, signals, every, _objects(contact, shape), facts.times)
 
 
-def run_on(checkpoints: Checkpoints, progress: Callable[[float, int], None] | None) -> None:
-    """Run a simulation, from where it is, to its end, or to the end of the step in which a signal comes."""
+def run_on(checkpoints: Checkpoints, progress: Callable[[float, int], None] | None) -> RunWriter:
+    """Run a simulation, from where it is, to its end, or to the end of the step in which a signal comes.
+
+    Return its writer."""
     simulation, writer, signals = checkpoints.simulation, checkpoints.writer, checkpoints.signals
 
     def write(frame: Frame) -> None:
@@ -236,6 +244,7 @@ def run_on(checkpoints: Checkpoints, progress: Callable[[float, int], None] | No
         )
     for concern in simulation.concerns():
         warnings.warn(concern, ResultsWarning, stacklevel=3)
+    return writer
 
 
 def _how_to_go_on(checkpoints: Checkpoints) -> str:
@@ -252,10 +261,8 @@ def _how_to_go_on(checkpoints: Checkpoints) -> str:
 
 
 def _end(simulation: Simulation, status: str) -> dict[str, Any]:
-    """Return the attributes that are known at the end; of a run that failed, without remarks that cannot be
-    made.
-    """
-    remarks = {}
+    """Return the attributes that are known at the end; a run that failed may have no remarks."""
+    remarks: dict[str, list[str]] = {}
     with suppress(MpmfwError) if status.startswith("failed") else nullcontext():
         remarks = simulation.remarks()
     text = {name: json.dumps(words) for name, words in remarks.items() if words}

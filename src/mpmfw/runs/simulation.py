@@ -10,16 +10,15 @@ from typing import TYPE_CHECKING, Any
 
 from mpmfw.effects.settling import Settling, concern, is_settled_for_good
 from mpmfw.errors import Diverged, PluginError, SceneError, SimulationError
+from mpmfw.kernels._jit import import_numba_without_scipy
 from mpmfw.plugin.checks import bundled, declared_fields
 from mpmfw.plugin.hooks import HOOKS, BoundHooks, make_manager, register
 from mpmfw.plugin.setup import Effect, Setup
 from mpmfw.results import Frame, RunHeader
 from mpmfw.runs.bodies import initial_velocity
-from mpmfw.runs.build import build, strategy
-from mpmfw.runs.compilation import CompileTimer, import_numba_without_scipy
-from mpmfw.runs.effects import decide
+from mpmfw.runs.build import build
 from mpmfw.runs.frames import Recorder, check_state_finite
-from mpmfw.runs.limits import warnings_about
+from mpmfw.runs.limits import coarse_bodies, outputs_of
 from mpmfw.state.fields import STAGES, STEP_STAGES, AnyArray, Field
 from mpmfw.state.history import NotSaved, put, take
 from mpmfw.state.pairs import update_pairs
@@ -29,7 +28,6 @@ from mpmfw.step.timestep import Clock, TimeStep
 
 if TYPE_CHECKING:
     from mpmfw.runs.sleeping import Sleep
-    from mpmfw.scene import Scene
 
 #: Steps between two reports of progress.
 REPORT_EVERY = 50
@@ -58,8 +56,7 @@ class Simulation:
     """
 
     history = (
-        "started", "_next_output", "_last_output", "_settled", "compile_time", "clock", "_recorder",
-        "_settling", "_sleep",
+        "started", "_next_output", "_last_output", "_settled", "clock", "_recorder", "_settling", "_sleep",
     )  # fmt: skip
 
     def __init__(
@@ -74,14 +71,7 @@ class Simulation:
         if threads is not None and (type(threads) is not int or threads < 1):
             raise SceneError(f"threads: found {threads!r}; expected an integer of at least 1")
         import_numba_without_scipy()
-        contact, shape = strategy("contact", contact), strategy("shape", shape)
-        by_name = isinstance(contact, str), isinstance(shape, str)
-        setup = build(
-            _with_methods(scene, contact, shape),
-            contact=None if by_name[0] else contact,
-            shape=None if by_name[1] else shape,
-            loads=loads,
-        )
+        setup = build(scene, contact, shape, loads)
         self._assemble(setup, Clock(), threads or setup.scene.threads)
 
     @classmethod
@@ -92,10 +82,9 @@ class Simulation:
         return simulation
 
     def _assemble(self, setup: Setup, clock: Clock, threads: int) -> None:
-        """Decide the effects, and register all that acts."""
+        """Register all that acts, call the plug-ins' setup, and lay the grid round the bodies."""
         self.setup, self.clock, self.threads = setup, clock, threads
         setup.limits = self.limits
-        decide(setup)
         self.scene, self.state, self.contact = setup.scene, setup.state, setup.contact
         self.shape, self.scheme, self.transfer = setup.shape_function, setup.scheme, setup.exchange
         self.effects: tuple[Effect, ...] = tuple(setup.effects)
@@ -110,11 +99,7 @@ class Simulation:
         for plugin in reversed(setup.plugins):  # pluggy calls the last registered first
             register(self.manager, plugin, named.get(id(plugin), str(plugin.name)))
         self._bind_hooks()
-        self._set_up()
-
-    def _set_up(self) -> None:
-        """Call the plug-ins' setup, and lay the grid round the bodies."""
-        setup, state = self.setup, self.state
+        state = self.state
         answers = self.hook.declare_fields() or []
         declared = zip(self._callers("declare_fields"), answers, strict=True)
         self.fields: tuple[Field, ...] = declared_fields(declared)
@@ -130,7 +115,6 @@ class Simulation:
         self._settling: Settling | None = None
         self._settled: dict[str, float] = {}
         self._next_output, self._last_output = 0, 0.0  #: number of the next output, and time of the last [s]
-        self.compile_time = 0.0
         self._time_step.check(self.hook)
         self._sleep: Sleep | None = None
         if self.scene.sleep is not None:
@@ -260,7 +244,7 @@ class Simulation:
         """Run a number of stable steps; hand a frame to ``write``, if there is one, at first and after every
         step.
         """
-        with CompileTimer(self.clock):
+        with self.clock.watching_compilation():
             self.start()
         if write is not None:
             self._output(write, 0.0)
@@ -282,23 +266,18 @@ class Simulation:
         A simulation that was loaded goes on from where it was saved. ``after_step`` is called when a step is
         complete, those of settling as well: there, and before the run, it may be saved. If the run fails by a
         SimulationError, the frames so far are complete."""
-        before = self.compile_time
-        with CompileTimer(self.clock) as compiling:
-            try:
-                if self._next_output == 0:
-                    self.start(after_step)
-                    self._output(write, 0.0)
-                    self._next_output = 1
-                while self._next_output <= _outputs(self.scene):
-                    for _ in self._steps_to_output():
-                        if progress is not None and self.state.steps % REPORT_EVERY == 0:
-                            progress(self.state.time, self.state.steps)
-                        if after_step is not None:
-                            after_step()
-                    self._reach_output(write)
-            finally:
-                self.compile_time = before + compiling.seconds
-                self.clock.flush()
+        with self.clock.watching_compilation():
+            if self._next_output == 0:
+                self.start(after_step)
+                self._output(write, 0.0)
+                self._next_output = 1
+            while self._next_output <= outputs_of(self.scene):
+                for _ in self._steps_to_output():
+                    if progress is not None and self.state.steps % REPORT_EVERY == 0:
+                        progress(self.state.time, self.state.steps)
+                    if after_step is not None:
+                        after_step()
+                self._reach_output(write)
 
     def _steps_to_output(self) -> Iterator[None]:
         """Step to the next output, which the last step ends at exactly.
@@ -315,7 +294,7 @@ class Simulation:
         """Write the output that is due, unless the step that is nearest to it is the last output's or the
         end's."""
         now, time, due = self.state.time, self.scene.time, self._due
-        last = self._next_output == _outputs(self.scene)
+        last = self._next_output == outputs_of(self.scene)
         self._next_output += 1
         if time.outputs == "exact" or last or now not in (self._last_output, time.end):
             points = last or self._recorder.points_are_due(due)
@@ -326,7 +305,7 @@ class Simulation:
     def _due(self) -> float:
         """Time of the next output [s]."""
         time = self.scene.time
-        last = self._next_output == _outputs(self.scene)
+        last = self._next_output == outputs_of(self.scene)
         return float(time.end if last else self._next_output * time.output_interval)
 
     def frame(self) -> Frame:
@@ -375,7 +354,7 @@ class Simulation:
 
     def restored(self) -> None:
         """Raise NotSaved for values with which the run would not come to its end."""
-        state, most = self.state, _outputs(self.scene) + 1
+        state, most = self.state, outputs_of(self.scene) + 1
         if not (
             0.0 <= state.time <= self.scene.time.end and state.dt >= 0.0 and 0 <= self._next_output <= most
         ):
@@ -418,7 +397,7 @@ class Simulation:
     def concerns(self) -> list[str]:
         """Return warnings for a reader of the results, a sentence each; complete after the last step."""
         of_plugins = [text for answer in self.hook.concerns() or [] for text in answer]
-        return [*warnings_about(self.scene), *concern(self._settled), *of_plugins]
+        return [*coarse_bodies(self.scene), *concern(self._settled), *of_plugins]
 
     @property
     def status(self) -> str:
@@ -437,6 +416,7 @@ class Simulation:
         settling.
         """
         clock, surface = self.clock, self.state.surface
+        clock.flush()
         return {
             "steps": self.state.steps,
             "material_points": self.state.particles.count,
@@ -446,30 +426,8 @@ class Simulation:
             "gap_time": clock.cpu["gap"],
             "output_time": clock.cpu["output"],
             "settle_time": 0.0,
-            "compile_time": self.compile_time,
+            "compile_time": clock.compile_time,
             **self._settled,
             **{f"cpu_{stage}": clock.cpu[stage] for stage in STAGES},
             **{f"wall_{stage}": clock.wall[stage] for stage in STAGES},
         }
-
-
-def _outputs(scene: Scene) -> int:
-    """Number of the outputs after time zero."""
-    return int(max(1, math.ceil(scene.time.end / scene.time.output_interval - 1e-9)))
-
-
-def chosen_methods(contact: Any, shape: Any) -> dict[str, str]:
-    """Return the keys of the scene that methods given by name set; strategy objects set none."""
-    given = {"contact.method": contact, "shape.method": shape}
-    return {key: value for key, value in given.items() if isinstance(value, str)}
-
-
-def _with_methods(scene: Any, contact: Any, shape: Any) -> Scene:
-    """Return the scene with methods chosen by name instead of its own."""
-    from mpmfw.scene import Scene, load_scene
-
-    chosen = chosen_methods(contact, shape)
-    if isinstance(scene, Scene):  # those that it has already need no second reading
-        own = {"shape.method": scene.shape.method, "contact.method": scene.contact and scene.contact.method}
-        chosen = {key: name for key, name in chosen.items() if own[key] != name}
-    return load_scene(scene, set=chosen)

@@ -25,11 +25,6 @@ class Scene(Tables):
     _mapping: dict[str, Any] = PrivateAttr()
 
     @property
-    def dim(self) -> int:
-        """Number of space dimensions."""
-        return self.grid.dim
-
-    @property
     def source(self) -> Source:
         """Where the scene came from."""
         return self._source

@@ -286,3 +286,8 @@ class Tables(Table):
     output: Output = Output()
     outputs: Mapping[str, Series] = {}
     reference: Reference | None = None
+
+    @property
+    def dim(self) -> int:
+        """Number of space dimensions."""
+        return self.grid.dim

@@ -22,8 +22,9 @@ from mpmfw.campaigns.running import Execution, Running
 from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.plugin.discovery import load
 from mpmfw.results.replacing import check_replaceable, replace_dataset
+from mpmfw.runs.build import chosen_methods
 from mpmfw.runs.identity import package
-from mpmfw.runs.simulation import Simulation, chosen_methods
+from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import Scene, load_scene, located
 from mpmfw.scene.specification import specification_of
 from mpmfw.stability.invariants import Invariants, probe_once

@@ -4,14 +4,23 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
+
+from numba.core import event as numba_event
 
 from mpmfw.errors import PastStabilityLimit, PluginError, SceneError, SimulationError
 from mpmfw.state.fields import STAGES
 
 if TYPE_CHECKING:
     from mpmfw.plugin.setup import Setup
+
+# numba's annotations differ between versions.
+_event: Any = numba_event
+
+#: numba holds its compiler lock while it compiles a kernel or loads it from the disk cache.
+_LOCK = "numba:compiler_lock"
 
 #: Share of the bulk's limit below which a time step is taken for a failure: such a run would never end.
 COLLAPSED = 1e-4
@@ -111,22 +120,22 @@ class TimeStep:
         return f"a step of {step:.4g} s is past the stability limit {limit:.4g} s of {owner}"
 
 
-class Clock:
-    """Attributes time to the stage that is running.
+class Clock(_event.Listener):  # type: ignore[misc]
+    """Attributes time to the stage that is running, without that of compilation.
 
     Wall time is read at every change of stage. CPU time is read only in :meth:`flush`, once a frame, and
     shared out in proportion to the wall time in between: one CPU-timer read costs as much as a small kernel.
     """
 
-    __slots__ = ("_cpu_mark", "_mark", "_stage", "_wall_frame", "cpu", "wall")
-    history = ("cpu", "wall")
+    history = ("cpu", "wall", "compile_time")
 
     def __init__(self) -> None:
-        self._stage = "output"
+        self._stage, self._depth = "output", 0
+        self.compile_time = 0.0  #: of kernels, and of loading them [s]
         self.restart()
 
     def restart(self) -> None:
-        """Forget everything measured so far, so that settling and compilation do not count."""
+        """Forget the stages so far, so that settling does not count."""
         self.wall: dict[str, float] = dict.fromkeys(STAGES, 0.0)
         self.cpu: dict[str, float] = dict.fromkeys(STAGES, 0.0)
         self.restored()
@@ -157,7 +166,26 @@ class Clock:
             self._wall_frame[stage] = 0.0
         self._cpu_mark = cpu_now
 
-    def exclude(self, wall: float, cpu: float) -> None:
-        """Take seconds that are not the method's, such as those of compilation, out of the present stage."""
-        self._mark += wall
-        self._cpu_mark += cpu
+    @contextmanager
+    def watching_compilation(self) -> Iterator[None]:
+        """Context in which compilation counts as ``compile_time`` and as no stage's."""
+        _event.register(_LOCK, self)
+        try:
+            yield
+        finally:
+            _event.unregister(_LOCK, self)
+
+    def on_start(self, event: Any) -> None:  # noqa: ARG002
+        """The lock is taken; inner kernels take it again."""
+        if self._depth == 0:
+            self._lock_marks = time.perf_counter(), time.process_time()
+        self._depth += 1
+
+    def on_end(self, event: Any) -> None:  # noqa: ARG002
+        """The lock is given back."""
+        self._depth -= 1
+        if self._depth == 0:
+            wall, cpu = time.perf_counter() - self._lock_marks[0], time.process_time() - self._lock_marks[1]
+            self.compile_time += wall
+            self._mark += wall
+            self._cpu_mark += cpu
