@@ -76,9 +76,7 @@ class Constraint:
         ]
 
     def held_momentum(self, grid: Grid) -> FloatArray:
-        """Nodal momenta as :meth:`constrain_momentum` would leave them, (n_nodes, dim) [kg/s]; those of
-        ``grid`` stay.
-        """
+        """Return momenta as :meth:`constrain_momentum` would leave them, (n_nodes, dim) [kg/s]."""
         held = dataclasses.replace(grid, momentum=grid.momentum.copy())
         self._meet(held)
         return held.momentum

@@ -1,8 +1,5 @@
-"""Moment of contact on every body: what contact gives the grid's nodes, times their arms, summed over every
-step.
-
-Forces and momenta are compared just before the contact's hooks and just after, so that every method is
-measured alike."""
+"""Moment of contact on every body: the change of forces and momenta by the contact's hooks, times the arms
+of the nodes, summed over every step."""
 
 from __future__ import annotations
 

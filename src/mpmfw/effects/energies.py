@@ -134,15 +134,11 @@ class EnergyGuard:
 
     @property
     def allowed(self) -> float:
-        """Energy at the start, that of contact springs included, what was put in, and the most that adhesion
-        gave [J/m].
-        """
+        """Energy at the start, of springs too, what was put in, and the most that adhesion gave [J/m]."""
         return self.start + max(self.loaded or 0.0, 0.0) + self.depth + self.input + self.nothing
 
     def growth(self, energy: float) -> float:
-        """Energy of the bodies beyond what they had, springs could give, adhesion gave, and loads gave
-        [J/m].
-        """
+        """Energy beyond what bodies had, springs and adhesion could give, and loads gave [J/m]."""
         return energy - self.start - self.released - self.given
 
     def grown(self, energy: float) -> bool:
@@ -150,10 +146,9 @@ class EnergyGuard:
         return not self.growth(energy) <= GROWTH_LIMIT * self.allowed
 
     def error(self, energy: float, terms: dict[str, float], time: float) -> SimulationError:
-        """Return what stops the run, with the likely cause.
+        """Return what stops the run at an ``energy`` of the bodies [J/m], with the likely cause.
 
-        ``energy`` [J/m] is that of the bodies; ``terms`` [J/m] came from ``contact``, ``inertia``,
-        ``transfer`` and ``strain`` since the start."""
+        ``terms`` [J/m] came from ``contact``, ``inertia``, ``transfer`` and ``strain`` since the start."""
         amounts = {**terms, "contact": terms["contact"] - self.released}
         largest = max(amounts, key=lambda term: amounts[term])
         cause, ways = CAUSES[largest]

@@ -34,9 +34,7 @@ def answer_of(
     inertia: Floats, inverse: Floats, impulse: Floats, spin: Floats, dt: float, out: Floats,
     spacing: tuple[float, ...]
 ) -> None:  # fmt: skip
-    """Δω = I⁻¹ (τ Δt − Δt ω × I ω), into ``out`` (3,), of a body that spins by ``spin``; ``impulse`` is τ
-    Δt.
-    """
+    """Δω = I⁻¹ (τ Δt − Δt ω × I ω) to ``out`` (3,), of the spin ω and the ``impulse`` τ Δt."""
     momentum, left = scratch.vector(spacing), scratch.vector(spacing)
     for i in range(3):
         momentum[i] = 0.0
@@ -127,8 +125,7 @@ def correct_rotation(
 
 
 class ExactRotation:
-    """The correction for every body that asks for it; velocity-correcting contact is part of the momentum
-    change."""
+    """The correction for every body that has it; velocity-correcting contact is in the momentum change."""
 
     name = "rotation"
     ledger_term = ("inertia", "exact rotation")

@@ -1,8 +1,7 @@
 """A note on bodies that flutter near the limit of friction: they slide although friction could hold them.
 
 The normal force between them swings, and they slip whenever it is low. At most outputs the friction force is
-then less than μ times the normal force, though the bodies slide as a whole. Bodies that begin to slide hold
-for a moment, which is one output."""
+then less than μ times the normal force, though the bodies slide as a whole."""
 
 from __future__ import annotations
 

@@ -1,13 +1,10 @@
-"""Energy ledger: where every joule comes from and goes to, measured where it changes hands.
+"""Energy ledger: the energy balance, measured where energy changes.
 
-Between the projection and the gather a node's momentum changes from m v⁰ to m v¹ by impulses: of gravity,
-loads on sides, contact, inertia corrections, prescribed sides, and of the internal forces. The work of an
-impulse is its product with (v⁰ + v¹) / 2; the works of all add up to the change of the grid's kinetic energy
-exactly. What the transfer loses is measured across it: the kinetic and affine energy of the material points
-less the grid's energy at the projection, and the reverse at the gather. Of the sum over the steps there is
-left what the points had at the start and have now, and what the grid gained in between. What is left over
-against kinetic, affine and strain energy, the residual, is the difference between the work of the internal
-forces and the strain energy: the error of the strain's integration in time."""
+Between the projection and the gather a node's momentum changes from m v⁰ to m v¹ by impulses. The work of an
+impulse is its product with (v⁰ + v¹) / 2; all works add up to the change of the grid's kinetic energy
+exactly. The transfer loses the difference between the energy of the material points and the grid's. The
+residual is the work of the internal forces less the strain energy: the error of the strain's integration in
+time."""
 
 from __future__ import annotations
 
@@ -78,10 +75,9 @@ SPRING_RECORDS = ("energy", "frictional_work", "damping_work", "spring_work")
 class EnergyLedger(Observer):
     """Terms of the energy balance as series, and the end of a run whose energy grows without reason.
 
-    Impulses are measured after each implementation of a hook, from the first output on, and not while a scene
-    settles. ``terms`` are the works that something in the scene does; others have no series. The work of a
-    contact that records all of :data:`SPRING_RECORDS` is ``accounted``, and has a residual. With update
-    stress last, ``half_steps``, velocities are half a step behind positions and strain."""
+    It is off while a scene settles. ``terms`` are the works that something in the scene does; others have no
+    series. The work of a contact that records all of :data:`SPRING_RECORDS` is ``accounted``, and has a
+    residual. With update stress last, ``half_steps``, velocities are half a step behind positions."""
 
     name = "energy_ledger"
     stage = "output"
@@ -164,8 +160,7 @@ class EnergyLedger(Observer):
     def after(self, hook: str, plugin: Any, grid: Grid, dt: float) -> None:  # noqa: ARG002
         """Count the change that an implementation made; after the last one, balance the grid.
 
-        USF calls ``constrain_momentum`` before there are forces as well, for the velocity of the strain. MUSL
-        calls it once more after the points have moved, which moves nothing."""
+        USF calls ``constrain_momentum`` before there are forces as well, MUSL after the points have moved."""
         if plugin is not None:
             self._count(hook, plugin, grid)
         elif hook == "add_nodal_force":
@@ -174,9 +169,7 @@ class EnergyLedger(Observer):
             self._balance_grid(grid)
 
     def _count(self, hook: str, plugin: Any, grid: Grid) -> None:
-        """Add the change of momenta or forces since the last look to the impulses of its term, (n_nodes, dim)
-        [N s/m].
-        """
+        """Add the change since the last look to the impulses of its term, (n_nodes, dim) [N s/m]."""
         term = TERMS[hook]
         if hook == "add_nodal_force":
             term = getattr(plugin, "ledger_term", (term,))[0]
@@ -234,9 +227,7 @@ class EnergyLedger(Observer):
         return {name: np.asarray(np.float64(value)) for name, value in series.items()}
 
     def _contact_residual(self, state: State) -> float:
-        """Work of contact up to the positions that the springs have seen, which are a step old, and what
-        became of it.
-        """
+        """Work of contact that no record accounts for, up to the positions of the last step."""
         if self.loaded is None:
             return 0.0
         accounted = sum(float(state.arrays[f"{self.contact}/{name}"].sum()) for name in SPRING_RECORDS)
@@ -245,8 +236,6 @@ class EnergyLedger(Observer):
     def _balance(self, state: State) -> float:
         """Return the energy that no term accounts for [J/m]; the guard checks the whole energy."""
         motion = motion_energy(state)
-        # What the points had at a projection is what they had after the gather before: of all that there is
-        # left
         self.dissipated = self.motion + self.gained - motion
         energy = motion + float(self.strain.of(state).sum())
         lost = float(self.strain.dissipated(state).sum()) - self.lost if self.strain.dissipates else 0.0

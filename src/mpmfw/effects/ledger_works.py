@@ -9,12 +9,10 @@ the grid's kinetic energy, does not. Summed over the steps they differ by
     Σ Δt f^n·(v0^n − v^(n−1)) / 2 − Δt f^N·v^(N−1) / 2.
 
 The last term is of the half step that positions are ahead. The sum is of what the transfer took from the
-velocity between two steps: dissipation, and no error in time. What is left of a residual is of the step's
-second order, and of steps that change their length.
+velocity between two steps: dissipation, and no error in time.
 
-v^(n−1) is the field with which the material moved, where that is now. The nodes of the grid stay behind:
-their velocities of the last step would be off by Δt v·∇v. Of strain it is the points' gradient, whose field
-moved with them has L (1 + Δt L)⁻¹; of contact, how far the rows came."""
+v^(n−1) is the field with which the material moved, where that is now; velocities of the grid's nodes would be
+off by Δt v·∇v. Of strain it is the points' gradient, L (1 + Δt L)⁻¹; of contact, how far the rows came."""
 
 from __future__ import annotations
 
@@ -38,9 +36,7 @@ def grid_energy(mass: Floats, momentum: Floats) -> float:
 
 @kernel
 def add_change(momentum: Floats, last: Floats, impulse: Floats) -> bool:
-    """I_i += m v − ``last``, the change of the momenta since the last look, which is now; whether there is
-    one.
-    """
+    """I_i += m v − ``last``, the change since the last look; return whether there is one."""
     changed = False
     for i in range(len(momentum)):
         for d in range(momentum.shape[1]):
@@ -75,9 +71,8 @@ def power_at_start(force: Floats, mass: Floats, start_velocity: Floats) -> float
 
 @kernel
 def stress_power(volume: Floats, points: Points, dt: float, spacing: tuple[float, ...]) -> float:
-    """−Σ V σ:(L − Δt L²) over material points, the power of the internal forces on the field of the
-    ``gradient`` L with which they moved in their last step, of ``dt`` [s]; what it leaves out of L (1 + Δt
-    L)⁻¹ is of the step's second order. V has the thickness."""
+    """−Σ V σ:(L − Δt L²) over material points: the power of the internal forces on the motion of the last
+    step, L (1 + Δt L)⁻¹ to the second order. V has the thickness."""
     dim = len(spacing)
     total = 0.0
     for p in range(len(volume)):
@@ -106,9 +101,7 @@ class HalfStep:
         self._power: float | None = None
 
     def add(self, grid: Grid, particles: Particles, dt: float, internal: Floats) -> None:
-        """A step of ``dt`` [s], whose momentum is integrated, and its internal forces, (n_nodes, dim)
-        [N/m].
-        """
+        """A step of ``dt`` [s] whose momentum is integrated; its internal forces are (n_nodes, dim) [N/m]."""
         if self.dt > 0.0:
             taken = power_at_start(internal, grid.mass, grid.start_velocity)
             self._strain += 0.5 * dt * (taken - self._power_of_motion(grid, particles))

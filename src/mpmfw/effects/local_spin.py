@@ -21,8 +21,8 @@ from mpmfw.state.structs import Body, Grid, Particles
 if TYPE_CHECKING:
     from mpmfw.effects.constraint import Constraint
 
-#: Cells that hold less than this share of a body's mass are given the excess inertia of no more than so much
-#: mass each: a film that barely reaches its outer nodes would have all of X on nodes that weigh nothing.
+#: Least share of a body's mass that cells count with: a film that barely reaches its outer nodes would have
+#: all of X on nodes that weigh nothing.
 LEAST_SHARE = 0.1
 
 # Sums are kept in scratch of each function: an array that a caller hands in may stay in memory.

@@ -24,10 +24,7 @@ from mpmfw.state.structs import State
 
 
 class BodySeries:
-    """Series of the bodies, computed at outputs from the material points.
-
-    ``affine``: the transfer has an affine field, whose energy is a series. ``energy``: the scene wants
-    energies."""
+    """Series of the bodies from the material points; ``affine`` and ``energy`` add some of energies."""
 
     name = "body_series"
     stage = "output"
@@ -45,8 +42,7 @@ class BodySeries:
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        """The series that the scene wants; the affine energy if the transfer has an affine field, what
-        materials dissipate if one does."""
+        """Return the series that the scene wants, and energies that transfer and materials have."""
         if not self.energy:
             return [field for field in SERIES_FIELDS if not field.name.endswith("_energy")]
         affine = [AFFINE_ENERGY] if self.affine else []

@@ -26,20 +26,16 @@ if TYPE_CHECKING:
 #: Share of the unbalanced force.
 DAMPING = 0.8
 
-#: Share of FLIP while settling: the rest filters the motion of points within a cell, which the grid cannot
-#: see and so not damp.
+#: Share of FLIP while settling: the rest filters motion within a cell, which the grid does not damp.
 FLIP_SHARE = 0.9
 
-#: Kinetic over strain energy above which a scene that should be at rest moves: 3 % of the static
-#: displacement.
+#: Kinetic over strain energy of a scene that is not at rest: 3 % of the static displacement.
 MOTION_LEFT = 1e-3
 
-#: Crossings of the longest body by its elastic wave after which settling gives up, unless the scene says
-#: otherwise.
+#: Crossings of the longest body by its elastic wave after which settling gives up by default.
 CROSSINGS = 100
 
-#: The residual is the mean over the last so many steps: a moment of balance in an oscillation does not count,
-#: nor does a point of linear shape functions that crosses a grid line.
+#: The residual is the mean over so many steps: a moment of balance in an oscillation does not count.
 STEPS_OF_MEAN = 50
 
 
@@ -67,9 +63,7 @@ def from_setup(setup: Setup) -> Acts:
 
 
 def is_settled_for_good(scene: Scene) -> bool:
-    """Return whether the scene should stay at rest: what it settles under goes on, and nothing sets it in
-    motion.
-    """
+    """Return whether the scene should stay at rest: its loads go on, and nothing sets it in motion."""
     constant = scene.gravity is None or scene.gravity.is_constant
     bodies = scene.bodies.values()
     return (
@@ -81,9 +75,7 @@ def is_settled_for_good(scene: Scene) -> bool:
 
 
 def concern(settled: Mapping[str, float]) -> list[str]:
-    """Return a sentence if the kinetic energy at the first output after settling is too large a share of the
-    strain energy.
-    """
+    """Return a sentence if there is too much kinetic energy at the first output after settling."""
     if (share := settled.get("settle_motion", 0.0)) <= MOTION_LEFT:
         return []
     return [
@@ -131,8 +123,7 @@ class LocalDamping:
 class Settling:
     """Steps a scene to rest under its loads, while sides that move stand still; time zero comes after it.
 
-    Plug-ins of ``setup`` with a method ``while_settling`` get the scene's table now, and None at the end. The
-    history holds all that is needed between two steps."""
+    Plug-ins of ``setup`` with a method ``while_settling`` get the scene's table now, and None at the end."""
 
     history = ("ratios", "residual", "elapsed", "damping")
 
@@ -151,11 +142,10 @@ class Settling:
     def finish(
         self, state: State, step: Callable[[], None], after_step: Callable[[], None] | None = None
     ) -> dict[str, float]:
-        """Step until the residual force is below the tolerance times the present internal forces.
+        """Step until the residual force is below the tolerance times the internal forces, or time is up.
 
         Both are sums of magnitudes over all nodes and axes. ``step`` takes a time step with the damping;
-        ``after_step`` is called after each. Return ``settle_residual``, ``settle_steps`` and
-        ``settle_simulated_time`` [s]. A warning says if the limit of time came first."""
+        ``after_step`` is called after each. Return attributes for the results."""
         while self.residual > self.tolerance and self.elapsed < self.limit:
             state.time = 0.0  # loads that change in time stand still at their start
             step()

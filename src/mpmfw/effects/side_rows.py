@@ -52,9 +52,7 @@ START, STOP, STRIDE, COUNT, AXIS = range(5)
 
 
 class SideTable(Struct):
-    """Rows of all sides: entries of row r are ``row[r]:row[r + 1]``, and V is ``target[r]`` times the side's
-    velocity.
-    """
+    """Rows of all sides: row r has entries ``row[r]:row[r + 1]``; V is ``target[r]`` times the velocity."""
 
     row: Ints  #: (n_rows + 1,)
     nodes: Ints  #: (n_entries,)

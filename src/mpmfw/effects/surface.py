@@ -1,5 +1,4 @@
-"""Tracked surfaces: facets whose nodes move with exactly the grid velocity that moves the body's material
-points."""
+"""Tracked surfaces: facets whose nodes move with the grid velocity that moves the body's points."""
 
 from __future__ import annotations
 
@@ -32,9 +31,8 @@ def weigh_plain(row: Ints, nodes: Indices, weight: Floats, cell_mass: Floats, no
     """Nodes with next to no mass get no weight, and the others' sum stays 1; untouched where all carry mass.
 
     Under a straight boundary that reaches into a cell by the share N, the node beyond has the mass N² ρ h² /
-    2 (CPDI). A node with less than a tenth of that belongs to points that have barely arrived: a force on it
-    would be all acceleration. ``cell_mass`` is ρ h² of the surface node's body; of a body thinner than a cell
-    no node has that much, and four times the heaviest takes its place."""
+    2 (CPDI). A force on a node with less than a tenth of that would be all acceleration. ``cell_mass`` is ρ
+    h² of the surface node's body; in a body thinner than a cell, four times the heaviest node's mass."""
     for s in range(len(row) - 1):
         lost, kept, heaviest, lightest = 0.0, 0.0, 0.0, math.inf
         for k in entries(row, s):
@@ -99,9 +97,8 @@ CELL_MASS = Field(
 class SurfaceTracker:
     """Weighs the surface's table with the nodal masses, and moves the surface.
 
-    The map ``plain`` keeps N_i, which matches the boundary basis of CPDI and B-splines, but for nodes with
-    next to no mass. ``mass_weighted`` keeps the surface with linear and GIMP particles, whose boundary nodes
-    may be empty, at the price of boundary stress."""
+    The map ``plain`` keeps N_i, the boundary basis of CPDI and B-splines, but for nodes with next to no mass.
+    ``mass_weighted`` is for linear and GIMP particles, whose boundary nodes may be empty."""
 
     name = "surface"
 
@@ -164,6 +161,6 @@ class GapDiagnostic:
         return {"min_gap": least_gaps(state.tracked_surface, first, second, state.grid.spacing)}
 
 
-def frames_from_setup(setup: Setup) -> Acts | str:
-    """Return why frames have surface nodes, or why not."""
-    return "no surface is tracked" if setup.state.surface is None else Acts("output.surface")
+def frames_from_setup(setup: Setup) -> Acts:  # noqa: ARG001
+    """Return why frames have surface nodes, where surfaces are tracked."""
+    return Acts("output.surface")

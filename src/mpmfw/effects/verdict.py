@@ -1,8 +1,7 @@
 """The verdict on a run: ``ok``, or ``suspect`` with the reasons.
 
-Every run has one, whatever its contact and with or without a ledger. Energy and surfaces are judged at
-outputs and at the end, surfaces also between them, as often as bodies can move a cell, or through half a thin
-body, towards each other. Settling is not judged."""
+Energy and surfaces are judged at outputs and at the end, surfaces also between them, as often as bodies can
+move a cell, or through half a thin body, towards each other. Settling is not judged."""
 
 from __future__ import annotations
 
@@ -17,16 +16,14 @@ from mpmfw.state.fields import AnyArray, FloatArray
 from mpmfw.state.structs import State, Surface
 from mpmfw.state.surface import make_surface
 
-#: Penetration beyond that of the start, over the cell size, past which results carry a warning, and are
-#: suspect.
+#: Penetration beyond that of the start, over the cell size, that gives a warning, and that is suspect.
 DEEP, TOO_DEEP = 0.15, 0.5
 
-#: Growth of the energy, as a share of the energy at the start and the most that was put in, past which a run
-#: is suspect.
+#: Suspect growth of the energy, as a share of that at the start and the most that was put in.
 GROWTH = 0.1
 
-#: Fewest steps between two outputs at which energy is judged, and bodies' surfaces are compared with each
-#: other and with themselves. A look takes about 0.1 ms, a quarter of a step of 800 points.
+#: Fewest steps between two looks at energy, at bodies' surfaces, and at surfaces close to themselves. A look
+#: takes about 0.1 ms, a quarter of a step of 800 points.
 ENERGY_EVERY, SIDES_EVERY, OWN_EVERY = 200, 100, 400
 
 #: Most steps between two looks at surfaces: bodies may gain speed.
@@ -36,8 +33,7 @@ SIDES_LATEST = 500
 class Verdict:
     """Judges a run by its energy and, where contact keeps bodies apart (``watched``), by its surfaces.
 
-    The plug-ins of ``setup`` that act so far do the work: gravity, and those with an attribute ``work``
-    [J/m]."""
+    Gravity and plug-ins with an attribute ``work`` [J/m] that act so far do the work."""
 
     name = "verdict"
     stage = "output"
@@ -101,9 +97,7 @@ class Verdict:
         self.pull = 0.0 * self.pull if self.gravity is None else self.gravity.at(state.time)
 
     def _add_gravity_work(self, state: State, share: float) -> None:
-        """Add the work since the last call; ``share`` is that of gravity now, the rest that of gravity
-        then.
-        """
+        """Add the work since the last call; ``share`` is that of gravity now, the rest of gravity then."""
         moment, pull = state.particles.mass @ state.particles.position, self.gravity.at(state.time)
         self.gravity_work += float((share * pull + (1.0 - share) * self.pull) @ (moment - self.moment))
         self.moment, self.pull = moment, pull
@@ -134,9 +128,8 @@ class Verdict:
     def _energy(self, state: State) -> float:
         """Kinetic and strain energy [J/m], both of the middle of a step.
 
-        Velocities are half a step behind the strain, or ahead of it where the stress is updated first. The
-        strain energy changes by Δt Σ V σ:L in a step. In bodies two cells wide half of this is a fifth of all
-        energy."""
+        The strain energy changes by Δt Σ V σ:L in a step: in bodies two cells wide half of this is a fifth of
+        all energy."""
         p = state.particles
         power = p.times_thickness(p.volume) @ np.einsum("pij,pij->p", p.stress, p.velocity_gradient)
         strain = float(self.strain.of(state).sum()) + self.half_step * state.dt * float(power)
@@ -159,9 +152,7 @@ class Verdict:
             self.grown_share = float(excess / there) if there > 0.0 else np.inf
 
     def _depths(self, state: State) -> tuple[FloatArray, AnyArray]:
-        """Deepest node [m] and number of nodes that have gone through, (pair,), beyond the overlap of the
-        start.
-        """
+        """Deepest node [m], and nodes that have gone through, (pair,), beyond the overlap of the start."""
         depth, passed = self.outlines.inside(state, self.inside)
         depth[: len(self.overlap)] -= self.overlap
         return depth, passed
@@ -210,9 +201,7 @@ class Verdict:
 
     @hookimpl
     def concerns(self) -> list[str]:
-        """The reasons, penetration that is deep but not suspect, and surfaces that came close to
-        themselves.
-        """
+        """Return the reasons, deep penetration that is not suspect, and surfaces close to themselves."""
         reasons = "; ".join(self.reasons)
         warnings = [f"suspect: {reasons}; try smaller steps, smaller cells or a stiffer contact"]
         return [
@@ -233,9 +222,7 @@ class Verdict:
 
 
 class VerdictOfSteps(Verdict):
-    """A verdict on surfaces that may meet, or on the work of gravity that changes: it looks at steps as
-    well.
-    """
+    """A verdict that looks at steps, too: surfaces may meet, or gravity changes."""
 
     @hookimpl
     def end_step(self, state: State) -> None:
@@ -249,9 +236,7 @@ class VerdictOfSteps(Verdict):
 
 
 class Outlines:
-    """The bodies' surfaces: those that are tracked, else nodes that follow the nearest material point, x_p +
-    F_p (X_s − X_p).
-    """
+    """The bodies' surfaces: tracked ones, else nodes that follow the nearest point, x_p + F_p (X_s − X_p)."""
 
     def __init__(self, state: State) -> None:
         self.tracked = state.surface is not None
@@ -282,9 +267,7 @@ class Outlines:
         return normal
 
     def inside(self, state: State, inside: AnyArray) -> tuple[FloatArray, AnyArray]:
-        """Deepest node [m] and number of nodes that went through, of every pair, as :func:`find_inside` finds
-        them.
-        """
+        """Deepest node [m] and number of nodes that went through, of every pair (:func:`find_inside`)."""
         surface, pairs = self._now(state), state.pairs
         if len(self.ends) != len(pairs):
             self.ends = state.pair_bodies
@@ -296,9 +279,7 @@ class Outlines:
         return depth, passed
 
     def own_gaps(self, state: State) -> FloatArray:
-        """Least gap (body,) [m] between parts of a body's own surface that have come close, as
-        :func:`least_own_gaps`.
-        """
+        """Least gap (body,) [m] between parts of a body's own surface (:func:`least_own_gaps`)."""
         surface, gaps = self._now(state), np.zeros(len(state.bodies))
         x = surface.position
         order = np.lexsort((x[:, 0], surface.body))

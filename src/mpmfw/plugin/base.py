@@ -22,24 +22,21 @@ class NoOptions(BaseModel):
 class PlugIn:
     """Base of plug-ins: a name, and options validated by the plug-in's own model.
 
-    ``options`` are values of the model ``Options``; those left out have its defaults. Raise
-    pydantic.ValidationError if an option is unknown or refused. A class may say ``interface = 1``, the
-    version of the interface (``mpmfw.api.INTERFACE``) that it is written for; without it that is 1.
+    Raise pydantic.ValidationError if an option is unknown or refused. A class may say ``interface = 1``, the
+    version of the interface (``mpmfw.api.INTERFACE``) that it is written for.
     """
 
     #: What scenes and the entry point call the plug-in.
     name: ClassVar[str]
-    #: Model of the options; :class:`NoOptions` takes none. The validated instance is ``self.options``.
+    #: Model of the options; its instance is ``self.options``.
     Options: ClassVar[type[BaseModel]] = NoOptions
     #: Dimensions that it works in.
     dimensions: ClassVar[tuple[int, ...]] = (2, 3)
     #: Reason for these dimensions, for the message that refuses others.
     dimensions_note: ClassVar[str] = ""
-    #: Stage of the clock that its hooks are charged to; None leaves them with the stage of the core that
-    #: calls them.
+    #: Stage of the clock that its hooks are charged to; None is that of the caller.
     stage: ClassVar[str | None] = None
-    #: Names of the attributes that it keeps from step to step (``mpmfw.state.history``), beside those of its
-    #: bases.
+    #: Attributes that it keeps from step to step (``mpmfw.state.history``), beside those of its bases.
     history: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, **options: Any) -> None:
@@ -60,12 +57,12 @@ class PlugIn:
 
 
 class Material(PlugIn):
-    """Base of materials: one instance for each material of the scene, told its bodies' slices in ``setup``.
+    """Base of materials: one instance for each material of the scene.
 
-    Subclasses implement the hook ``update_stress``, the moduli, and :meth:`energy_density` and
-    :meth:`cauchy_stress` where F says all. One whose points have a history implements
-    :meth:`energy_of_points` and :meth:`stress_of_points` instead, and allocates the history in ``setup``
-    (``Setup.allocate``), so that it is saved with the run. F is (n, dim, dim); plane strain in 2D, F_zz = 1.
+    Subclasses implement the hook ``update_stress``, the moduli, :meth:`energy_density` and
+    :meth:`cauchy_stress`. One whose points have a history implements :meth:`energy_of_points` and
+    :meth:`stress_of_points` instead, and allocates the history in ``setup`` (``Setup.allocate``). F is
+    (n, dim, dim); plane strain in 2D, F_zz = 1.
     """
 
     #: Whether its points lose energy, which :meth:`dissipated_by_points` says.
@@ -117,38 +114,30 @@ class Material(PlugIn):
 
 
 class ShapeFunction(PlugIn):
-    """Base of shape functions.
+    """Base of shape functions: hooks ``particle_reach``, ``interpolate`` and ``interpolate_surface``."""
 
-    Subclasses implement the hooks ``particle_reach``, ``interpolate`` and ``interpolate_surface``.
-    """
-
-    #: Whether boundary nodes may carry no mass of the body whose surface touches them (point-like particles).
+    #: Whether boundary nodes may carry no mass of the body (point-like particles).
     massless_boundary: ClassVar[bool] = False
     #: Degree of the B-splines that are the boundary basis: 1 bilinear.
     boundary_degree: ClassVar[int] = 1
-    #: Whether nodes with mass are those of two grids, whose indices are all even or all odd; the boundary
-    #: basis is then the compact kernel of each, over two cells to either side.
+    #: Whether nodes with mass are those of two grids, of even and of odd indices; the boundary basis is then
+    #: the compact kernel of each.
     staggered: ClassVar[bool] = False
     #: Whether Σ φ q qᵀ may be singular, so that the affine field must be taken from Σ v ∇φᵀ.
     singular_spread: ClassVar[bool] = False
-    #: Whether the nodes of every row of its tables ascend: then several threads share the nodes out when they
-    #: project.
+    #: Whether the nodes of every row of its tables ascend, so that threads can share the nodes out.
     rows_ascend: ClassVar[bool] = False
     #: Largest Courant number c Δt / h that is not refused.
     courant: ClassVar[float] = 0.8
     auto_scheme: ClassVar[str] = "usl"  #: what ``auto`` means for the scheme
     auto_transfer: ClassVar[str] = "aflip"  #: what ``auto`` means for the transfer
-    #: Treatment of a free body's rotational inertia where the scene says none: ``spin``, ``exact`` or
-    #: ``lumped``.
-    auto_rotation: ClassVar[str] = "spin"
+    auto_rotation: ClassVar[str] = "spin"  #: inertia of free bodies: ``spin``, ``exact`` or ``lumped``
 
 
 def empty_stencil(points: int, entries: int, dim: int, *, gradient: bool = True) -> Stencil:
-    """Return an interpolation table to be filled, all zero, with the same number of entries for every point.
+    """Return an interpolation table of zeros for a number of ``points`` that touch ``entries`` nodes each.
 
-    ``points`` is the number n of material points or surface nodes, ``entries`` that of the nodes that a point
-    touches, such as 2**dim with linear functions. Surface nodes need no ``gradient``, (n entries, dim) [1/m],
-    and get an array of length 0."""
+    Surface nodes need no ``gradient``, (n entries, dim) [1/m], and get an array of length 0."""
     return Stencil(
         row=np.arange(points + 1, dtype=np.int64) * entries,
         nodes=np.zeros(points * entries, dtype=np.int32),
@@ -158,8 +147,7 @@ def empty_stencil(points: int, entries: int, dim: int, *, gradient: bool = True)
 
 
 def check_inside(index: int) -> None:
-    """Raise OutsideGrid for the ``index`` of the first point outside its window, unless it is −1.
-
-    Fill kernels return it. The core then lays the window anew and fills the table again."""
+    """Raise OutsideGrid for the ``index`` that a fill kernel returns, unless it is −1; the core then lays the
+    window anew."""
     if index >= 0:
         raise OutsideGrid(index)

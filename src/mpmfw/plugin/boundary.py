@@ -16,7 +16,7 @@ from mpmfw.state.structs import Grid, Particles, Stencil
 
 @kernel
 def project_mass(which: Ints, table: Table, mass: Floats, node_mass: Floats) -> None:
-    """m_i of some points alone, Σ φ_ip m_p."""
+    """m_i = Σ φ_ip m_p of some points alone."""
     node_mass[:] = 0.0
     for p in which:
         for k in range(table.row[p], table.row[p + 1]):
@@ -24,12 +24,11 @@ def project_mass(which: Ints, table: Table, mass: Floats, node_mass: Floats) -> 
 
 
 class Boundary(NamedPlugIn):
-    """Base of boundary conditions: one instance for each table ``[boundaries.NAME]`` of the scene, with that
-    table's options.
+    """Base of boundary conditions: one instance for each table ``[boundaries.NAME]`` of the scene.
 
     Subclasses say which material points are held, :meth:`holds`, and how they move, :meth:`velocity`. Nodes
-    with most of their mass from held points move so. The region's edge is thus known to half a cell; plane
-    sides of a body are held exactly by its ``sides``.
+    with most of their mass from held points move so: the region's edge is known to half a cell. A body's
+    ``sides`` hold plane sides exactly.
     """
 
     ledger_term = ("external", "boundary conditions")

@@ -35,9 +35,7 @@ def naming(plugin: Any, place: str, state: State | None = None) -> Iterator[None
 
 
 def failure(error: BaseException, plugin: Any, place: str, state: State | None) -> MpmfwError:
-    """Return an error that names plug-in, ``place``, step and time; a SceneError before the run (no
-    ``state``).
-    """
+    """Return an error that names plug-in, place, step and time; without ``state`` a SceneError."""
     text = f"{described(plugin)} failed in {place}: {cause(error)}"
     if state is None:
         return SceneError(text)
@@ -65,13 +63,10 @@ def distribution_text(kind: type[Any]) -> str:
     return f"distribution {found[0]}" if found else f"no distribution (module {kind.__module__})"
 
 
+@functools.cache
 def bundled(kind: type[Any]) -> bool:
     """Return whether the class belongs to mpmfw's own distribution."""
-    return _is_bundled(kind.__module__.partition(".")[0])
-
-
-@functools.cache
-def _is_bundled(package: str) -> bool:
+    package = kind.__module__.partition(".")[0]
     return package == "mpmfw" or "mpmfw" in _announcing(package)
 
 

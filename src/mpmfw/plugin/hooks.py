@@ -1,8 +1,7 @@
 """From a plug-in manager to the calls of a step.
 
-pluggy checks the arguments of every call anew, 3-4 µs a hook, which a small scene would notice. After
-``check_pending()`` the set of implementations is fixed, so the calls are bound once, in pluggy's own order
-and with its selection of arguments. Each plug-in's time goes to its own stage of the clock.
+pluggy checks the arguments of every call anew, 3-4 µs a hook, which a small scene would notice. So the calls
+are bound once, in pluggy's order. Each plug-in's time goes to its own stage of the clock.
 """
 
 from __future__ import annotations
@@ -12,6 +11,7 @@ import inspect
 import linecache
 import zlib
 from collections.abc import Callable, Sequence
+from textwrap import indent
 from types import CodeType
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
@@ -64,11 +64,10 @@ def register(manager: pluggy.PluginManager, plugin: Any, name: str) -> None:
 
 
 class Observer:
-    """Base of plug-ins that measure what hooks do to the grid while they are ``running``; they change
-    nothing.
+    """Base of plug-ins that measure the effect of hooks on the grid while they are ``running``.
 
-    ``plugin`` is None before all implementations of a hook and after all. ``dt`` is the length of the step
-    [s], 0 where the hook does not know it.
+    ``plugin`` is None before all implementations of a hook and after all. ``dt`` [s] is the length of the
+    step, 0 where the hook has none.
     """
 
     #: Hooks that are observed; they have an argument ``grid``.
@@ -104,23 +103,7 @@ class BoundHooks:
 def _bind(
     caller: pluggy.HookCaller, clock: Clock, state: State | None, observers: Sequence[Observer]
 ) -> Callable[..., Any]:
-    implementations = caller.get_hookimpls()
-    calls = [impl for impl in reversed(implementations) if not impl.wrapper]  # pluggy calls the last first
-    bound = _written_out(caller, calls, clock, state, observers)
-    for impl in implementations:
-        if impl.wrapper:
-            bound = _around(impl, caller.name, bound, state)
-    return bound
-
-
-def _written_out(
-    caller: pluggy.HookCaller,
-    calls: Sequence[pluggy.HookImpl],
-    clock: Clock,
-    state: State | None,
-    observers: Sequence[Observer],
-) -> Callable[..., Any]:
-    """Return a function made for these implementations; with one that is timed, and takes not all that is
+    """Return a function made for a hook's implementations; with one that is timed, and takes not all that is
     offered::
 
         def advect(*, grid, dt):
@@ -144,59 +127,52 @@ def _written_out(
     Between two kernels over many points the interpreter's own data has left the caches: a general function
     takes twice as long as this."""
     assert caller.spec is not None
-    name, given = caller.name, caller.spec.argnames
+    name, given, implementations = caller.name, caller.spec.argnames, caller.get_hookimpls()
+    calls = [impl for impl in reversed(implementations) if not impl.wrapper]  # pluggy calls the last first
     first_result = bool(calls and caller.spec.opts.get("firstresult"))
     names: dict[str, Any] = {"clock": clock, "passed_on": (*PASSED_ON, OutsideGrid)}
     names["failed"] = lambda error, plugin: failure(error, plugin, name, state)
     names |= {f"observer_{k}": observer for k, observer in enumerate(observers)}
-
-    def told(when: str, plugin: str) -> list[str]:
-        arguments = f"{name!r}, {plugin}, grid, {'dt' if 'dt' in given else '0.0'}"
-        call = "if observer_{0}.running: previous = clock('output'); observer_{0}.{1}({2}); clock(previous)"
-        return [call.format(k, when, arguments) for k in range(len(observers))]
-
-    lines = told("before", "None")
+    look = "".join(
+        f"if observer_{k}.running: previous = clock('output'); observer_{k}.WHEN({name!r}, WHO, grid, "
+        f"{'dt' if 'dt' in given else '0.0'}); clock(previous)\n"
+        for k in range(len(observers))
+    )
+    before, after = look.replace("WHEN", "before"), look.replace("WHEN", "after")
+    lines = before.replace("WHO", "None")
     for k, impl in enumerate(calls):
         names[f"call_{k}"], names[f"plugin_{k}"] = impl.function, impl.plugin
-        call = [f"result = call_{k}({', '.join(impl.argnames)})"]
+        call = f"result = call_{k}({', '.join(impl.argnames)})\n"
         stage = getattr(impl.plugin, "stage", None)
         if stage is not None and name not in BEFORE_THE_RUN:
             names[f"stage_{k}"] = stage
-            call = [
-                f"previous = clock(stage_{k})", "try:", f"    {call[0]}", "finally:", "    clock(previous)"
-            ]  # fmt: skip
+            call = f"previous = clock(stage_{k})\ntry:\n    {call}finally:\n    clock(previous)\n"
         if name == "end_step" and hasattr(impl.plugin, "running"):
-            call = ["result = None", f"if plugin_{k}.running:", *[f"    {line}" for line in call]]
-        lines += [f"plugin = plugin_{k}", *told("before", "plugin"), *call, *told("after", "plugin")]
-        lines += [
-            "if result is not None:",
-            "    " + ("return result" if first_result else "results.append(result)"),
-        ]
-    lines += told("after", "None")
+            call = f"result = None\nif plugin_{k}.running:\n{indent(call, '    ')}"
+        keep = "return result" if first_result else "results.append(result)"
+        whole = f"{before}{call}{after}".replace("WHO", "plugin")
+        lines += f"plugin = plugin_{k}\n{whole}if result is not None:\n    {keep}\n"
+    lines += after.replace("WHO", "None")
     if first_result:
-        lines.append(
-            f"raise TypeError('returned None; expected {caller.spec.function.__annotations__['return']}')"
-        )
-    text = [
-        f"def {name}({', '.join(['*'] * bool(given) + [*given])}):",
-        "    results = []",
-        "    plugin = None",
-        "    try:",
-        *[f"        {line}" for line in lines or ["pass"]],
-        "    except passed_on:",
-        "        raise",
-        "    except BaseException as error:",
-        "        raise failed(error, plugin) from error",
-        "    return results",
-    ]
-    exec(_compiled("\n".join(text), name), names)
+        expected = caller.spec.function.__annotations__["return"]
+        lines += f"raise TypeError('returned None; expected {expected}')\n"
+    text = (
+        f"def {name}({', '.join(['*'] * bool(given) + [*given])}):\n    results = []\n    plugin = None\n"
+        f"    try:\n{indent(lines or 'pass', 8 * ' ')}\n    except passed_on:\n        raise\n"
+        "    except BaseException as error:\n        raise failed(error, plugin) from error\n"
+        "    return results\n"
+    )
+    exec(_compiled(text, name), names)
     bound: Callable[..., Any] = names[name]
+    for impl in implementations:
+        if impl.wrapper:
+            bound = _around(impl, name, bound, state)
     return bound
 
 
 @functools.cache
 def _compiled(text: str, name: str) -> CodeType:
-    """Compile; plug-ins that are called alike share the code, and tracebacks find its lines."""
+    """Compile a text, whose lines tracebacks find."""
     file = f"<calls of {name}, {zlib.crc32(text.encode()):08x}>"
     linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
     return compile(text, file, "exec")

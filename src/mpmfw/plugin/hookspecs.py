@@ -1,8 +1,7 @@
 """Hook specifications: every place in the algorithm where a plug-in may act.
 
-Hooks are named by their place, not by a method. None of them receives the simulation: what a plug-in needs
-beyond the arguments it takes from :class:`mpmfw.api.types.Setup`, once, and keeps itself. An implementation
-may leave out arguments that it does not use (pluggy passes those it names)."""
+Hooks are named by their place, not by a method. A plug-in takes other data from
+:class:`mpmfw.api.types.Setup`, once. An implementation may leave out arguments that it does not use."""
 
 from __future__ import annotations
 
@@ -36,16 +35,14 @@ class HookSpecs:
     def setup(self, setup: Setup) -> None:
         """Once, after the bodies are discretised: read facts of the scene, allocate declared arrays.
 
-        ``setup`` has the facts and allocates; what is needed later the plug-in keeps. May change the plug-in
-        alone, and the material points' initial state.
+        May change the plug-in alone, and the material points' initial state.
         """
 
     @hookspec(firstresult=True)
     def particle_reach(self, particles: Particles) -> FloatArray:
         """When a window of the grid is laid: half the extent of every particle's domain, (n, dim) [m].
 
-        Implemented by the shape function. May change nothing.
-        """
+        Implemented by the shape function. May change nothing."""
         raise NotImplementedError
 
     @hookspec
@@ -53,9 +50,9 @@ class HookSpecs:
         """When bodies have come near that were apart: ``state.pairs`` has more pairs, at its end.
 
         In a scene of many bodies a plug-in that implements it has pairs only as they come near, before
-        anything can act between them. It then lengthens its arrays of pairs
-        (:meth:`mpmfw.api.types.State.lengthen`). Others have all pairs from the start. Called after windows
-        were laid, and before outputs. May change the plug-in's own arrays alone."""
+        anything can act between them, and lengthens its arrays of pairs
+        (:meth:`mpmfw.api.types.State.lengthen`). Others have all pairs from the start. May change the
+        plug-in's own arrays alone."""
 
     @hookspec(firstresult=True)
     def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
@@ -70,10 +67,10 @@ class HookSpecs:
     def interpolate_surface(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
         """Step 1, after :meth:`interpolate`: N_i at points on the boundary.
 
-        The shape function implements it, and is called only where a surface is tracked. The basis is the
-        one that matches the particles', Σ V ∇S = ∮ N n dS. Parameters: ``position`` (n, dim) [m]; ``first``
-        (n_fields + 1,), the points of velocity field f are ``first[f]:first[f + 1]``. May change nothing but
-        its own table. Raise :class:`mpmfw.api.OutsideGrid` as :meth:`interpolate`.
+        Implemented by the shape function. The basis matches the particles', Σ V ∇S = ∮ N n dS. Parameters:
+        ``position`` (n, dim) [m]; ``first`` (n_fields + 1,), the points of velocity field f are
+        ``first[f]:first[f + 1]``. May change nothing but its own table. Raise
+        :class:`mpmfw.api.OutsideGrid` as :meth:`interpolate`.
         """
         raise NotImplementedError
 
@@ -81,37 +78,25 @@ class HookSpecs:
     def detect(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
         """After step 2, before the length of the step is chosen: detect contacts.
 
-        The points' m_i and (m v)_i are on the grid. :meth:`stable_timestep` then limits the step by these
-        contacts. May change the plug-in's own arrays alone; a second call in the step finds the same.
+        m_i and (m v)_i are on the grid. May change the plug-in's own arrays alone; a second call in the step
+        finds the same.
         """
 
     @hookspec
     def after_momentum_projection(self, grid: Grid, phi: Stencil, particles: Particles, dt: float) -> None:
-        """After step 2: m_i and (m v)_i of every velocity field are complete.
-
-        May change ``grid.momentum``.
-        """
+        """After step 2: m_i and (m v)_i of every field are complete. May change ``grid.momentum``."""
 
     @hookspec
     def add_nodal_force(self, grid: Grid, state: State, phi: Stencil, dt: float) -> None:
-        """Step 3: f_ext and f_cont (eq. 12 of [H17]).
-
-        May add to ``grid.force``.
-        """
+        """Step 3: f_ext and f_cont (eq. 12 of [H17]). May add to ``grid.force``."""
 
     @hookspec
     def after_momentum_update(self, grid: Grid, phi: Stencil, particles: Particles, dt: float) -> None:
-        """After step 4: (m v)_i is integrated.
-
-        May change ``grid.momentum``.
-        """
+        """After step 4: (m v)_i is integrated. May change ``grid.momentum``."""
 
     @hookspec
     def correct_inertia(self, grid: Grid, phi: Stencil, particles: Particles, dt: float) -> None:
-        """After all contact corrections of step 4: correct the inertia of the lumped mass.
-
-        May change ``grid.momentum``.
-        """
+        """After contact's corrections: correct the lumped inertia. May change ``grid.momentum``."""
 
     @hookspec
     def constrain_momentum(self, grid: Grid, time: float) -> None:
@@ -123,60 +108,42 @@ class HookSpecs:
 
     @hookspec
     def after_second_projection(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
-        """MUSL alone, after the second projection: (m v)_i of the points' new velocity is complete.
-
-        May change ``grid.momentum``.
-        """
+        """MUSL alone: (m v)_i of the points' new velocity is complete. May change ``grid.momentum``."""
 
     @hookspec
     def advect(self, grid: Grid, dt: float) -> None:
-        """Step 5: whatever else rides on the grid's final velocity ``grid.velocity``, such as surface nodes.
-
-        May change what rides.
-        """
+        """Step 5: move what rides on ``grid.velocity``, such as surface nodes. May change that."""
 
     @hookspec
     def update_particle_domains(self, particles: Particles, grid: Grid, dt: float) -> None:
-        """Step 6: GIMP lengths or CPDI corners follow the deformation.
-
-        May change the shape function's own arrays.
-        """
+        """Step 6: GIMP lengths or CPDI corners follow F. May change the shape function's own arrays."""
 
     @hookspec
     def update_stress(self, particles: Particles, dt: float) -> None:
-        """Step 6: σ of the material's own bodies from their F.
-
-        May change ``particles.stress`` of its slices.
-        """
+        """Step 6: σ of the material's own bodies from their F. May change ``particles.stress`` of these."""
 
     @hookspec
     def end_step(self, state: State) -> None:
-        """After the step: records and guards.
+        """After the step: records and guards. May change the plug-in alone.
 
-        A plug-in with an attribute ``running`` is called only while that is true. May change the plug-in
-        alone.
-        """
+        A plug-in with an attribute ``running`` is called only while that is true."""
 
     @hookspec
     def stable_timestep(self, state: State) -> tuple[float, str] | None:
         """After :meth:`detect`: the largest stable step [s] and its owner, or None if nothing limits it now.
 
-        The least of all answers holds. Called in every step, and once before the first :meth:`detect`: then
-        contacts count as if they were there. May change nothing."""
+        The least of all answers holds. Before the first :meth:`detect` contacts count as if they were there.
+        May change nothing."""
 
     @hookspec
     def diagnostics(self, state: State, interval: float, points: bool) -> dict[str, AnyArray]:
         """At outputs only: values of the plug-in's declared series and output fields.
 
-        Parameters: ``interval`` [s] since the last output (0 at the first); ``points`` whether this output
-        stores fields of material points, which need not be answered otherwise. May change nothing but
-        accumulators that restart at outputs."""
+        ``interval`` [s] is the time since the last output (0 at the first). Without ``points`` fields of
+        material points need no answer. May change nothing but accumulators that restart at outputs."""
         raise NotImplementedError
 
     @hookspec
     def concerns(self) -> list[str]:
-        """Once, after the last step: what a reader of the results must know, a sentence each.
-
-        They become warnings, and the attribute ``warnings`` of the results. May change nothing.
-        """
+        """After the last step: warnings for a reader of the results, a sentence each. May change nothing."""
         raise NotImplementedError

@@ -67,9 +67,8 @@ def add_facet_forces(which: Ints, force: Floats, facets: Ints, table: Table, nod
 
 
 class Load(NamedPlugIn):
-    """Base of loads: one instance for each table ``[loads.NAME]`` of the scene, with that table's options.
+    """Base of :class:`BodyLoad` and :class:`SurfaceLoad`, one instance for each table ``[loads.NAME]``.
 
-    A load derives from :class:`BodyLoad` or :class:`SurfaceLoad`; its work counts as external in the ledger.
     One that depends on the velocity may implement the hook ``stable_timestep``.
     """
 
@@ -90,9 +89,9 @@ class BodyLoad(Load):
     """Base of loads on material points: subclasses say the force on each, :meth:`forces`."""
 
     def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
-        """Return the force on each of the points ``own`` of one body, (n, dim) [N], at a ``time`` [s].
+        """Return the force on each of a body's points ``own``, (n, dim) [N], at a ``time`` [s].
 
-        ``particles`` are all material points at the beginning of the step; they may not be changed."""
+        ``particles`` are all points at the beginning of the step; they may not be changed."""
         raise NotImplementedError
 
     @hookimpl
@@ -154,9 +153,7 @@ class SurfaceLoad(Load):
         return self
 
     def traction(self, facets: LoadedFacets, time: float) -> FloatArray:
-        """Return the force on each facet by its present area, (n, dim) [Pa], at a ``time`` [s].
-
-        ``facets`` are those of all bodies of the load, with their places and motion."""
+        """Return the force on each of the load's ``facets`` by its area, (n, dim) [Pa], at a ``time`` [s]."""
         raise NotImplementedError
 
     @hookimpl

@@ -42,9 +42,7 @@ class Exact:
 
 
 class Measure:
-    """Base of measures, of the group ``mpmfw.measure``; the docstring says what is measured.
-
-    A measure takes no options and keeps nothing: the same run gives the same values."""
+    """Base of measures; the docstring says what is measured. The same run gives the same values."""
 
     name: ClassVar[str]  #: in studies and campaigns
     unit: ClassVar[str]  #: of its values, SI, as ``m s-1``
@@ -69,9 +67,7 @@ class Measure:
 
 
 class Reference:
-    """Base of references, of the group ``mpmfw.reference``.
-
-    The closed form of ``[reference] kind = "NAME"`` replaces those that measures know."""
+    """Base of closed forms, ``[reference] kind = "NAME"``, which replace those that measures know."""
 
     name: ClassVar[str]  #: in scenes
     example: ClassVar[Mapping[str, Any]] = {}  #: scene of its kind that the checks compare with a run

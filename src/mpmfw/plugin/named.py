@@ -18,8 +18,7 @@ from mpmfw.units import problems_in_time
 
 
 class NamedPlugIn(PlugIn):
-    """Base of plug-ins with a table of their own in the scene, such as ``[loads.NAME]``, with that table's
-    options."""
+    """Base of plug-ins with a table of options in the scene, such as ``[loads.NAME]``."""
 
     #: Whether surfaces must be tracked for it.
     needs_surface: ClassVar[bool] = False
@@ -32,11 +31,8 @@ class NamedPlugIn(PlugIn):
 
     @classmethod
     def problems(cls, options: Any, dim: int) -> Iterable[tuple[tuple[str | int, ...], str]]:
-        """Yield problems of ``options`` in ``dim`` dimensions: key, with an index where there is one, and
-        text.
-
-        They are vectors of another dimension, and times that do not increase. The scene's reader adds file
-        and line."""
+        """Yield vectors of another dimension than ``dim`` and times that do not increase: key, with an index
+        where there is one, and text."""
         for key in cls.vectors:
             for index, text in problems_in_time(getattr(options, key), dim):
                 yield (key, *index), text
@@ -48,9 +44,9 @@ class NamedPlugIn(PlugIn):
     def checked(
         self, answer: Any, shape: tuple[int, ...], state: State, *, missing: bool = False
     ) -> FloatArray:
-        """Return the answer of a method, such as forces (n, dim) [N], as an array of this ``shape``.
+        """Return the answer of a method as an array of this ``shape``; NaN may stand for ``missing`` values.
 
-        Raise PluginError if the shape differs or a value is not finite; NaN may stand for ``missing`` values.
+        Raise PluginError if the shape differs or a value is not finite.
         """
         array: AnyArray = np.asarray(answer, dtype=float)
         if array.shape != shape:
@@ -66,28 +62,22 @@ class NamedPlugIn(PlugIn):
 
 
 class OutputSeries(NamedPlugIn):
-    """Base of diagnostics: one instance for each table ``[outputs.NAME]`` of the scene, with that table's
-    options.
+    """Base of diagnostics: one instance for each table ``[outputs.NAME]`` of the scene.
 
-    Subclasses say which series they have, :meth:`series`, and what these are, :meth:`values`. In the results
-    each is called after the scene's name of the table, ``NAME_series``.
+    Subclasses declare their series, :meth:`series`, and give their values, :meth:`values`. In the results
+    each is called ``NAME_series``.
     """
 
     stage = "output"
 
     def series(self) -> list[Field]:
-        """Declarations: name, dims, unit and meaning; may be asked more than once.
-
-        Dims ``body``, ``pair``, ``axis`` and ``rotation`` have their lengths and labels from the scene,
-        others from the values.
-        """
+        """Declarations: name, dims, unit and meaning; may be asked more than once."""
         raise NotImplementedError
 
     def values(self, state: State, interval: float) -> Mapping[str, Any]:
-        """Return the numbers of every declared series, by its name, at an output.
+        """Return the numbers of every declared series by name; ``state`` may not be changed.
 
-        ``state`` may not be changed. ``interval`` [s] is the time since the last output, 0 at the first:
-        there a sum over the run begins."""
+        ``interval`` [s] is the time since the last output, 0 at the first: there a sum begins."""
         raise NotImplementedError
 
     @hookimpl
@@ -128,8 +118,8 @@ def shares_near(position: FloatArray, at: FloatArray, cell_size: float) -> Float
     squares).
 
     w_p = k_p (a + b·r_p), r_p = x_p − x, with a kernel k_p that falls to zero 1.5 cells beyond the nearest
-    point: fewer points would not reach a place at a corner. ``position`` is x_p (n, dim), ``at`` x (dim,),
-    ``cell_size`` h, all in m. Raise ValueError if no point is within a cell of the place."""
+    point: fewer would not reach a corner. ``position`` x_p is (n, dim), ``at`` x (dim,), ``cell_size`` h, in
+    m. Raise ValueError if no point is within a cell of the place."""
     offset = position - at
     distance = np.sqrt((offset**2).sum(axis=1)) / cell_size
     if distance.min() > 1.0:

@@ -61,7 +61,7 @@ class Setup:
     safety: float = 0.5  #: fraction of the stability limit that a step may take
     allow_unstable: bool = False  #: the scene lets a step exceed the stability limit
     friction_law: FrictionLaw | None = None  #: that the scene names; None is Coulomb's
-    whole: Setup | None = None  #: that of all bodies, where these are those of them that are awake
+    whole: Setup | None = None  #: that of all bodies, where these are some
 
     # The core's own, which a plug-in alone on a bench has not:
     scene: Scene = None  # type: ignore[assignment]
@@ -82,10 +82,7 @@ class Setup:
 
     @property
     def pairs(self) -> tuple[Pair, ...]:
-        """All pairs of bodies, in the scene's order.
-
-        With the hook ``add_pairs`` more than a few bodies have those pairs alone that the scene names, and
-        others as they come near."""
+        """All pairs of bodies; with the hook ``add_pairs``, of many bodies those that are near or named."""
         return self.state.pairs
 
     @property
@@ -93,13 +90,10 @@ class Setup:
         """True if any two bodies have friction, their pair listed or not."""
         if self.whole is not None:
             return self.whole.has_friction
-        if self.friction_law is not None and self.friction_law.cohesive:
-            return True
-        return self._has_coefficient
+        return self._has_coefficient or (self.friction_law is not None and self.friction_law.cohesive)
 
     @property
     def _has_coefficient(self) -> bool:
-        """True if two bodies have a coefficient of friction above 0."""
         near = self.state.near
         return near.has_friction if near is not None else any(pair.mu > 0.0 for pair in self.pairs)
 
@@ -150,7 +144,7 @@ class Setup:
         """Loads, boundary conditions and outputs."""
         return [plugin for group in self.named.values() for plugin in group.values()]
 
-    @property
+    @functools.cached_property
     def contact_fields(self) -> list[str]:
         """Names of the fields that the contact declares."""
         declare = getattr(self.contact, "declare_fields", list)
@@ -178,10 +172,9 @@ class Setup:
 
     @functools.cached_property
     def remedies(self) -> dict[str, str]:
-        """Advice for a run that fails, by the part of the run that it changes: ``step``, ``scheme``,
-        ``contact`` and ``shape``. Linear shape functions need MUSL."""
+        """Advice for a run that fails, by the part that it changes: step, scheme, contact and shape."""
         found = {"step": f"a smaller {'time.safety' if self.scene.time.step is None else 'time.step'}"}
-        if self.scheme != "usl" and self.shape != "linear":
+        if self.scheme != "usl" and self.shape != "linear":  # which needs MUSL
             found["scheme"] = "scheme 'usl'"
         if self.contact is not None:
             key = getattr(self.contact, "softer_by", None)
@@ -202,8 +195,7 @@ class Setup:
 
     @functools.cached_property
     def half_edges(self) -> FloatArray:
-        """Half-edge vectors of the material points' domains at the start, (n, dim, dim) [m]; column a is
-        r_a."""
+        """Half-edge vectors r_a of the points' domains at the start, (n, dim, dim) [m], one a column."""
         array = np.ascontiguousarray(np.concatenate([layout.half_edges for layout in self.layouts]))
         self.state.arrays["layout/half_edges"] = array
         return array
@@ -218,19 +210,9 @@ class Setup:
     def allocate(self, owner: str, declaration: Field, **sizes: int) -> AnyArray:
         """Return a new array of a declared field, all zero, and list it under ``owner/name``.
 
-        ``sizes`` are the lengths of dimensions other than ``particle``, ``axis``, ``axis2``, ``body``,
-        ``pair`` and ``surface_node``, which are known. Raise KeyError if one is missing."""
-        lengths = {**self._sizes, **sizes}
-        array = np.zeros([lengths[dim] for dim in declaration.dims], dtype=declaration.dtype)
-        self.state.arrays[f"{owner}/{declaration.name}"] = array
-        self.state.dims[f"{owner}/{declaration.name}"] = declaration.dims
-        return array
-
-    @functools.cached_property
-    def _sizes(self) -> dict[str, int]:
-        """Lengths of the dimensions that are known."""
+        ``sizes`` are the lengths of dimensions beside particle, axis, axis2, body, pair and surface_node."""
         state = self.state
-        return {
+        lengths = {
             "particle": state.particles.count,
             "axis": self.dim,
             "axis2": self.dim,
@@ -238,3 +220,7 @@ class Setup:
             "pair": len(state.pairs),
             "surface_node": 0 if state.surface is None else state.surface.count,
         }
+        array = declaration.allocate({**lengths, **sizes})
+        state.arrays[f"{owner}/{declaration.name}"] = array
+        state.dims[f"{owner}/{declaration.name}"] = declaration.dims
+        return array

@@ -41,9 +41,7 @@ def lay_out(scene: Scene) -> tuple[Layout, ...]:
 
 
 def _alike(body: Any, scene: Scene) -> tuple[Any, Any, float]:
-    """Return the geometry about the origin (None without a centre), the points' division and the segment
-    length.
-    """
+    """Return the geometry about the origin (None without a centre), points' division and segment length."""
     centre, geometry = getattr(body.geometry, "centre", None), None
     if centre is not None:  # made anew: a copy would have what the original has worked out
         geometry = type(body.geometry)(**{**dict(body.geometry), "centre": (0.0,) * len(centre)})

@@ -266,8 +266,8 @@ def _effects(setup: Setup) -> list[tuple[str, str, object, str]]:
         ("energy ledger", "effects.ledger:EnergyLedger.from_setup", "ledger"),
         ("stability series", "effects.series:TimeStepSeries.from_setup", "stability"),
         ("von Mises stress", "effects.series:VonMises.from_setup", "particles"),
-        ("surface frames", "effects.surface:frames_from_setup", "surface"),
     )
+    no_surface = "no surface is tracked" if output.surface else "output.surface = false"
     return [
         ("contact", "contact.strategy:from_setup", True, ""),
         ("least gap", "effects.surface:GapDiagnostic.from_setup", output.gap and several, no_gap),
@@ -286,6 +286,8 @@ def _effects(setup: Setup) -> list[tuple[str, str, object, str]]:
         ("contact moment", "effects.contact_moment:ContactMoment.from_setup", contact_moment,
          "no output.contact_moment"),
         *((name, at, getattr(output, key), f"output.{key} = false") for name, at, key in by_output),
+        ("surface frames", "effects.surface:frames_from_setup", output.surface and setup.surface_users,
+         no_surface),
         ("sleep", "runs.sleeping:from_setup", scene.sleep, "no [sleep]"),
     ]  # fmt: skip
 

@@ -22,9 +22,7 @@ if TYPE_CHECKING:
 
 
 class Recorder:
-    """Makes the header and the frames of one run, from the plug-ins ``recording`` that implement
-    ``diagnostics``.
-    """
+    """Makes the header and the frames of one run; ``recording`` plug-ins implement ``diagnostics``."""
 
     history = ("_intervals",)
 
@@ -66,9 +64,7 @@ class Recorder:
         )
 
     def frame(self, interval: float, *, points: bool = True) -> Frame:
-        """Return the arrays of this moment, with material points or without.
-
-        ``interval`` is the time since the last output [s], 0 at the first."""
+        """Return the arrays of now; ``interval`` [s] is the time since the last output, 0 at the first."""
         state = self.state
         update_pairs(state, self.hook)
         check_state_finite(state)
@@ -99,10 +95,7 @@ class Recorder:
         )
 
     def points_are_due(self, time: float) -> bool:
-        """Return True if the output asked for at ``time`` [s] is the nearest to a multiple of the points'
-        interval.
-
-        Call it once for each output after the first."""
+        """Return True if the output at ``time`` [s] has points; to be called once for each but the first."""
         if self._particle_interval is None:
             return True
         before = self._intervals
@@ -110,9 +103,7 @@ class Recorder:
         return self._intervals > before
 
     def _checked(self, plugin: Any, name: str, given: Any) -> AnyArray:
-        """Return the values of a field as declared; NaN is allowed where the declaration gives it a
-        meaning.
-        """
+        """Return the values of a field as declared; NaN must have a meaning there."""
         field = self._by_name[name]
         values = np.asarray(given, dtype=field.dtype)
         if values.ndim != len(field.dims):

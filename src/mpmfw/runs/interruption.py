@@ -14,9 +14,7 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 class Interruption:
-    """Turns both signals into :class:`~mpmfw.errors.Interrupted`, or holds the number of one back in
-    ``waiting``.
-    """
+    """Turns both signals into :class:`~mpmfw.errors.Interrupted`, or holds one back as ``waiting``."""
 
     def __init__(self) -> None:
         self.waiting: int | None = None
@@ -30,9 +28,7 @@ class Interruption:
 
     @contextmanager
     def deferred(self) -> Iterator[None]:
-        """Context in which the first signal waits until :meth:`check` is called; a second takes effect at
-        once.
-        """
+        """Context in which the first signal waits for :meth:`check`; a second takes effect at once."""
         self._deferred = True
         try:
             yield

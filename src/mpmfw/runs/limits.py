@@ -169,10 +169,7 @@ def outputs_of(scene: Scene) -> int:
 
 
 def steps_of(scene: Scene, step: float) -> float:
-    """Return the steps that a run will take, each of at most ``step`` [s], settling left out.
-
-    Steps between two outputs are of equal length, but where outputs shorten none.
-    """
+    """Return the steps that a run will take, each of at most ``step`` [s], settling left out."""
     time = scene.time
     if time.outputs == "nearest":
         return float(math.ceil(time.end / step - 1e-9))
@@ -232,9 +229,7 @@ def remarks_on_results(scene: Scene, header: RunHeader) -> list[str]:
 
 
 def results_size(scene: Scene, header: RunHeader) -> tuple[float, float, float]:
-    """Return the number of frames with material points, bytes of each, and of all results, outputs without
-    points included.
-    """
+    """Return the number of frames with points, bytes of each, and bytes of all results."""
     lengths = {"axis": header.dim, "axis2": header.dim, "rotation": 1 if header.dim == 2 else 3}
     lengths |= {"body": len(header.bodies), "pair": len(header.pairs)}
     lengths |= {"particle": sum(header.particle_count.values())}

@@ -1,7 +1,4 @@
-"""The cost of a run before it runs: a trial of a few steps, counted up to the end.
-
-A trial takes the steps that the run begins with, those of settling in a scene that settles. Contacts that
-come later are not in it. What it takes includes all effects that the scene has."""
+"""The cost of a run, from a trial of its first steps; contacts that come later are not in it."""
 
 from __future__ import annotations
 
@@ -51,9 +48,7 @@ class Prediction:
 
 
 def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
-    """Predict the cost of a simulation by its first steps; it must not have begun, and cannot run afterwards.
-
-    ``arrays`` are the sizes of the arrays that are allocated already [bytes]."""
+    """Predict the cost of a simulation, which is used up; ``arrays`` are the bytes of those it has."""
     before, clock, settle = clocks.process_time(), simulation.clock, simulation.scene.settle
     with ExitStack() as stack:
         stack.enter_context(clock.watching_compilation())
@@ -100,8 +95,7 @@ def _start(simulation: Simulation, stack: ExitStack) -> Callable[[], None]:
 
 
 def _tables(simulation: Simulation) -> int:
-    """Return the bytes of the tables of interpolation and of the rows of contact, which the first step
-    fills."""
+    """Return the bytes of interpolation tables and contact rows, which the first step fills."""
     surface, contact = simulation.state.surface, simulation.contact
     tables = [interpolate(simulation.state, simulation.hook, simulation.clock)]
     tables += [] if surface is None else [surface.table]

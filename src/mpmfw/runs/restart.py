@@ -204,9 +204,7 @@ def read_checkpoint(path: str) -> tuple[dict[str, AnyArray], Facts]:
 def check_same(
     facts: Facts, header: RunHeader, scene: Scene, objects: Mapping[str, Any], force: bool
 ) -> None:
-    """Raise SceneError for other methods than the run had, and, unless ``force``, for other code or
-    processor.
-    """
+    """Raise SceneError for other methods than the run had; unless ``force``, for other code or processor."""
     for kind, then in facts.same.items():
         if then != (now := str(header.attributes[kind])):
             raise SceneError(

@@ -165,15 +165,11 @@ class Simulation:
         return running._time_step.next(running.hook)
 
     def step(self, dt: float | None = None) -> None:
-        """One time step of length ``dt`` [s]; without it the stable one, chosen when the step's contacts are
-        detected.
-        """
+        """Take a step of ``dt`` [s], or of the stable length, once the step's contacts are detected."""
         self._take_step(self.stable_step if dt is None else lambda: dt)
 
     def step_towards(self, target: float) -> None:
-        """Take one of the equal steps that lead to ``target`` [s] if the limit stays as it is; the last ends
-        there exactly.
-        """
+        """Take one of the equal steps that lead to ``target`` [s] exactly, if the limit stays as it is."""
         state, last = self.state, False
 
         def length() -> float:
@@ -241,9 +237,7 @@ class Simulation:
         self._settled |= {"settle_time": sum(cpu.values()), **cpu}
 
     def advance(self, steps: int, write: Callable[[Frame], None] | None = None) -> None:
-        """Run a number of stable steps; hand a frame to ``write``, if there is one, at first and after every
-        step.
-        """
+        """Run a number of stable steps; ``write`` gets a frame at first and after every step."""
         with self.clock.watching_compilation():
             self.start()
         if write is not None:
@@ -291,8 +285,7 @@ class Simulation:
             yield
 
     def _reach_output(self, write: Callable[[Frame], None] | None) -> None:
-        """Write the output that is due, unless the step that is nearest to it is the last output's or the
-        end's."""
+        """Write the output that is due, unless the nearest step is the last output's or the end's."""
         now, time, due = self.state.time, self.scene.time, self._due
         last = self._next_output == outputs_of(self.scene)
         self._next_output += 1
@@ -412,9 +405,7 @@ class Simulation:
         return {"warnings": self.concerns(), **owners}
 
     def costs(self) -> dict[str, float]:
-        """Steps, material points, and seconds in all and by stage, of the steps after time zero and of
-        settling.
-        """
+        """Return steps, points, and seconds in all and by stage, settling apart."""
         clock, surface = self.clock, self.state.surface
         clock.flush()
         return {

@@ -6,7 +6,6 @@ An inactive body keeps its velocity and its springs, and goes on from there when
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -24,19 +23,18 @@ from mpmfw.state.index_map import IndexMap, copy_history
 from mpmfw.state.pairs import overlapping, update_pairs
 from mpmfw.state.structs import State
 from mpmfw.state.windows import fitted_windows, set_windows
-from mpmfw.step.schemes import SCHEMES
+from mpmfw.step.schemes import SCHEMES, Length
 from mpmfw.step.timestep import Clock
 from mpmfw.step.transfer import Transfer
 
 #: Steps between two looks for bodies at rest.
 LOOK_EVERY = 20
 
-#: Times that a free body takes to fall past the speed bound, after which it is at rest: one at the top of its
-#: flight is slower than the bound for two of them.
+#: Times that a free body takes to fall past the speed bound, after which it is at rest: at the top of its
+#: flight it is slower for two of them.
 FALLS = 4.0
 
-#: How many times the nodes of today's windows those of a saved active simulation may have: bodies may have
-#: drawn together since.
+#: Largest ratio of a saved active simulation's nodes to today's: bodies may have drawn together since.
 SPARE = 16.0
 
 #: Records of pairs that grow with time while bodies rest on each other.
@@ -52,10 +50,8 @@ def from_setup(setup: Setup) -> Acts:
     if contact is None or contact.velocity_fields != "per_body":
         problem = "expected a contact with a velocity field for each body, which can leave one of them out"
     elif not contact.leaves_bodies_out:
-        problem = (
-            f"contact '{contact.label}' cannot leave bodies out; expected one that can, such as bardenhagen, "
-            "or penalty without master and interface_thickness"
-        )
+        able = "bardenhagen, or penalty without master and interface_thickness"
+        problem = f"contact '{contact.label}' cannot leave bodies out; expected one that can, such as {able}"
     elif measured:
         problem = f"output.{measured[0]} measures all bodies in every step; expected a scene without it"
     elif setup.named["boundaries"]:
@@ -87,28 +83,25 @@ class Sleep:
         self.patience: FloatArray = settings.crossings * longest / waves  #: (n_bodies,) [s]
         self.moved, self.slept = np.zeros((2, len(bodies)))  #: when bodies last moved, and fell asleep [s]
         self.inactive = np.zeros(len(bodies), dtype=bool)
-        self.lower, self.upper = (np.zeros_like(setup.state.grid.window_lower) for _ in range(2))
+        self.lower, self.upper = np.zeros((2, *setup.state.grid.window_lower.shape), np.int64)
         self.rates = {name: np.zeros((0, dim)) for name in IMPULSES}  #: forces between inactive bodies [N]
         self.counted = 0.0  #: time up to which impulses of inactive pairs are counted [s]
-        self.looked = np.nan  #: time of the last look [s], and the running simulation's impulses then
+        self.looked = np.nan  #: time of the last look [s], and impulses then:
         self.impulses = {name: np.zeros((0, dim)) for name in IMPULSES}
-        #: of the active simulation, when its state was copied last
+        #: Of the active simulation, when its state was copied last.
         self.windows: dict[str, IntArray] = {k: np.zeros((0, dim), np.int64) for k in ("lower", "shape")}
         self.frame = -1  #: of the windows that were compared last
         self._records = {name: f"{setup.contact.name}/{name}" for name in IMPULSES}
         self._loads = [each for each in setup.plugins if isinstance(each, BodyLoad | SurfaceLoad)]
         self._gravity = setup.plugin("gravity")
-        steady = self._gravity is None or len(self._gravity.table.times) == 1
-        self._forces_change = bool(self._loads) or not steady
+        self._forces_change = bool(self._loads or (self._gravity and len(self._gravity.table.times) > 1))
 
     @property
     def running(self) -> Any:
         """The simulation that takes the steps."""
         return self.full if self.active is None else self.active
 
-    def step(
-        self, state: State, hook: Any, transfer: Transfer, clock: Clock, length: Callable[[], float]
-    ) -> float:
+    def step(self, state: State, hook: Any, transfer: Transfer, clock: Clock, length: Length) -> float:
         """Take one time step of the active bodies, of all while the scene settles."""
         if not self.full.started:
             return self.scheme(state, hook, transfer, clock, length)
@@ -180,9 +173,7 @@ class Sleep:
             self._divide()
 
     def _forces(self, body: int, time: float) -> tuple[list[AnyArray], float]:
-        """Gravity [m/s²] and every load's forces [N] or tractions [Pa] on a body, and the acceleration of all
-        of them [m/s²].
-        """
+        """Gravity [m/s²] and loads [N or Pa] on a body, and the acceleration of all of them [m/s²]."""
         state, own = self.full.state, self.full.state.bodies[body]
         mass = float(state.particles.mass[own.particles].sum())
         values: list[AnyArray] = [] if self._gravity is None else [self._gravity.at(time)]
@@ -200,9 +191,7 @@ class Sleep:
         return values, float(np.linalg.norm(total)) / mass
 
     def gather(self, time: float) -> None:
-        """Copy the active bodies' state back to the full simulation, and add the impulses of the others up to
-        ``time`` [s].
-        """
+        """Copy the active bodies' state back, and add the impulses of the others up to ``time`` [s]."""
         full = self.full.state
         for name, rate in self.rates.items():
             full.arrays[self._records[name]][: len(rate)] += (time - self.counted) * rate
@@ -212,10 +201,8 @@ class Sleep:
         grid = self.active.state.grid
         self.windows = {"lower": grid.window_lower.copy(), "shape": grid.window_shape.copy()}
         if full.near is not None:
-            index = {body.name: body.index for body in full.bodies}
-            bodies, pairs = self.active.state.bodies, self.active.state.pairs
-            ends = ([index[bodies[getattr(p, end)].name] for p in pairs] for end in ("first", "second"))
-            if full.near.add(full, *(np.array(end, dtype=np.int64) for end in ends)):
+            ends = IndexMap.between(self.active.state, full).body[self.active.state.pair_bodies]
+            if full.near.add(full, *ends.T):
                 self.full.hook.add_pairs(state=full)
         _hand_over(self.active, self.full)
 
@@ -228,9 +215,7 @@ class Sleep:
         self._build(None)
 
     def _build(self, windows: dict[str, IntArray] | None) -> None:
-        """Build the active simulation, unless it has all bodies or none, with these windows or those that fit
-        the bodies now.
-        """
+        """Build the active simulation, unless it has all bodies or none, with these windows or new ones."""
         full, awake = self.full, np.flatnonzero(~self.inactive).tolist()
         self.active, self.frame = None, -1
         if 0 < len(awake) < len(self.inactive):

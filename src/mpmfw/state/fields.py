@@ -1,5 +1,4 @@
-"""Field declarations: name, dims, unit and meaning of every array, said once for code, files and
-documentation."""
+"""Field declarations: name, dims, unit and meaning of every array, for code, files and documentation."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
 """Declared history: the values that a run keeps from step to step, as arrays by place, ``PART/NAME``.
 
-A class names them, ``history = ("work", "gained")``, beside those of its bases. They are numbers, arrays,
-dictionaries of either, and parts with a history; None stands for a number that is not known yet. All else is
-built anew from the scene. Saved values have the type and shape of those that were built. A method
-``restored`` of a part is called when all values are there."""
+A class names them, ``history = ("work", "gained")``, beside those of its bases: numbers, arrays, dictionaries
+of either, and parts with a history. None is a number that is not known yet. All else is built anew from the
+scene. Saved values have the type and shape of those that were built. A part's method ``restored`` is called
+when all values are there."""
 
 from __future__ import annotations
 
@@ -110,15 +110,15 @@ def _fitting(place: str, new: AnyArray | None, old: Any) -> Any:
 
 def _assign(holder: Any, name: str, old: Any, new: Any) -> None:
     """Give an attribute its value: by its setter, or within the arrays and the dictionary that are there."""
-    olds, news = (old, new) if isinstance(old, dict) else ({name: old}, {name: new})
-    arrays = {key: array for key, array in olds.items() if isinstance(array, np.ndarray)}
-    by_setter = getattr(getattr(type(holder), name, None), "fset", None) is not None
-    if by_setter or any(array.shape != news[key].shape for key, array in arrays.items()):
+    if getattr(getattr(type(holder), name, None), "fset", None) is not None:
         setattr(holder, name, new)
-        return
-    for key, array in arrays.items():
-        array[...] = news[key]
-    if isinstance(old, dict):
-        old.update({key: value for key, value in news.items() if key not in arrays})
-    elif not arrays:
+    elif isinstance(old, dict):
+        for key, value in new.items():
+            if isinstance(value, np.ndarray) and value.shape == old[key].shape:
+                old[key][...] = value
+            else:
+                old[key] = value
+    elif isinstance(old, np.ndarray) and old.shape == new.shape:
+        old[...] = new
+    else:
         setattr(holder, name, new)

@@ -1,5 +1,4 @@
-"""The pairs of bodies that a run lists: all of a few bodies, and of many those that have come near each
-other."""
+"""The pairs of bodies that a run lists: of many bodies those that have come near each other."""
 
 from __future__ import annotations
 

@@ -37,8 +37,7 @@ class Stencil(Struct):
 
     def replace(self, **arrays: AnyArray) -> Stencil:
         """Return a table with other ``arrays``, by name."""
-        shown = {name: getattr(self, name) for name in self.member_names}
-        return Stencil(**{**shown, **arrays})
+        return Stencil(**{name: arrays.get(name, getattr(self, name)) for name in self.member_names})
 
     def part(self, begin: int, end: int) -> Stencil:
         """Return the table of the points ``begin:end``, with the same entries."""
@@ -68,21 +67,15 @@ class Body:
     outlines: tuple[FloatArray, ...]  #: nodes (m, dim) [m] of its closed surfaces; () without surface
     facets: tuple[IntArray, ...] = ()  #: of each of them the facets' nodes (k, dim), material on the left
     thickness: float = 1.0  #: across the plane [m]; in space 1
+    areal_density: float = field(init=False)  #: ρ times the thickness [kg/m²], in space ρ [kg/m³]
+    p_wave_modulus: float = field(init=False)  #: M = K + 4 G / 3 [Pa]
+    wave_speed: float = field(init=False)  #: c = sqrt(M / ρ) [m/s]
 
-    @property
-    def areal_density(self) -> float:
-        """Mass by the grid's measure: ρ times the thickness [kg/m²], in space ρ [kg/m³]."""
-        return self.density * self.thickness
-
-    @property
-    def p_wave_modulus(self) -> float:
-        """M = K + 4 G / 3 [Pa]."""
-        return self.bulk_modulus + 4.0 * self.shear_modulus / 3.0
-
-    @property
-    def wave_speed(self) -> float:
-        """c = sqrt(M / ρ) [m/s]."""
-        return float(np.sqrt(self.p_wave_modulus / self.density))
+    def __post_init__(self) -> None:
+        modulus = self.bulk_modulus + 4.0 * self.shear_modulus / 3.0
+        object.__setattr__(self, "areal_density", self.density * self.thickness)
+        object.__setattr__(self, "p_wave_modulus", modulus)
+        object.__setattr__(self, "wave_speed", float(np.sqrt(modulus / self.density)))
 
 
 @dataclass(frozen=True, slots=True)

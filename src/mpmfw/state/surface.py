@@ -43,8 +43,7 @@ def make_surface(bodies: tuple[Body, ...], n_fields: int, stage: str) -> Surface
 
 
 def least_gaps(surface: Surface, first: IntArray, second: IntArray, spacing: tuple[float, ...]) -> FloatArray:
-    """Least of both bodies' node-to-facet distances of every two bodies ``first`` and ``second``, (n,)
-    [m]."""
+    """Return the least node-to-facet distance of every two bodies ``first`` and ``second``, (n,) [m]."""
     gaps = np.zeros(len(first))
     geometry = Facets(**{name: getattr(surface, name) for name in Facets.member_names})
     minimum_gaps(first, second, surface.body_first, surface.facet_first, geometry, gaps, spacing)

@@ -1,7 +1,4 @@
-"""Time steps: one function for each scheme, and the operations that they are made of.
-
-Kernels are called at once, or shared out among the threads that a run has.
-"""
+"""Time steps: one function for each scheme, and the operations that they are made of."""
 
 from __future__ import annotations
 

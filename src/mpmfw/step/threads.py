@@ -153,8 +153,7 @@ class Threads:
         return -1
 
     def _parts_of(self, argument: Any, ranges: list[tuple[int, int]]) -> list[Any]:
-        """Return each thread's part of an array or a struct, kept while its arrays are the same; or all of
-        it."""
+        """Return each thread's part of an array or a struct, kept while its arrays are the same, or all."""
         if isinstance(argument, np.ndarray):
             return [argument[begin:end] for begin, end in ranges]
         if not hasattr(argument, "part"):
