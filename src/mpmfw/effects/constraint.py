@@ -27,7 +27,7 @@ AGREED = 1e-10
 
 
 class Constraint:
-    """Prescribed sides: the last change of the nodal momenta of the bodies' velocity fields."""
+    """Prescribed sides: the last change of the nodal momenta."""
 
     name = "constraint"
     ledger_term = ("external", "prescribed sides")
@@ -76,7 +76,7 @@ class Constraint:
         ]
 
     def held_momentum(self, grid: Grid) -> FloatArray:
-        """Return momenta as :meth:`constrain_momentum` would leave them, (n_nodes, dim) [kg/s]."""
+        """Return momenta that meet the sides, (n_nodes, dim) [kg/s]."""
         held = dataclasses.replace(grid, momentum=grid.momentum.copy())
         self._meet(held)
         return held.momentum
@@ -88,7 +88,7 @@ class Constraint:
         self.work, self.left = self.work + (work if self.left > 0 else 0.0), self.left - 1
 
     def _meet(self, grid: Grid) -> float:
-        """Bring the velocity at every side to the prescribed one; return the work on moving sides [J/m]."""
+        """Meet the prescribed velocities; return the work of moving sides [J/m]."""
         self._fit(grid)
         self.table.work[:] = 0.0
         self.rows = list_rows(self.degree, self.planes, grid.position, grid.mass, self.table, grid.spacing)
@@ -100,7 +100,7 @@ class Constraint:
         return float(self.table.work[0])
 
     def _fit(self, grid: Grid) -> None:
-        """Make room for the table, and find each side's columns, whenever the windows were laid anew."""
+        """Make room for the table, and find columns, in new windows."""
         if self.frame == grid.frame:
             return
         self.frame = grid.frame
@@ -126,7 +126,7 @@ class Constraint:
 
     @hookimpl
     def advect(self, grid: Grid, dt: float) -> None:
-        """Compute each side's motion: as prescribed along its normal, or with the body's mean velocity."""
+        """Move each side as prescribed, or with the body's mean velocity."""
         self.motions[:] = 0.0 if self.at_rest else dt * self.speeds
         for index in self.free:
             self.motions[index] = dt * self._mean_speed(index, grid.velocity)
@@ -144,7 +144,7 @@ class Constraint:
 
     @hookimpl
     def end_step(self) -> None:
-        """Move the sides, now that nobody asks for their place at the beginning of the step."""
+        """Move the sides at the end of the step."""
         self.planes.place += self.motions
         self.left = self.calls
 
@@ -180,7 +180,7 @@ def _planes(
 
 
 def _face_of(setup: Setup, body: Body, side: Side) -> tuple[FloatArray, float]:
-    """Return the normal and place of a side; raise SceneError if the outline only touches it at a corner."""
+    """Return the normal and place of a side; refuse a mere corner."""
     normal, place = setup.face_of(body, side)
     at_side = [np.abs(loop @ normal - place) <= FLAT * setup.cell_size for loop in body.outlines]
     along = (on[corners].all(axis=1).any() for on, corners in zip(at_side, body.facets, strict=True))
@@ -192,7 +192,7 @@ def _face_of(setup: Setup, body: Body, side: Side) -> tuple[FloatArray, float]:
 
 
 def _velocity(side: Side, dim: int) -> FloatArray:
-    """Return the prescribed velocity of a side, (dim,) [m/s], NaN where a component is free."""
+    """Return the velocity of a side, (dim,) [m/s], NaN where it is free."""
     if side.velocity is not None:
         return np.array([np.nan if isinstance(v, str) or v is None else float(v) for v in side.velocity])
     if side.fixed is None or side.fixed is True:

@@ -77,7 +77,7 @@ class ContactMoment(Observer):
             self._before = (grid.force if hook == "add_nodal_force" else grid.momentum).copy()
 
     def after(self, hook: str, plugin: Any, grid: Grid, dt: float) -> None:
-        """Add M_b = Σ (x_i − c_b) × I_i over the nodes of each body, I_i the impulse of contact [N s]."""
+        """Add M_b = Σ (x_i − c_b) × I_i, I_i the impulse of contact [N s]."""
         if plugin is not self.contact:
             return
         forces, bodies = hook == "add_nodal_force", len(self.impulse)

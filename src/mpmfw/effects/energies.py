@@ -51,7 +51,7 @@ def motion_energy(state: State) -> float:
 
 
 def negligible_energy(state: State) -> float:
-    """Return the energy of the bodies that counts as zero [J/m], a share of their stiffness."""
+    """Return the energy that counts as zero, a share of stiffness [J/m]."""
     volume = state.particles.times_thickness(state.particles.initial_volume)
     volumes = [volume[body.particles].sum() for body in state.bodies]
     stiffness = [body.bulk_modulus + body.shear_modulus for body in state.bodies]
@@ -64,7 +64,7 @@ def made_of(materials: Iterable[Any]) -> Iterator[tuple[slice, Any]]:
 
 
 class StrainEnergies:
-    """Σ V_0 W(F) of every body, from the bodies' materials; computed once at an output."""
+    """Σ V_0 W(F) of every body; computed once at an output."""
 
     def __init__(self, materials: tuple[Any, ...]) -> None:
         self.materials = materials
@@ -85,7 +85,7 @@ class StrainEnergies:
         return any(material.dissipates for material in self.materials if material.slices)
 
     def dissipated(self, state: State) -> FloatArray:
-        """Return the energy that every body's material has lost since time zero (body,) [J/m]."""
+        """Return the energy lost by materials since time zero (body,) [J/m]."""
         return self._sums(state, "dissipated_by_points")
 
     def _sums(self, state: State, density: str) -> FloatArray:
@@ -115,7 +115,7 @@ class EnergyGuard:
         self.fallen = self.depth = 0.0
 
     def set_external_work(self, work: float) -> None:
-        """Set the work of gravity and external loads since the start [J/m]; its maximum stays allowed."""
+        """Set the work of gravity and loads [J/m]; its maximum stays allowed."""
         self.given, self.input = work, max(self.input, work)
 
     def set_contact_energy(self, energy: float, last_work: float) -> None:
@@ -129,16 +129,16 @@ class EnergyGuard:
 
     @property
     def released(self) -> float:
-        """Energy that contact's springs and adhesion may have given to the bodies since the start [J/m]."""
+        """Energy that springs and adhesion may have given so far [J/m]."""
         return (self.loaded or 0.0) + self.fallen
 
     @property
     def allowed(self) -> float:
-        """Energy at the start, of springs too, what was put in, and the most that adhesion gave [J/m]."""
+        """Energy of bodies and springs at the start, and what was put in [J/m]."""
         return self.start + max(self.loaded or 0.0, 0.0) + self.depth + self.input + self.nothing
 
     def growth(self, energy: float) -> float:
-        """Energy beyond what bodies had, springs and adhesion could give, and loads gave [J/m]."""
+        """Energy beyond what there was, and what contact and loads gave [J/m]."""
         return energy - self.start - self.released - self.given
 
     def grown(self, energy: float) -> bool:

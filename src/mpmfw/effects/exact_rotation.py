@@ -125,7 +125,7 @@ def correct_rotation(
 
 
 class ExactRotation:
-    """The correction for every body that has it; velocity-correcting contact is in the momentum change."""
+    """The correction for every body that has it."""
 
     name = "rotation"
     ledger_term = ("inertia", "exact rotation")

@@ -30,7 +30,7 @@ CREEP = 1e-4
 
 
 class Flutter:
-    """Comparison of friction with its limit while bodies slide, from the records of the contact ``owner``."""
+    """Comparison of friction with its limit while bodies slide."""
 
     name = "flutter"
     stage = "output"
@@ -79,7 +79,7 @@ class Flutter:
         return {}
 
     def _judge(self, state: State) -> None:
-        """Compare the medians over the window, which are NaN of pairs that did not slide throughout."""
+        """Compare medians, NaN of pairs that did not slide throughout."""
         forces = self.window
         normal = forces[:, :, 0].mean(axis=1)
         mu = np.array([[pair.mu] for pair in state.pairs])

@@ -38,7 +38,7 @@ class Gravity:
         return Acts("[gravity]", [cls(table)])
 
     def while_settling(self, asked: Settle | None) -> None:
-        """Take the gravity of the settling, if it has one; the scene's own when ``asked`` is None."""
+        """Take the settling's gravity; the scene's when ``asked`` is None."""
         gravity = None if asked is None else asked.gravity
         constant = self.table.values[0] if len(self.table.times) == 1 else None
         self.constant: FloatArray | None = constant if gravity is None else np.array(gravity.at(0.0))

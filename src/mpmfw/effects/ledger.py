@@ -169,7 +169,7 @@ class EnergyLedger(Observer):
             self._balance_grid(grid)
 
     def _count(self, hook: str, plugin: Any, grid: Grid) -> None:
-        """Add the change since the last look to the impulses of its term, (n_nodes, dim) [N s/m]."""
+        """Add the change since the last look to its term, (n_nodes, dim) [N s/m]."""
         term = TERMS[hook]
         if hook == "add_nodal_force":
             term = getattr(plugin, "ledger_term", (term,))[0]
@@ -196,7 +196,7 @@ class EnergyLedger(Observer):
 
     @hookimpl
     def end_step(self, state: State) -> None:
-        """Add the grid's gain. The guard checks the grid's motion in every step, the strain every few."""
+        """Add the grid's gain; the guard looks."""
         self.gained += self.moved - self.projected
         springs = state.arrays.get(f"{self.contact}/energy")
         held = 0.0 if springs is None else float(springs.sum())
@@ -227,14 +227,14 @@ class EnergyLedger(Observer):
         return {name: np.asarray(np.float64(value)) for name, value in series.items()}
 
     def _contact_residual(self, state: State) -> float:
-        """Work of contact that no record accounts for, up to the positions of the last step."""
+        """Work of contact that no record accounts for."""
         if self.loaded is None:
             return 0.0
         accounted = sum(float(state.arrays[f"{self.contact}/{name}"].sum()) for name in SPRING_RECORDS)
         return self.contact_before + accounted - self.loaded
 
     def _balance(self, state: State) -> float:
-        """Return the energy that no term accounts for [J/m]; the guard checks the whole energy."""
+        """Return the energy that no term accounts for [J/m]."""
         motion = motion_energy(state)
         self.dissipated = self.motion + self.gained - motion
         energy = motion + float(self.strain.of(state).sum())

@@ -36,7 +36,7 @@ def grid_energy(mass: Floats, momentum: Floats) -> float:
 
 @kernel
 def add_change(momentum: Floats, last: Floats, impulse: Floats) -> bool:
-    """I_i += m v − ``last``, the change since the last look; return whether there is one."""
+    """I_i += m v − ``last``; return whether there is a change."""
     changed = False
     for i in range(len(momentum)):
         for d in range(momentum.shape[1]):
@@ -101,7 +101,7 @@ class HalfStep:
         self._power: float | None = None
 
     def add(self, grid: Grid, particles: Particles, dt: float, internal: Floats) -> None:
-        """A step of ``dt`` [s] whose momentum is integrated; its internal forces are (n_nodes, dim) [N/m]."""
+        """Add a step of ``dt`` [s] with internal forces (n_nodes, dim) [N/m]."""
         if self.dt > 0.0:
             taken = power_at_start(internal, grid.mass, grid.start_velocity)
             self._strain += 0.5 * dt * (taken - self._power_of_motion(grid, particles))
@@ -124,7 +124,7 @@ class HalfStep:
             self.strain -= 0.5 * self.dt * self._power_of_motion(grid, particles)
 
     def _power_of_motion(self, grid: Grid, particles: Particles) -> float:
-        """Power [W/m] of the stress of now on the field with which the points moved in their last step."""
+        """Power [W/m] of the stress on the motion of the last step."""
         if self._power is None:
             volume = particles.times_thickness(particles.volume)
             self._power = float(stress_power(volume, particles, self.dt, grid.spacing))

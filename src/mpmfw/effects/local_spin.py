@@ -215,7 +215,7 @@ def find_excess(
     begin: int, end: int, points: Points, half_edges: Floats, first_node: int, last_node: int, grid: Nodes,
     excess: Floats, spacing: tuple[float, ...],
 ) -> float:  # fmt: skip
-    """:func:`excess_inertia` of a body to ``excess`` (3, 3); return its mass [kg/m], 0 if not positive."""
+    """Set a body's X, (3, 3); return its mass [kg/m], 0 if X is not positive."""
     centre = scratch.vector(spacing)
     lumped, true = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
     total = moments_of_nodes(first_node, last_node, grid, centre, lumped, spacing)

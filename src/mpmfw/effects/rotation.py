@@ -10,7 +10,7 @@ from mpmfw.state.structs import Body
 
 
 def from_setup(setup: Setup) -> Acts:
-    """Return the corrections, each of the bodies that have it; its file is imported if there are any."""
+    """Return the corrections, and import those that a body has."""
     treated: dict[str, list[Body]] = {"spin": [], "exact": [], "lumped": []}
     plugins, lines = list[Any](), []
     for body in setup.bodies:

@@ -24,7 +24,7 @@ from mpmfw.state.structs import State
 
 
 class BodySeries:
-    """Series of the bodies from the material points; ``affine`` and ``energy`` add some of energies."""
+    """Series of the bodies, with energies if the scene wants them."""
 
     name = "body_series"
     stage = "output"
@@ -34,7 +34,7 @@ class BodySeries:
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
-        """Return the series, which every run has; those of energies if the scene wants them."""
+        """Return the series, which every run has."""
         energy = setup.scene.output.energy
         line = Effect("energies", energy, "series of every body" if energy else "output.energy = false")
         strain = StrainEnergies(tuple(setup.materials.values()))
@@ -42,7 +42,7 @@ class BodySeries:
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        """Return the series that the scene wants, and energies that transfer and materials have."""
+        """Return the series that there are."""
         if not self.energy:
             return [field for field in SERIES_FIELDS if not field.name.endswith("_energy")]
         affine = [AFFINE_ENERGY] if self.affine else []
@@ -134,7 +134,7 @@ TIME_STEP_FIELDS = [
 
 
 class TimeStepSeries:
-    """Series of the time step: its length, the limit without the safety factor, and who sets the limit."""
+    """Series of the time step: length, limit, and who sets it."""
 
     name = "time_step_series"
     stage = "output"

@@ -41,7 +41,7 @@ STEPS_OF_MEAN = 50
 
 @kernel
 def damp_locally(share: float, grid: Nodes, spacing: tuple[float, ...]) -> float:
-    """(m v)_i −= share |Δ(m v)_i| sign(v_i), component by component; return Σ |Δ(m v)_i| before damping."""
+    """(m v)_i −= share |Δ(m v)_i| sign(v_i); return Σ |Δ(m v)_i| before."""
     momentum, total = grid.momentum, 0.0
     for i in range(len(momentum)):
         for d in range(len(spacing)):
@@ -63,7 +63,7 @@ def from_setup(setup: Setup) -> Acts:
 
 
 def is_settled_for_good(scene: Scene) -> bool:
-    """Return whether the scene should stay at rest: its loads go on, and nothing sets it in motion."""
+    """Return whether the scene should stay at rest."""
     constant = scene.gravity is None or scene.gravity.is_constant
     bodies = scene.bodies.values()
     return (
@@ -75,7 +75,7 @@ def is_settled_for_good(scene: Scene) -> bool:
 
 
 def concern(settled: Mapping[str, float]) -> list[str]:
-    """Return a sentence if there is too much kinetic energy at the first output after settling."""
+    """Return a sentence if the scene moved after settling."""
     if (share := settled.get("settle_motion", 0.0)) <= MOTION_LEFT:
         return []
     return [
@@ -104,12 +104,12 @@ class LocalDamping:
 
     @hookimpl(tryfirst=True)
     def add_nodal_force(self, grid: Grid) -> None:
-        """Sum the internal forces, which balance all others at rest, before any other is added."""
+        """Sum the internal forces before any other is added."""
         self.internal = float(np.abs(grid.force).sum())
 
     @hookimpl
     def after_momentum_update(self) -> None:
-        """The momentum is integrated: the next boundary condition is that of the forces."""
+        """The next boundary condition is that of the forces."""
         self._integrated = True
 
     @hookimpl(trylast=True)

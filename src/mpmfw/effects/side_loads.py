@@ -41,7 +41,7 @@ class SideLoad(SurfaceLoad):
 
 
 def from_setup(setup: Setup) -> Acts:
-    """Return the loaded sides of all bodies; raise SceneError if no facet lies on one of them."""
+    """Return the loaded sides; refuse one without a facet."""
     surface, loads = setup.state.tracked_surface, []
     for body, side in setup.loaded_sides:
         normal, place = setup.face_of(body, side)

@@ -52,7 +52,7 @@ START, STOP, STRIDE, COUNT, AXIS = range(5)
 
 
 class SideTable(Struct):
-    """Rows of all sides: row r has entries ``row[r]:row[r + 1]``; V is ``target[r]`` times the velocity."""
+    """Rows of all sides; V is ``target[r]`` times the side's velocity."""
 
     row: Ints  #: (n_rows + 1,)
     nodes: Ints  #: (n_entries,)
@@ -137,7 +137,7 @@ def weigh_column(
     s: int,
     sides: PlaneSides, node_position: Floats, node_mass: Floats, table: SideTable, h: Float,
 ) -> Float:  # fmt: skip
-    """Set weights c_k and outward distances [cells] of a column; return the heaviest mass with a weight."""
+    """Set weights and distances of a column; return its heaviest mass."""
     heaviest = 0.0
     for k in range(count):
         i = first + k * stride
@@ -211,7 +211,7 @@ def add_side(
     table: SideTable,
     spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """Add the rows of side s to the table, which has ``rows`` so far; return the number of rows then."""
+    """Add the rows of side s; return the number of rows then."""
     dim, h, normal, axis = len(spacing), sides.grids[0] * spacing[0], sides.normal[s], sides.column[s, AXIS]
     along, total = sides.column[s, STRIDE], sides.column[s, COUNT]
     inward = -1 if normal[axis] > 0.0 else 1
@@ -256,7 +256,7 @@ def list_rows(
     degree: int, sides: PlaneSides, node_position: Floats, node_mass: Floats, table: SideTable,
     spacing: tuple[float, ...]
 ) -> int:  # fmt: skip
-    """Fill the table with the rows of all sides for a boundary basis of a ``degree``; return their number."""
+    """Fill the table with the rows of all sides; return their number."""
     rows = 0
     for s in range(len(sides.place)):
         before = rows

@@ -60,7 +60,7 @@ def weigh_plain(row: Ints, nodes: Indices, weight: Floats, cell_mass: Floats, no
 
 @kernel
 def weigh_by_mass(row: Ints, nodes: Indices, weight: Floats, cell_mass: Floats, node_mass: Floats) -> None:
-    """N_i ← N_i m_i / (m_i + m_c), scaled to the sum 1; ``cell_mass`` is ρ h² of the surface node's body."""
+    """N_i ← N_i m_i / (m_i + m_c), scaled to the sum 1."""
     for s in range(len(row) - 1):
         total = 0.0
         for k in range(row[s], row[s + 1]):
@@ -110,7 +110,7 @@ class SurfaceTracker:
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
-        """Make the surfaces, which a contact, a load or the least gap needs, and track them."""
+        """Make and track the surfaces."""
         contact, state = (setup.whole or setup).contact, setup.state
         by_contact = contact is not None and contact.needs_surface
         loaded = setup.loaded_sides or any(plugin.needs_surface for plugin in setup.named_plugins)
@@ -124,7 +124,7 @@ class SurfaceTracker:
 
     @hookimpl(tryfirst=True)
     def detect(self, grid: Grid) -> None:
-        """Fit N_i(x_s) to the nodal masses before anyone takes a contact from it, or maps a force."""
+        """Fit N_i(x_s) to the nodal masses, before any contact."""
         phi = self.surface.table
         if self.map == "plain":
             weigh_plain(phi.row, phi.nodes, phi.weight, self.cell_mass, grid.mass)
@@ -146,7 +146,7 @@ class GapDiagnostic:
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:  # noqa: ARG003
-        """Return the diagnostic, which a scene of several bodies has unless it says otherwise."""
+        """Return the diagnostic."""
         return Acts("output.gap", [cls()])
 
     @hookimpl

@@ -78,7 +78,7 @@ class Verdict:
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
-        """Return the verdict, which looks at steps where surfaces may meet or gravity changes."""
+        """Return the verdict, of steps if surfaces meet or gravity changes."""
         gravity, contact = setup.plugin("gravity"), setup.contact
         changing = gravity is not None and len(gravity.table.times) > 1
         watched = contact is not None and contact.keeps_apart and len(setup.bodies) > 1
@@ -97,7 +97,7 @@ class Verdict:
         self.pull = 0.0 * self.pull if self.gravity is None else self.gravity.at(state.time)
 
     def _add_gravity_work(self, state: State, share: float) -> None:
-        """Add the work since the last call; ``share`` is that of gravity now, the rest of gravity then."""
+        """Add the work of ``share`` of gravity now, and else of then."""
         moment, pull = state.particles.mass @ state.particles.position, self.gravity.at(state.time)
         self.gravity_work += float((share * pull + (1.0 - share) * self.pull) @ (moment - self.moment))
         self.moment, self.pull = moment, pull
@@ -152,7 +152,7 @@ class Verdict:
             self.grown_share = float(excess / there) if there > 0.0 else np.inf
 
     def _depths(self, state: State) -> tuple[FloatArray, AnyArray]:
-        """Deepest node [m], and nodes that have gone through, (pair,), beyond the overlap of the start."""
+        """Deepest node [m], and nodes that went through, beyond the start."""
         depth, passed = self.outlines.inside(state, self.inside)
         depth[: len(self.overlap)] -= self.overlap
         return depth, passed
@@ -189,7 +189,7 @@ class Verdict:
 
     @property
     def status(self) -> str:
-        """``ok``, or ``suspect: …`` with the first reasons, after a last look at energy and surfaces."""
+        """``ok``, or ``suspect: …``, after a last look."""
         if self.running and self.watched:
             self._judge_sides(self.state)
         if self.running:
@@ -201,7 +201,7 @@ class Verdict:
 
     @hookimpl
     def concerns(self) -> list[str]:
-        """Return the reasons, deep penetration that is not suspect, and surfaces close to themselves."""
+        """Return reasons, deep penetration, and surfaces close to themselves."""
         reasons = "; ".join(self.reasons)
         warnings = [f"suspect: {reasons}; try smaller steps, smaller cells or a stiffer contact"]
         return [
@@ -236,7 +236,7 @@ class VerdictOfSteps(Verdict):
 
 
 class Outlines:
-    """The bodies' surfaces: tracked ones, else nodes that follow the nearest point, x_p + F_p (X_s − X_p)."""
+    """Tracked surfaces, or nodes that follow the nearest point."""
 
     def __init__(self, state: State) -> None:
         self.tracked = state.surface is not None
@@ -267,7 +267,7 @@ class Outlines:
         return normal
 
     def inside(self, state: State, inside: AnyArray) -> tuple[FloatArray, AnyArray]:
-        """Deepest node [m] and number of nodes that went through, of every pair (:func:`find_inside`)."""
+        """Deepest node [m], and nodes that went through, of every pair."""
         surface, pairs = self._now(state), state.pairs
         if len(self.ends) != len(pairs):
             self.ends = state.pair_bodies
@@ -279,7 +279,7 @@ class Outlines:
         return depth, passed
 
     def own_gaps(self, state: State) -> FloatArray:
-        """Least gap (body,) [m] between parts of a body's own surface (:func:`least_own_gaps`)."""
+        """Least gap (body,) [m] between parts of a body's own surface."""
         surface, gaps = self._now(state), np.zeros(len(state.bodies))
         x = surface.position
         order = np.lexsort((x[:, 0], surface.body))

@@ -44,12 +44,12 @@ class PlugIn:
 
     @classmethod
     def from_options(cls, options: BaseModel) -> Self:
-        """Make the plug-in from an instance of its model, keeping which options were set."""
+        """Make the plug-in from its model, keeping which options were set."""
         return cls(**{key: getattr(options, key) for key in options.model_fields_set})
 
     @property
     def label(self) -> str:
-        """Name and the options that were set, for tables and coordinates: ``NAME(option=value, …)``."""
+        """Name and the options that were set, ``NAME(option=value, …)``."""
         from mpmfw.scene.specification import specification_of
 
         options = self.options
@@ -97,11 +97,11 @@ class Material(PlugIn):
         raise NotImplementedError
 
     def cauchy_stress(self, deformation_gradient: FloatArray) -> FloatArray:
-        """Full Cauchy stress σ(F), (n, 3, 3) [Pa], out-of-plane components included; for outputs."""
+        """Full Cauchy stress σ(F), (n, 3, 3) [Pa]; for outputs."""
         raise NotImplementedError
 
     def energy_of_points(self, particles: Particles, own: slice) -> FloatArray:
-        """Stored energy per reference volume of the points ``own``, (n,) [J/m^3]; by F alone W(F)."""
+        """Stored energy of points per reference volume, (n,) [J/m^3]."""
         return self.energy_density(particles.deformation_gradient[own])
 
     def stress_of_points(self, particles: Particles, own: slice) -> FloatArray:
@@ -109,7 +109,7 @@ class Material(PlugIn):
         return self.cauchy_stress(particles.deformation_gradient[own])
 
     def dissipated_by_points(self, particles: Particles, own: slice) -> FloatArray:
-        """Energy that the points ``own`` have lost since the start, per reference volume (n,) [J/m^3]."""
+        """Energy lost by points since the start, (n,) [J/m^3]."""
         return np.zeros(len(particles.mass[own]))
 
 

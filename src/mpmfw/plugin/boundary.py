@@ -36,7 +36,7 @@ class Boundary(NamedPlugIn):
     work = 0.0  #: on the bodies so far [J/m]
 
     def holds(self, position: FloatArray) -> AnyArray:
-        """Return which points of a body, at ``position`` (n, dim) [m] at the start, are held: (n,)."""
+        """Return which points at ``position`` (n, dim) [m] are held: (n,)."""
         raise NotImplementedError
 
     def velocity(self, position: FloatArray, time: float) -> FloatArray:
@@ -47,7 +47,7 @@ class Boundary(NamedPlugIn):
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        """Find the held points; raise SceneError without any, or if bodies share the velocity field."""
+        """Find the held points; refuse none, and a shared velocity field."""
         self.state = state = setup.state
         found = []
         if state.grid.n_fields < len(state.bodies):
@@ -78,7 +78,7 @@ class Boundary(NamedPlugIn):
 
     @hookimpl
     def constrain_momentum(self, grid: Grid, time: float) -> None:
-        """(m v)_i = m_i V(x_i, t) at held nodes; ``time`` [s] is the end of the step."""
+        """(m v)_i = m_i V(x_i, t) at held nodes, t the end of the step."""
         nodes = np.flatnonzero(self.node_mass > 0.5 * grid.mass)
         position = grid.position[nodes]
         answer = self.velocity(position.copy(), time)

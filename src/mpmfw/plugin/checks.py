@@ -35,7 +35,7 @@ def naming(plugin: Any, place: str, state: State | None = None) -> Iterator[None
 
 
 def failure(error: BaseException, plugin: Any, place: str, state: State | None) -> MpmfwError:
-    """Return an error that names plug-in, place, step and time; without ``state`` a SceneError."""
+    """Return an error that names plug-in, place, step and time."""
     text = f"{described(plugin)} failed in {place}: {cause(error)}"
     if state is None:
         return SceneError(text)
@@ -63,10 +63,13 @@ def distribution_text(kind: type[Any]) -> str:
     return f"distribution {found[0]}" if found else f"no distribution (module {kind.__module__})"
 
 
-@functools.cache
 def bundled(kind: type[Any]) -> bool:
     """Return whether the class belongs to mpmfw's own distribution."""
-    package = kind.__module__.partition(".")[0]
+    return _is_bundled(kind.__module__.partition(".")[0])
+
+
+@functools.cache
+def _is_bundled(package: str) -> bool:
     return package == "mpmfw" or "mpmfw" in _announcing(package)
 
 
@@ -101,7 +104,7 @@ def declared_fields(answers: Iterable[tuple[Any, Iterable[Field]]]) -> tuple[Fie
 
 
 def of_points(method: str, material: Any, state: State, own: slice) -> FloatArray:
-    """Return the values of a material's method for the points ``own``: numbers, or stresses (3, 3)."""
+    """Return a material's numbers or stresses (3, 3) of the points ``own``."""
     shape = (own.stop - own.start, *((3, 3) if method == "stress_of_points" else ()))
     with naming(material, method, state):
         values = np.asarray(getattr(material, method)(state.particles, own))

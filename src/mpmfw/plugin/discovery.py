@@ -32,7 +32,7 @@ def nearest(name: str, valid: Iterable[str]) -> str | None:
 
 
 def did_you_mean(name: str, valid: Iterable[str]) -> str:
-    """Return ``did you mean 'x'?`` where a name is close, and all valid names but joined ones."""
+    """Return the nearest name if one is close, and all valid names."""
     names = sorted(valid)
     close = nearest(name, names)
     listed = one_of(names) if names else "none is installed"
@@ -48,7 +48,7 @@ def one_of(names: Sequence[str]) -> str:
 
 @functools.cache
 def distribution_of(entry: EntryPoint) -> str:
-    """Name of the distribution that announces the plug-in; none announces a ``module:Class``."""
+    """Return the distribution that announces the plug-in."""
     return "unknown distribution" if entry.dist is None else entry.dist.name
 
 
@@ -58,7 +58,7 @@ _JOINED = re.compile(rf"{_PLACE.pattern}|[\w.:]+\+{_PLACE.pattern}|{_PLACE.patte
 
 
 def names_code(text: str) -> bool:
-    """Return whether a plug-in's name, with or without options, has a ``module:Class`` in it."""
+    """Return whether a plug-in's name has a ``module:Class`` in it."""
     return any(_PLACE.fullmatch(part.strip()) for part in text.partition("(")[0].split("+"))
 
 
@@ -81,7 +81,7 @@ class Available(dict[str, EntryPoint]):
 
 
 def available(kind: Kind) -> Available:
-    """Return the installed plug-ins of one kind by name, sorted; of a name announced twice the first."""
+    """Return the installed plug-ins of a kind by name, sorted."""
     announced = _announced(kind, entry_points, _search_path())
     return Available({name: entries[0] for name, entries in announced.items()})
 
@@ -91,7 +91,7 @@ REFERENCES = ("rolling-cylinder", "rolling-sphere", "sliding-block", "pressed-bl
 
 
 def only_bundled(kind: Kind, name: str) -> bool:
-    """Return True if mpmfw brings the plug-in, and no other distribution announces one of its name."""
+    """Return True if mpmfw alone brings a plug-in of this name."""
     entries = _announced(kind, entry_points, _search_path()).get(name, [])
     return [distribution_of(entry) for entry in entries] == ["mpmfw"]
 
@@ -109,7 +109,7 @@ def unknown_groups() -> list[str]:
 
 
 def choices(kind: Kind) -> Available:
-    """Return the installed plug-ins of a kind, and contacts ``DETECTION+LAW``, with the law's entry."""
+    """Return the plug-ins of a kind, and contacts ``DETECTION+LAW``."""
     found = available(kind)
     if kind == "contact":
         found.place, laws = _JOINED, available("law").items()
@@ -118,7 +118,7 @@ def choices(kind: Kind) -> Available:
 
 
 def _search_path() -> tuple[tuple[str, int], ...]:
-    """Return the folders with distributions, and the times at which one came or went."""
+    """Return folders with distributions, and when these changed."""
     return tuple([(folder, os.stat(folder).st_mtime_ns) for folder in sys.path if os.path.isdir(folder)])
 
 
@@ -184,7 +184,7 @@ def load(kind: Kind, name: str) -> type[Any]:
 
 
 def refuse_class(plugin: type[Any]) -> None:
-    """Raise SceneError for a class without a name, of another interface, or not made of its options alone."""
+    """Refuse a class without a name, of another interface, or with other arguments."""
     refuse_nameless(plugin)
     if (version := getattr(plugin, "interface", 1)) != INTERFACE:
         raise SceneError(
@@ -202,7 +202,7 @@ def refuse_class(plugin: type[Any]) -> None:
 
 
 def refuse_nameless(plugin: type[Any]) -> None:
-    """Raise SceneError for a class whose class attribute ``name`` is missing, empty or not a string."""
+    """Refuse a class whose ``name`` is missing, empty or not a string."""
     name = getattr(plugin, "name", None)
     if not isinstance(name, str) or not name:
         raise SceneError(
@@ -212,7 +212,7 @@ def refuse_nameless(plugin: type[Any]) -> None:
 
 
 def options_of(plugin: Any) -> dict[str, Any]:
-    """Fields of the model of a plug-in's options, by name; a geometry is a model itself."""
+    """Return the fields of a plug-in's options, by name."""
     return dict(getattr(getattr(plugin, "Options", plugin), "model_fields", {}))
 
 

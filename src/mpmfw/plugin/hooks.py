@@ -29,7 +29,7 @@ BEFORE_THE_RUN = ("declare_fields", "setup")
 
 
 def make_manager() -> pluggy.PluginManager:
-    """Return the plug-in manager of one simulation: runs stand side by side in one process."""
+    """Return the plug-in manager of one simulation."""
     manager = pluggy.PluginManager("mpmfw")
     manager.add_hookspecs(HookSpecs)
     return manager
@@ -181,7 +181,7 @@ def _compiled(text: str, name: str) -> CodeType:
 def _around(
     impl: pluggy.HookImpl, name: str, inner: Callable[..., Any], state: State | None
 ) -> Callable[..., Any]:
-    """Return a hook with a wrapper, which is given the hook's result where it yields."""
+    """Return a hook with a wrapper, which gets the result where it yields."""
 
     def hook(**arguments: Any) -> Any:
         with naming(impl.plugin, name, state):

@@ -116,11 +116,11 @@ class HookSpecs:
 
     @hookspec
     def update_particle_domains(self, particles: Particles, grid: Grid, dt: float) -> None:
-        """Step 6: GIMP lengths or CPDI corners follow F. May change the shape function's own arrays."""
+        """Step 6: GIMP lengths or CPDI corners follow F. May change these."""
 
     @hookspec
     def update_stress(self, particles: Particles, dt: float) -> None:
-        """Step 6: σ of the material's own bodies from their F. May change ``particles.stress`` of these."""
+        """Step 6: σ of the material's bodies from F. May change their ``particles.stress``."""
 
     @hookspec
     def end_step(self, state: State) -> None:
@@ -145,5 +145,5 @@ class HookSpecs:
 
     @hookspec
     def concerns(self) -> list[str]:
-        """After the last step: warnings for a reader of the results, a sentence each. May change nothing."""
+        """After the last step: warnings for a reader of the results. May change nothing."""
         raise NotImplementedError

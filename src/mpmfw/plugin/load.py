@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @kernel
 def add_point_forces(begin: int, table: Table, force: Floats, node_force: Floats) -> None:
-    """f_i += Σ φ_ip f_p over the points from ``begin`` on, of which ``force`` (n, dim) is given."""
+    """f_i += Σ φ_ip f_p over the points from ``begin`` on."""
     for q in range(len(force)):
         for k in range(table.row[begin + q], table.row[begin + q + 1]):
             for d in range(force.shape[1]):
@@ -35,7 +35,7 @@ def measure_facets(
     which: Ints, facets: Ints, position: Floats, centre: Floats, normal: Floats, area: Floats,
     spacing: tuple[float, ...]
 ) -> None:  # fmt: skip
-    """Centre (n, dim) [m], outward unit normal (n, dim) and area (n,) [m^(dim−1)] of some facets."""
+    """Centre [m], outward unit normal and area [m^(dim−1)] of facets."""
     dim = len(spacing)
     corners, vector = scratch.matrix(spacing, spacing), scratch.vector(spacing)
     share = 1.0 if dim == 2 else 0.5  # the area vector of a triangle is twice its area
@@ -81,12 +81,12 @@ class Load(NamedPlugIn):
         return "external", f"load '{self.title}'"
 
     def copy_history(self, other: Load, index_map: IndexMap) -> None:  # noqa: ARG002
-        """Take the work that the same load has done in another simulation of its bodies."""
+        """Take the work of the same load in another simulation."""
         self.work, other.work = self.work + other.work, 0.0
 
 
 class BodyLoad(Load):
-    """Base of loads on material points: subclasses say the force on each, :meth:`forces`."""
+    """Base of loads on material points: :meth:`forces`."""
 
     def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
         """Return the force on each of a body's points ``own``, (n, dim) [N], at a ``time`` [s].
@@ -131,7 +131,7 @@ class LoadedFacets:
 
     @functools.cached_property
     def velocity(self) -> FloatArray:
-        """Mean velocity of the corners (n, dim) [m/s], before any force of this step."""
+        """Mean velocity of the corners (n, dim) [m/s], before this step's forces."""
         surface, grid = self._state.tracked_surface, self._state.grid
         phi = surface.table
         moving = phi.weight[:, None] * grid.start_velocity[phi.nodes]
@@ -140,7 +140,7 @@ class LoadedFacets:
 
 
 class SurfaceLoad(Load):
-    """Base of loads on surfaces: subclasses say the traction on each facet, :meth:`traction`."""
+    """Base of loads on surfaces: :meth:`traction`."""
 
     needs_surface = True
     #: Facets that it acts on, of all surfaces: (n,).
@@ -153,12 +153,12 @@ class SurfaceLoad(Load):
         return self
 
     def traction(self, facets: LoadedFacets, time: float) -> FloatArray:
-        """Return the force on each of the load's ``facets`` by its area, (n, dim) [Pa], at a ``time`` [s]."""
+        """Return the force on each of the ``facets`` by its area, (n, dim) [Pa]."""
         raise NotImplementedError
 
     @hookimpl
     def add_nodal_force(self, grid: Grid, state: State) -> None:
-        """Map the tractions with the surface nodes' functions, as contact forces (eq. 11 of [H17])."""
+        """Map tractions as contact forces (eq. 11 of [H17])."""
         surface, loaded = state.tracked_surface, LoadedFacets(state, self.facets)
         shape = (len(self.facets), state.grid.dim)
         force = loaded.area[:, None] * self.checked(self.traction(loaded, state.time), shape, state)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class About:
-    """Subject of a quantity, by names as in a study's table ``error``; None lets the motion decide."""
+    """Subject of a quantity; None lets the motion decide."""
 
     body: str | None = None  #: a body's name
     pair: str | None = None  #: two bodies', ``a-b``
@@ -34,7 +34,7 @@ class Measured:
 
 @dataclass(frozen=True)
 class Exact:
-    """Exact value of a quantity in SI units; ``at`` of a number or a field is constant, (1,)."""
+    """Exact value of a quantity in SI units."""
 
     kind: str  #: ``closed-form`` or ``reference``, as a study's ``error.kind``
     says: str  #: what it is, for a reader
@@ -42,7 +42,7 @@ class Exact:
 
 
 class Measure:
-    """Base of measures; the docstring says what is measured. The same run gives the same values."""
+    """Base of measures; the docstring says what is measured."""
 
     name: ClassVar[str]  #: in studies and campaigns
     unit: ClassVar[str]  #: of its values, SI, as ``m s-1``
@@ -58,20 +58,20 @@ class Measure:
         return (self.__doc__ or self.name).strip().splitlines()[0].rstrip(".")
 
     def of(self, run: xr.DataTree, scene: Scene, about: About) -> Measured:
-        """Read it off the results of a ``run`` of a ``scene``, of the body, pair or axis of ``about``."""
+        """Read it off the results of a ``run`` of a ``scene``."""
         raise NotImplementedError
 
     def exact(self, scene: Scene, about: About) -> Exact | None:  # noqa: ARG002
-        """Return its exact value in a ``scene``, of ``about``; None, the default, where it is not known."""
+        """Return its exact value in a ``scene``; None where it is not known."""
         return None
 
 
 class Reference:
-    """Base of closed forms, ``[reference] kind = "NAME"``, which replace those that measures know."""
+    """Base of closed forms, ``[reference] kind = "NAME"``."""
 
     name: ClassVar[str]  #: in scenes
     example: ClassVar[Mapping[str, Any]] = {}  #: scene of its kind that the checks compare with a run
 
     def exact(self, scene: Scene, measure: str, about: About) -> Exact | None:
-        """Return the exact value of a ``measure`` in a ``scene``, of ``about``; None if it is not known."""
+        """Return the exact value of a ``measure``; None if it is not known."""
         raise NotImplementedError

@@ -38,7 +38,7 @@ class NamedPlugIn(PlugIn):
                 yield (key, *index), text
 
     def from_setup(self, setup: Setup) -> Self | str:  # noqa: ARG002
-        """Return the plug-in, ready for the bodies as they are built, or the reason why it does not act."""
+        """Return the plug-in, ready for the bodies, or why it does not act."""
         return self
 
     def checked(
@@ -90,7 +90,7 @@ class OutputSeries(NamedPlugIn):
 
     @hookimpl
     def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
-        """Return the values of all declared series; raise PluginError for other ones."""
+        """Return the values of all declared series."""
         values = dict(self.values(state, interval))
         declared = {field.name for field in self.series()}
         if values.keys() != declared:

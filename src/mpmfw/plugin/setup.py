@@ -39,7 +39,7 @@ class Effect:
 
 @dataclass(frozen=True, slots=True)
 class Acts:
-    """An effect that acts: why, and the plug-ins that do it, in the order of their calls."""
+    """An effect that acts: why, and its plug-ins in the order of calls."""
 
     reason: str
     plugins: Sequence[Any] = ()
@@ -48,7 +48,7 @@ class Acts:
 
 @dataclass
 class Setup:
-    """The scene after discretisation: facts for plug-ins, their arrays, and the effects that act."""
+    """The scene after discretisation: facts, arrays and effects."""
 
     state: State  #: of time zero
     layouts: tuple[Layout, ...] = ()  #: of each body
@@ -82,7 +82,7 @@ class Setup:
 
     @property
     def pairs(self) -> tuple[Pair, ...]:
-        """All pairs of bodies; with the hook ``add_pairs``, of many bodies those that are near or named."""
+        """All pairs of bodies; of many bodies those that are near or named."""
         return self.state.pairs
 
     @property
@@ -127,7 +127,7 @@ class Setup:
         return [(body, side) for body in self.bodies for side in self.scene.bodies[body.name].sides]
 
     def face_of(self, body: Body, side: Side) -> tuple[FloatArray, float]:
-        """Return the outward unit normal n of a side at the start, and n·x on it [m]."""
+        """Return the outward unit normal n of a side, and n·x on it [m]."""
         axis = self.scene.bodies[body.name].geometry.axes[AXIS[side.side]]
         normal = axis if side.side in UPPER else -1.0 * axis
         if body.outlines:
@@ -172,7 +172,7 @@ class Setup:
 
     @functools.cached_property
     def remedies(self) -> dict[str, str]:
-        """Advice for a run that fails, by the part that it changes: step, scheme, contact and shape."""
+        """Advice for a run that fails, by the part that it changes."""
         found = {"step": f"a smaller {'time.safety' if self.scene.time.step is None else 'time.step'}"}
         if self.scheme != "usl" and self.shape != "linear":  # which needs MUSL
             found["scheme"] = "scheme 'usl'"
@@ -182,7 +182,7 @@ class Setup:
         return {**found, "shape": f"another shape than '{self.shape}'"}
 
     def add_effect(self, name: str, answer: Acts | str) -> None:
-        """Add what acts, or the reason why nothing does; without a name only the effect's own lines."""
+        """Add what acts, or why nothing does; a name adds a line for it."""
         acts = answer if isinstance(answer, Acts) else Acts(answer)
         if name:
             self.effects.append(Effect(name, acts is answer, acts.reason))
@@ -195,14 +195,14 @@ class Setup:
 
     @functools.cached_property
     def half_edges(self) -> FloatArray:
-        """Half-edge vectors r_a of the points' domains at the start, (n, dim, dim) [m], one a column."""
+        """Half-edge vectors r_a of domains at the start, (n, dim, dim) [m], as columns."""
         array = np.ascontiguousarray(np.concatenate([layout.half_edges for layout in self.layouts]))
         self.state.arrays["layout/half_edges"] = array
         return array
 
     @functools.cached_property
     def corners(self) -> FloatArray | None:
-        """Corners of the four-sided domains at the start, (n, 4, 2) [m], or None where a body has none."""
+        """Corners of four-sided domains at the start, (n, 4, 2) [m], or None."""
         if any(layout.corners is None for layout in self.layouts):
             return None
         return np.concatenate([layout.corners for layout in self.layouts if layout.corners is not None])

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def lay_out(scene: Scene) -> tuple[Layout, ...]:
-    """Discretise the bodies; those that differ by their centres alone once, about the origin."""
+    """Discretise the bodies; those that differ by their centres alone once."""
     asked = [_alike(body, scene) for body in scene.bodies.values()]
     made, times, about_the_origin = [], Counter(asked), functools.cache(discretise)
     for (name, body), alike in zip(scene.bodies.items(), asked, strict=True):
@@ -41,7 +41,7 @@ def lay_out(scene: Scene) -> tuple[Layout, ...]:
 
 
 def _alike(body: Any, scene: Scene) -> tuple[Any, Any, float]:
-    """Return the geometry about the origin (None without a centre), points' division and segment length."""
+    """Return geometry about the origin if it has a centre, division and segment length."""
     centre, geometry = getattr(body.geometry, "centre", None), None
     if centre is not None:  # made anew: a copy would have what the original has worked out
         geometry = type(body.geometry)(**{**dict(body.geometry), "centre": (0.0,) * len(centre)})
@@ -51,7 +51,7 @@ def _alike(body: Any, scene: Scene) -> tuple[Any, Any, float]:
 def make_bodies(
     scene: Scene, layouts: tuple[Layout, ...], materials: dict[str, Material], *, per_body: bool
 ) -> tuple[Body, ...]:
-    """Return the bodies of the state, with a velocity field for each, or one for all."""
+    """Return the bodies, with a velocity field for each, or one for all."""
     bodies, start = [], 0
     moduli = {name: _moduli(material) for name, material in materials.items()}
     for index, (name, model) in enumerate(scene.bodies.items()):
@@ -81,7 +81,7 @@ def make_bodies(
 
 
 def _moduli(material: Material) -> tuple[float, float]:
-    """Return K and G of a material [Pa]; raise SceneError unless K is positive and G at least 0."""
+    """Return K > 0 and G ≥ 0 of a material [Pa]; raise SceneError for others."""
     with naming(material, "its moduli"):
         values = {name: getattr(material, name) for name in ("bulk_modulus", "shear_modulus")}
     for name, value in values.items():
@@ -92,7 +92,7 @@ def _moduli(material: Material) -> tuple[float, float]:
 
 
 def check_bodies(scene: Scene, layouts: tuple[Layout, ...], bodies: tuple[Body, ...]) -> None:
-    """Refuse bodies that the grid does not hold, or that overlap unless the scene allows it."""
+    """Refuse bodies that leave the grid, or overlap without leave."""
     for body, layout in zip(bodies, layouts, strict=True):
         low = np.minimum(layout.position.min(axis=0), body.lower)
         high = np.maximum(layout.position.max(axis=0), body.upper)
@@ -133,14 +133,14 @@ def _check_overlap(bodies: tuple[Body, ...]) -> None:
 
 
 def _area(body: Body, shapely: Any) -> Any:
-    """Return the body's region as a shapely geometry; a loop within another is a hole."""
+    """Return the body's region; a loop within another is a hole."""
     return functools.reduce(shapely.symmetric_difference, map(shapely.Polygon, body.outlines))
 
 
 def make_particles(
     scene: Scene, layouts: tuple[Layout, ...], bodies: tuple[Body, ...], transfer: Transfer, n_fields: int
 ) -> Particles:
-    """The material points of all bodies at rest, with what the transfer needs of them, by velocity field."""
+    """Return the material points of all bodies at rest."""
     volume = np.concatenate([layout.volume for layout in layouts])
     sizes = {"particle": len(volume), "axis": scene.dim, "axis2": scene.dim}
     arrays: dict[str, Any] = {declared.name: declared.allocate(sizes) for declared in PARTICLE_FIELDS}
@@ -165,8 +165,7 @@ def make_particles(
 def initial_velocity(scene: Scene, state: State, interpolate: Callable[[], Stencil]) -> None:
     """Set v = v_0 + ω × (x − c), and the affine field that goes with it, on every body.
 
-    ``interpolate`` makes the table φ of the points where they are, if it is needed: a stored moment is B = W
-    D with D = Σ φ q qᵀ."""
+    A stored moment is B = W D with D = Σ φ q qᵀ, of the table φ that ``interpolate`` makes."""
     p = state.particles
     spread = _spread(state, interpolate()) if p.moment is not None else None
     for body in state.bodies:

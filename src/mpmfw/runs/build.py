@@ -45,8 +45,7 @@ def build(
 ) -> Setup:
     """Discretise the bodies, make the plug-ins that the scene names, and decide the effects.
 
-    Names and objects replace the scene's methods, and ``loads`` come on top. Raise SceneError if bodies
-    overlap or leave the grid, or if a method cannot run this scene."""
+    Names and objects replace the scene's methods, and ``loads`` come on top."""
     contact, shape = _strategy("contact", contact), _strategy("shape", shape)
     chosen = chosen_methods(contact, shape)
     if isinstance(scene, Scene):  # methods that it has already need no second reading
@@ -78,8 +77,7 @@ def build(
 def build_some(whole: Setup, which: Sequence[int]) -> Setup:
     """Build some of the bodies as they were at the start; methods are made anew of the same options.
 
-    One body alone has no contact. All bodies together decide the largest wave speed, whether there is
-    friction, and whether surfaces are tracked."""
+    All bodies together decide the largest wave speed, friction, and whether surfaces are tracked."""
 
     def again(plugin: Any) -> Any:
         return None if plugin is None else type(plugin).from_options(plugin.options)
@@ -94,7 +92,7 @@ def build_some(whole: Setup, which: Sequence[int]) -> Setup:
 
 
 def chosen_methods(contact: Any, shape: Any) -> dict[str, str]:
-    """Return the keys of the scene that methods given by name set; strategy objects set none."""
+    """Return the keys of the scene that methods given by name set."""
     given = {"contact.method": contact, "shape.method": shape}
     return {key: value for key, value in given.items() if isinstance(value, str)}
 
@@ -108,7 +106,7 @@ def _put_together(
     loads: Mapping[str, Load],
     whole: Setup | None = None,
 ) -> Setup:
-    """Join methods to bodies and their state; ``whole`` has all bodies if these are some."""
+    """Join methods to bodies; ``whole`` has all bodies if these are some."""
     per_body = whole is not None or (contact is not None and contact.velocity_fields == "per_body")
     bodies = make_bodies(scene, layouts, materials, per_body=per_body)
     scheme, name = scene.stepping.chosen(shape)
@@ -161,7 +159,7 @@ def _put_together(
 def _named(
     scene: Scene, bodies: tuple[Body, ...], loads: Mapping[str, Load]
 ) -> dict[str, dict[str, NamedPlugIn]]:
-    """Return the plug-ins of the scene's tables, by table and name, with their titles and bodies."""
+    """Return the plug-ins of the scene's tables, by table and name."""
     made: dict[str, dict[str, NamedPlugIn]] = {}
     for group in ("loads", "boundaries", "outputs"):
         made[group] = {}
@@ -178,9 +176,8 @@ def _named(
 
 
 def _add_interfaces(setup: Setup) -> None:
-    """Add the friction law and all pairs of bodies.
-
-    Of more than a few bodies only named pairs are listed, if the strategy takes the others as they come."""
+    """Add the friction law and all pairs of bodies; of many bodies those that are named, if the strategy
+    takes the others as they come."""
     given, contact, state = setup.scene.contact, setup.contact, setup.state
     if given is not None and given.friction_law is not None and contact and contact.takes_friction_law:
         setup.friction_law = _plugin("friction", given.friction_law, given.friction_options)
@@ -209,7 +206,7 @@ def _plugin(kind: Any, name: str, options: Any) -> Any:
 
 
 def _strategy(kind: Kind, given: Any) -> Any:
-    """Return a method as it was given: None, a name, or a strategy object, which a class is made into."""
+    """Return None, a name, or a strategy object, which a class is made into."""
     if given is None or isinstance(given, str):
         return given
     if not isinstance(given, (type, BASES[kind])):
@@ -241,7 +238,7 @@ def _check_dimensions(scene: Scene, plugin: Any, key: str) -> None:
 
 
 def _check_unused_contact(scene: Scene) -> None:
-    """Refuse options of the scene's contact, and a friction law, where one body has nothing to touch."""
+    """Refuse options and a friction law where one body has nothing to touch."""
     given = scene.contact
     options = () if given is None or given.options is None else sorted(given.options.model_fields_set)
     keys = [f"{given.method}.{option}" for option in options] if given else []

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class Recorder:
-    """Makes the header and the frames of one run; ``recording`` plug-ins implement ``diagnostics``."""
+    """Makes the header and the frames of one run."""
 
     history = ("_intervals",)
 
@@ -64,7 +64,7 @@ class Recorder:
         )
 
     def frame(self, interval: float, *, points: bool = True) -> Frame:
-        """Return the arrays of now; ``interval`` [s] is the time since the last output, 0 at the first."""
+        """Return the arrays of now, ``interval`` [s] after the last output."""
         state = self.state
         update_pairs(state, self.hook)
         check_state_finite(state)
@@ -95,7 +95,7 @@ class Recorder:
         )
 
     def points_are_due(self, time: float) -> bool:
-        """Return True if the output at ``time`` [s] has points; to be called once for each but the first."""
+        """Return True if the output at ``time`` [s] has points; call it once for each."""
         if self._particle_interval is None:
             return True
         before = self._intervals
@@ -115,7 +115,7 @@ class Recorder:
         return values
 
     def _check_constant(self) -> None:
-        """Refuse masses or initial volumes that are not those of the start: no hook may change them."""
+        """Refuse masses or initial volumes that a hook changed."""
         if self._sums() != self._constant:
             text = (
                 "a plug-in changed the material points' masses or initial volumes, "
@@ -129,7 +129,7 @@ class Recorder:
 
 
 def check_state_finite(state: State) -> None:
-    """Raise SimulationError with body, point and array if the state holds NaN or infinity."""
+    """Raise SimulationError with body, point and array for NaN or infinity."""
     p = state.particles
     for name in ("position", "velocity", "deformation_gradient", "stress"):
         values = getattr(p, name)
@@ -148,7 +148,6 @@ def check_state_finite(state: State) -> None:
 
 
 def _stored(field: Field) -> Field:
-    """The field as the file has it: of material points in single precision, in which no picture differs."""
     static = (field.group, field.name) in STATIC
     moving = field.group == "particles" and np.dtype(field.dtype) == np.float64 and not static
     return dataclasses.replace(field, dtype="f4") if moving else field

@@ -28,8 +28,8 @@ _LIBRARIES = ("numpy", "numba", "scipy", "shapely")
 def key_of(scene: Scene, contact: Any = None, shape: Any = None, what: str = "") -> str:
     """Return a name for the run of a scene: the same for the same meaning, code and libraries.
 
-    Strategy objects may replace the scene's methods. One whose class or state cannot be known again in
-    another process has a new key each time. ``what`` is done with the scene, where it is not simply run."""
+    A strategy object that cannot be known again in another process gives a new key each time. ``what`` is
+    done with the scene, where it is not simply run."""
     objects = {
         kind: _of_object(one) for kind, one in (("contact", contact), ("shape", shape)) if one is not None
     }
@@ -38,7 +38,7 @@ def key_of(scene: Scene, contact: Any = None, shape: Any = None, what: str = "")
 
 
 def code_of(scene: Scene, contact: Any = None, shape: Any = None) -> dict[str, str]:
-    """Hash of the core and of the plug-ins' packages, and the versions of what they compute with, by name."""
+    """Return hashes and versions of what computes the run, by name."""
     methods = [(kind, each.model) for group, kind in NAMED.items() for each in getattr(scene, group).values()]
     if shape is None:
         methods.append(("shape", scene.shape.method))
@@ -80,7 +80,7 @@ def _home(kind: Kind, name: str) -> str:
 
 
 def _meaning(scene: Scene, objects: Mapping[str, Any]) -> dict[str, Any]:
-    """The scene's validated tables; of methods and materials the options of those that run."""
+    """Return the scene's tables; of plug-ins the options of those that run."""
     tables = scene.model_dump(exclude={"title", "reference", "threads"})
     for kind, chosen in (("contact", scene.contact), ("shape", scene.shape)):
         if tables.get(kind) is not None and chosen is not None:
@@ -113,8 +113,8 @@ def _rounded(value: Any) -> Any:
 
 
 def _of_object(plugin: Any, known: frozenset[int] = frozenset()) -> list[str]:
-    """Class, options and state of a strategy object, and of the objects that it holds; something new where
-    they say nothing that lasts. ``known`` are those that hold it."""
+    """Return class, options and state of an object and of those that it holds, or something new; ``known``
+    are those that hold it."""
     kind, state = type(plugin), dict(vars(plugin)) if hasattr(plugin, "__dict__") else {}
     options = state.pop("options", None)
     given = options.model_dump() if hasattr(options, "model_dump") else repr(options)
@@ -144,14 +144,14 @@ def _core() -> str:
 
 
 def counted(folder: Path) -> list[Path]:
-    """Return the files of a copy of mpmfw in a folder that the numbers of a run depend on."""
+    """Return the files of mpmfw in a folder that numbers of a run depend on."""
     parts = (folder / part for part in _COUNTED)
     return [path for part in parts for path in (part.rglob("*.py") if part.is_dir() else [part])]
 
 
 @functools.cache
 def package(name: str) -> str:
-    """Hash of the sources and tables of a package, which is not imported; empty where there are none."""
+    """Hash of a package's sources and tables; empty where there are none."""
     if name == "__main__":
         file = getattr(sys.modules["__main__"], "__file__", None)
         return sources([Path(file)]) if file is not None and Path(file).is_file() else ""

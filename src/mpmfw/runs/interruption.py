@@ -14,7 +14,7 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 class Interruption:
-    """Turns both signals into :class:`~mpmfw.errors.Interrupted`, or holds one back as ``waiting``."""
+    """Turns both signals into Interrupted, or holds one back as ``waiting``."""
 
     def __init__(self) -> None:
         self.waiting: int | None = None
@@ -28,7 +28,7 @@ class Interruption:
 
     @contextmanager
     def deferred(self) -> Iterator[None]:
-        """Context in which the first signal waits for :meth:`check`; a second takes effect at once."""
+        """Context in which the first signal waits for :meth:`check`."""
         self._deferred = True
         try:
             yield
@@ -44,7 +44,7 @@ class Interruption:
 
 @contextmanager
 def interruptible() -> Iterator[Interruption]:
-    """Context in which both signals are taken; in another thread than the main one they are left alone."""
+    """Context in which both signals are taken; in the main thread alone."""
     taking, before = Interruption(), {}
     if threading.current_thread() is threading.main_thread():
         for number in _SIGNALS:
@@ -60,7 +60,7 @@ def interruptible() -> Iterator[Interruption]:
 
 @contextmanager
 def unbroken() -> Iterator[None]:
-    """Context that no signal breaks off: the handler of the first that came is called at its end."""
+    """Context that no signal breaks off: the first is handled at its end."""
     before, received = {}, list[tuple[int, FrameType | None]]()
     if threading.current_thread() is threading.main_thread():
         for number in _SIGNALS:

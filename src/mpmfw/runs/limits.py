@@ -1,7 +1,6 @@
-"""Upper bounds of what a run takes, memory, steps, frames and results, and a refusal of what cannot be meant.
+"""Upper bounds of memory, steps, frames and results, and a refusal of what cannot be meant.
 
-A misplaced power of ten makes a run that never ends, or more memory than there is. The limits of steps and
-frames are far beyond what runs of this kind take, and a run past them begins if it is forced."""
+A misplaced power of ten makes a run that never ends, or more memory than there is."""
 
 from __future__ import annotations
 
@@ -23,8 +22,8 @@ if TYPE_CHECKING:
     from mpmfw.scene import Scene
     from mpmfw.scene.tables import Body
 
-#: Bytes that a material point, a node of a window and a surface node take at most, by dimension: state,
-#: contact, and all that is made on the way. Measured of a point: 1500 in 2D and 4500 in 3D, CPDI on a disc.
+#: Most bytes of a material point, a node of a window and a surface node, by dimension. Measured of a point:
+#: 1500 in 2D and 4500 in 3D, CPDI on a disc.
 BYTES = {2: (2_000, 400, 1_000), 3: (6_000, 600, 2_000)}
 
 #: Extent of a body in cells below which nothing of it is left by the layouts.
@@ -38,7 +37,7 @@ _BEYOND = 10
 
 
 def largest_counts(body: Body, cell_size: float) -> FloatArray:
-    """Return upper bounds of a body's material points, nodes of its window and surface nodes, (3,)."""
+    """Return the most points, window nodes and surface nodes of a body, (3,)."""
     geometry, extent = body.geometry, np.subtract(*body.geometry.bounds[::-1])
     fitted = body.particles.layout == "fitted"
     # No edge of a fitted layout may exceed the size: where it follows a curve, most are well below it
@@ -55,14 +54,14 @@ def largest_counts(body: Body, cell_size: float) -> FloatArray:
 
 
 def most_memory(scene: Scene) -> float:
-    """Return the memory that the scene needs at most beside the program itself [bytes]."""
+    """Return the most memory that the scene needs [bytes]."""
     cell, each = scene.grid.cell_size, np.array(BYTES[scene.dim])
     return float(sum(largest_counts(body, cell) @ each for body in scene.bodies.values()))
 
 
 def check_memory(scene: Scene) -> None:
-    """Raise SceneError for more memory or nodes than there can be, and for bodies outside the grid or far
-    thinner than a cell. Nothing is made yet. The message names the key that decides."""
+    """Refuse more memory or nodes than there can be, and bodies outside the grid or far thinner than a
+    cell."""
     cell = scene.grid.cell_size
     for name, body in scene.bodies.items():
         lower, upper = body.geometry.bounds
@@ -100,7 +99,7 @@ def check_memory(scene: Scene) -> None:
 
 
 def _memory_limits() -> Iterator[float]:
-    """Yield the memory of this machine, and of the group of processes that this one is in [bytes]."""
+    """Yield the memory of this machine and of this group of processes [bytes]."""
     if hasattr(os, "sysconf") and "SC_PHYS_PAGES" in os.sysconf_names:
         yield float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES")
     for file in ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"):
@@ -120,7 +119,7 @@ def shown_bytes(count: float) -> str:
 def check_box_inside(
     scene: Scene, name: str, lower: FloatArray, upper: FloatArray, slack: float = 0.0
 ) -> None:
-    """Raise SceneError for a body whose bounding box leaves the grid by more than ``slack`` [m]."""
+    """Refuse a body that leaves the grid by more than ``slack`` [m]."""
     grid = scene.grid
     if (lower < np.array(grid.lower) - slack).any() or (upper > np.array(grid.upper) + slack).any():
         raise SceneError(
@@ -139,7 +138,7 @@ def _box(body: Body) -> str:
 
 
 def coarse_bodies(scene: Scene) -> list[str]:
-    """Return warnings about points or cells that are larger than the body that they resolve."""
+    """Return warnings about points or cells larger than their body."""
     texts, cell = [], scene.grid.cell_size
     for name, body in scene.bodies.items():
         least = (1.0 + 1e-9) * float(np.subtract(*body.geometry.bounds[::-1]).min())
@@ -169,7 +168,7 @@ def outputs_of(scene: Scene) -> int:
 
 
 def steps_of(scene: Scene, step: float) -> float:
-    """Return the steps that a run will take, each of at most ``step`` [s], settling left out."""
+    """Return the steps that a run will take, each of at most ``step`` [s]."""
     time = scene.time
     if time.outputs == "nearest":
         return float(math.ceil(time.end / step - 1e-9))
@@ -177,7 +176,7 @@ def steps_of(scene: Scene, step: float) -> float:
 
 
 def check_length(simulation: Simulation) -> None:
-    """Raise SceneError, with the key that decides, for more steps or frames than anybody wants."""
+    """Refuse more steps or frames than anybody wants."""
     time, settle = simulation.scene.time, simulation.scene.settle
     forced = "; --force (force=True) runs it all the same"
     frames = outputs_of(simulation.scene) + 1.0
@@ -229,7 +228,7 @@ def remarks_on_results(scene: Scene, header: RunHeader) -> list[str]:
 
 
 def results_size(scene: Scene, header: RunHeader) -> tuple[float, float, float]:
-    """Return the number of frames with points, bytes of each, and bytes of all results."""
+    """Return frames with points, bytes of each, and bytes of all results."""
     lengths = {"axis": header.dim, "axis2": header.dim, "rotation": 1 if header.dim == 2 else 3}
     lengths |= {"body": len(header.bodies), "pair": len(header.pairs)}
     lengths |= {"particle": sum(header.particle_count.values())}

@@ -28,13 +28,13 @@ class Prediction:
     """Cost of a run."""
 
     first_step: float  #: its length [s], of settling in a scene that settles
-    steps: int  #: if the time step's limit stays as it is at the start
+    steps: int  #: if the time step's limit stays as it is
     stages: Mapping[str, float]  #: CPU time of the steps by stage [s]
-    settle_steps: int  #: most that settling may take before it gives up; 0 in a scene that does not settle
-    output_time: float  #: CPU time of frames, energy ledger and gap [s], without writing to a file
-    start_time: float  #: CPU time of this process up to the trial [s]: imports, compiled kernels, the build
-    memory: int  #: bytes of all arrays, those that are allocated with the first step included
-    limits: tuple[tuple[float, str], ...]  #: stable steps [s] with the first contacts, and their owners
+    settle_steps: int  #: at most; 0 in a scene that does not settle
+    output_time: float  #: CPU time of frames, energy ledger and gap [s], without writing
+    start_time: float  #: CPU time of this process up to the trial [s]
+    memory: int  #: of all arrays [bytes]
+    limits: tuple[tuple[float, str], ...]  #: stable steps [s] and their owners
 
     @property
     def cpu_time(self) -> float:
@@ -48,7 +48,7 @@ class Prediction:
 
 
 def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
-    """Predict the cost of a simulation, which is used up; ``arrays`` are the bytes of those it has."""
+    """Predict the cost of a simulation beside ``arrays`` [bytes]; it is used up."""
     before, clock, settle = clocks.process_time(), simulation.clock, simulation.scene.settle
     with ExitStack() as stack:
         stack.enter_context(clock.watching_compilation())
@@ -95,7 +95,7 @@ def _start(simulation: Simulation, stack: ExitStack) -> Callable[[], None]:
 
 
 def _tables(simulation: Simulation) -> int:
-    """Return the bytes of interpolation tables and contact rows, which the first step fills."""
+    """Return the bytes of tables and contact rows, which a step fills."""
     surface, contact = simulation.state.surface, simulation.contact
     tables = [interpolate(simulation.state, simulation.hook, simulation.clock)]
     tables += [] if surface is None else [surface.table]
@@ -106,7 +106,7 @@ def _tables(simulation: Simulation) -> int:
 
 
 def driven_speed(simulation: Simulation) -> FloatArray:
-    """Largest speed of driven sides along each axis (dim,) [m/s]; 0 where none is driven."""
+    """Largest speed of driven sides along each axis (dim,) [m/s]."""
     speed = np.zeros(simulation.scene.dim)
     for body in simulation.scene.bodies.values():
         for side in body.sides:
@@ -116,11 +116,10 @@ def driven_speed(simulation: Simulation) -> FloatArray:
 
 
 def share_of_springs(simulation: Simulation, axis: int | None) -> float:
-    """Estimate the part of a given displacement that contact springs take, in series with the bodies.
+    """Estimate the part of a displacement that contact springs take, in series with the bodies.
 
     Under a unit of pressure springs give by h / (κ M), and a body by its length over M. A pair counts if its
-    bodies' boxes are less than a cell apart and, with an ``axis``, lie one after the other along it. 0 where
-    contact has no springs."""
+    boxes are less than a cell apart and, with an ``axis``, follow each other along it."""
     state, h = simulation.state, simulation.scene.grid.cell_size
     law: Any = getattr(simulation.contact, "law", None)
     springs = law.compliance() if hasattr(law, "compliance") else None

@@ -1,7 +1,7 @@
 """Restart: now and then the values that a run keeps, in a file beside its results, from which it goes on.
 
-The file is an archive of NumPy (``.npz``) that holds arrays by place, and names no class and no function.
-Each array has a checksum, which is compared before anything is used."""
+The file is an archive of NumPy (``.npz``) of arrays by place, with checksums. It names no class and no
+function."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def write_snapshot(path: str, saved: Mapping[str, AnyArray], facts: Facts | None
 
 
 def is_foreign(path: str) -> bool:
-    """Return whether something is there that is not a checkpoint; an empty file is nothing."""
+    """Return whether something is there that is not a checkpoint."""
     try:
         if not os.path.isfile(path):
             return os.path.lexists(path)
@@ -103,10 +103,10 @@ def read_snapshot(path: str) -> tuple[dict[str, AnyArray], Facts | None]:
 
 
 class Checkpoints:
-    """Called after every step of a run: writes a checkpoint when it is time, or when a signal waits.
+    """Called after every step: writes a checkpoint ``every`` so many seconds, or when a signal waits.
 
-    It is time ``every`` so many seconds of wall time; infinity means never. ``objects`` are strategy objects
-    instead of the scene's methods, by kind. The run was ``resumed`` at these times [s] so far."""
+    ``objects`` are strategy objects instead of the scene's methods. The run was ``resumed`` at these times
+    [s] so far."""
 
     def __init__(
         self, simulation: Any, writer: RunWriter, signals: Any, every: float, objects: Mapping[str, Any],
@@ -141,7 +141,7 @@ class Checkpoints:
             self.write()
 
     def write(self) -> None:
-        """Replace the last one; where that fails, a warning says so once and the run goes on without."""
+        """Replace the last one; where that fails, warn and write no more."""
         if self.path is None or self._next == math.inf:
             return
         self.simulation.clock("output")
@@ -157,7 +157,7 @@ class Checkpoints:
             warnings.warn(f"no checkpoints are written: {error}", ResultsWarning, stacklevel=2)
 
     def forget(self) -> None:
-        """Remove the checkpoint and what unfinished writing left; a foreign file of its name stays."""
+        """Remove the checkpoint and unfinished files; a foreign file stays."""
         if self.path is not None and not is_foreign(self.path):
             for path in (Path(self.path), *abandoned(self.path), *abandoned(str(self.writer.path))):
                 with contextlib.suppress(OSError):
@@ -165,7 +165,7 @@ class Checkpoints:
 
 
 def read_checkpoint(path: str) -> tuple[dict[str, AnyArray], Facts]:
-    """Read the checkpoint beside a run's file: arrays by place, the copy of the results too, and the facts.
+    """Read arrays by place, the copy of the results too, and the facts, from beside a run's file.
 
     Raise SceneError if the run ended, or if the checkpoint is missing, damaged, or of another run."""
     file, there = checkpoint_path(path), {"kind": "run", "status": "running"}
@@ -204,7 +204,7 @@ def read_checkpoint(path: str) -> tuple[dict[str, AnyArray], Facts]:
 def check_same(
     facts: Facts, header: RunHeader, scene: Scene, objects: Mapping[str, Any], force: bool
 ) -> None:
-    """Raise SceneError for other methods than the run had; unless ``force``, for other code or processor."""
+    """Refuse other methods, and unless ``force`` other code or processor."""
     for kind, then in facts.same.items():
         if then != (now := str(header.attributes[kind])):
             raise SceneError(
@@ -225,6 +225,6 @@ def check_same(
 
 
 def _dependencies(scene: Scene, objects: Mapping[str, Any]) -> dict[str, str]:
-    """Return the versions of all that the bits of a run depend on beside its scene, by name."""
+    """Return the versions of all that the bits depend on, by name."""
     code = code_of(scene, objects.get("contact"), objects.get("shape"))
     return {**code, "python": platform.python_version(), "processor": str(get_host_cpu_name())}

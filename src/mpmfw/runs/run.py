@@ -61,10 +61,10 @@ def run(
     force
         Begin a run that has more steps or frames than the limits in ``mpmfw.runs.limits``.
     checkpoint
-        Wall time, [s] or as ``"10 min"``, between two checkpoints beside the file, ``OUTPUT.checkpoint``,
-        from which :func:`mpmfw.resume` goes on; ten minutes by default, ``math.inf`` for none.
+        Wall time, [s] or as ``"10 min"``, between two files ``OUTPUT.checkpoint``, from which
+        :func:`mpmfw.resume` goes on; ten minutes by default, ``math.inf`` for none.
     threads
-        That share the work of each step, in place of the scene's; the results are the same to the bit.
+        That share each step, in place of the scene's; the results are the same to the bit.
 
     Returns
     -------
@@ -77,8 +77,7 @@ def run(
     SimulationError
         The run failed; what it reached is in the file, and in the error's attribute ``results``.
     Interrupted
-        Ctrl-C or SIGTERM; the outputs before are in the file, whose status is ``interrupted``, and a
-        checkpoint beside it.
+        Ctrl-C or SIGTERM; the file has the outputs before, and a checkpoint beside it.
     """
     with begun(scene, contact, shape, output, set, force, checkpoint, threads) as checkpoints:
         return run_on(checkpoints, progress).results()
@@ -95,7 +94,7 @@ def begun(
     checkpoint: float | str | None = None,
     threads: int | None = None,
 ) -> Iterator[Checkpoints]:
-    """Yield the checkpoints of a run before its first step, with its simulation and its writer."""
+    """Yield the checkpoints of a run before its first step."""
     if checkpoint is not None and output is None:
         raise SceneError("checkpoint: has no effect on results that are kept in memory; give an output")
     restart_peak_memory()
@@ -127,7 +126,7 @@ def _objects(contact: Any, shape: Any) -> dict[str, Any]:
 
 
 def seconds_between(given: float | str) -> float:
-    """Return the wall time between two checkpoints [s] of a number, or of a text such as ``"10 min"``."""
+    """Return the wall time [s] of a number, or of a text such as ``"10 min"``."""
     with suppress(ValueError):
         seconds = to_si(parse_value(given) if isinstance(given, str) else given, "s")
         if isinstance(seconds, int | float) and seconds >= 0.0:
@@ -147,19 +146,18 @@ def resume(
     threads: int | None = None,
     trust: bool = False,
 ) -> xr.DataTree:
-    """Go on with a run from its last checkpoint; it ends as it would have without the interruption, to the
-    bit.
+    """Go on with a run from its last checkpoint; it ends as without the interruption, to the bit.
 
     Parameters
     ----------
     results
         The run's file; the outputs after the checkpoint are written again.
     contact, shape
-        The strategy objects that the run was given, as they were then; not those that the scene names.
+        The strategy objects that the run was given, as they were then.
     force
         Go on with another version of the code, a library or the interpreter, or on another processor.
     trust
-        Whether the run may name ``module:Class``, whose code is imported; a checkpoint may be a stranger's.
+        Whether the run may name ``module:Class``, whose code is imported.
     progress, checkpoint, threads
         As of :func:`mpmfw.run`; the time between two checkpoints is as before by default.
 
@@ -170,8 +168,7 @@ def resume(
     Raises
     ------
     SceneError
-        There is no checkpoint, it is damaged or of another run, the run is finished, or something else than
-        then would run it.
+        The checkpoint is missing, damaged or of another run or version, or the run is finished.
     SimulationError, Interrupted
         As :func:`mpmfw.run`.
     """
@@ -189,7 +186,7 @@ def resumed(
     threads: int | None = None,
     trust: bool = False,
 ) -> Iterator[Checkpoints]:
-    """Yield the checkpoints of a resumed run, with its simulation and its writer, as :func:`resume` says."""
+    """Yield the checkpoints of a resumed run."""
     restart_peak_memory()
     every = None if checkpoint is None else seconds_between(checkpoint)
     path = os.path.abspath(results)
@@ -248,7 +245,7 @@ def run_on(checkpoints: Checkpoints, progress: Callable[[float, int], None] | No
 
 
 def _how_to_go_on(checkpoints: Checkpoints) -> str:
-    """Return the message of an interrupted run: the outputs that it left, and how to go on."""
+    """Return the outputs that an interrupted run left, and how to go on."""
     simulation, writer = checkpoints.simulation, checkpoints.writer
     text = f"interrupted at {simulation.state.time:.6g} s of {simulation.scene.time.end:g} s"
     how = "run it again for the rest"
@@ -261,7 +258,7 @@ def _how_to_go_on(checkpoints: Checkpoints) -> str:
 
 
 def _end(simulation: Simulation, status: str) -> dict[str, Any]:
-    """Return the attributes that are known at the end; a run that failed may have no remarks."""
+    """Return the attributes of the end; a failed run may have no remarks."""
     remarks: dict[str, list[str]] = {}
     with suppress(MpmfwError) if status.startswith("failed") else nullcontext():
         remarks = simulation.remarks()

@@ -76,13 +76,13 @@ class Simulation:
 
     @classmethod
     def of(cls, setup: Setup, clock: Clock, threads: int) -> Simulation:
-        """Return the simulation of what is built already, on so many threads; its time goes to ``clock``."""
+        """Return the simulation of what is built; its time goes to ``clock``."""
         simulation = cls.__new__(cls)
         simulation._assemble(setup, clock, threads)
         return simulation
 
     def _assemble(self, setup: Setup, clock: Clock, threads: int) -> None:
-        """Register all that acts, call the plug-ins' setup, and lay the grid round the bodies."""
+        """Register all that acts, set it up, and lay the grid."""
         self.setup, self.clock, self.threads = setup, clock, threads
         setup.limits = self.limits
         self.scene, self.state, self.contact = setup.scene, setup.state, setup.contact
@@ -132,8 +132,8 @@ class Simulation:
         return [impl.plugin for impl in reversed(getattr(self.manager.hook, hook).get_hookimpls())]
 
     def _check_supports(self) -> None:
-        """Refuse a body whose shape functions reach beyond the grid before it has moved; the bundled ones
-        stay in a window that the grid's edge has not cut off."""
+        """Refuse a body whose shape functions reach beyond the grid at the start; the bundled ones stay in a
+        window that is not cut off."""
         if bundled(type(self.shape)) and not is_cut_off(self.state.grid):
             return
         try:
@@ -159,17 +159,16 @@ class Simulation:
         return self._time_step.limits(self.hook)
 
     def stable_step(self) -> float:
-        """Length of a step as the limits are [s], with the contacts that were detected last; before the first
-        step, with those that contact takes for granted. See :meth:`mpmfw.step.timestep.TimeStep.next`."""
+        """Length of a step [s], with the contacts that were detected last."""
         running = self if self._sleep is None else self._sleep.running
         return running._time_step.next(running.hook)
 
     def step(self, dt: float | None = None) -> None:
-        """Take a step of ``dt`` [s], or of the stable length, once the step's contacts are detected."""
+        """Take a step of ``dt`` [s], or of the stable length."""
         self._take_step(self.stable_step if dt is None else lambda: dt)
 
     def step_towards(self, target: float) -> None:
-        """Take one of the equal steps that lead to ``target`` [s] exactly, if the limit stays as it is."""
+        """Take one of the equal steps that lead to ``target`` [s] exactly."""
         state, last = self.state, False
 
         def length() -> float:
@@ -195,7 +194,7 @@ class Simulation:
 
     @contextlib.contextmanager
     def extra_plugin(self, plugin: Any) -> Iterator[None]:
-        """Register a plug-in for a while: the damping of settling leaves nothing behind."""
+        """Register a plug-in for a while, such as the damping of settling."""
         self.manager.register(plugin, name=plugin.name)
         self._bind_hooks()
         try:
@@ -218,7 +217,7 @@ class Simulation:
         self.clock.restart()
 
     def begin_settling(self) -> Settling:
-        """Return the settling that the scene asks for; loads, sides and transfer are its own from now on."""
+        """Return the settling, whose loads, sides and transfer act from now on."""
         if self._settling is None:
             self._settling = Settling(self.setup)
             self.transfer = self._settling.transfer
@@ -226,7 +225,7 @@ class Simulation:
         return self._settling
 
     def _end_settling(self, settling: Settling) -> None:
-        """Go back to the scene's own loads, sides and transfer, without motion and with nothing recorded."""
+        """Go back to the scene's loads, sides and transfer, at rest."""
         self._settling, self.transfer = None, self.setup.exchange
         settling.end(self.state)
         self.clock.flush()
@@ -237,7 +236,7 @@ class Simulation:
         self._settled |= {"settle_time": sum(cpu.values()), **cpu}
 
     def advance(self, steps: int, write: Callable[[Frame], None] | None = None) -> None:
-        """Run a number of stable steps; ``write`` gets a frame at first and after every step."""
+        """Take stable steps; ``write`` gets a frame at first and after every step."""
         with self.clock.watching_compilation():
             self.start()
         if write is not None:
@@ -257,9 +256,8 @@ class Simulation:
     ) -> None:
         """Run to the end; hand a frame to ``write`` at time zero and at every output.
 
-        A simulation that was loaded goes on from where it was saved. ``after_step`` is called when a step is
-        complete, those of settling as well: there, and before the run, it may be saved. If the run fails by a
-        SimulationError, the frames so far are complete."""
+        A restored simulation goes on from where it was. ``after_step`` is called after every step, those of
+        settling as well: there, and before the run, it may be saved."""
         with self.clock.watching_compilation():
             if self._next_output == 0:
                 self.start(after_step)
@@ -276,8 +274,7 @@ class Simulation:
     def _steps_to_output(self) -> Iterator[None]:
         """Step to the next output, which the last step ends at exactly.
 
-        With ``time.outputs = "nearest"`` outputs before the last shorten no step: the steps end where no end
-        of a step is nearer, if the next step is as long as the last."""
+        With ``time.outputs = "nearest"`` outputs before the last shorten no step."""
         state, time, due = self.state, self.scene.time, self._due
         exact = time.outputs == "exact" or due == time.end
         while state.time < (due if exact else time.end) and (exact or state.time + 0.5 * state.dt <= due):
@@ -285,7 +282,7 @@ class Simulation:
             yield
 
     def _reach_output(self, write: Callable[[Frame], None] | None) -> None:
-        """Write the output that is due, unless the nearest step is the last output's or the end's."""
+        """Write the output that is due, unless another output has this step."""
         now, time, due = self.state.time, self.scene.time, self._due
         last = self._next_output == outputs_of(self.scene)
         self._next_output += 1
@@ -324,7 +321,7 @@ class Simulation:
     # -- how it is kept
 
     def snapshot(self) -> dict[str, AnyArray]:
-        """Return all values that the next step, the next output or the end depend on, between two steps."""
+        """Return all values that the rest of the run depends on."""
         self._gather()
         self.clock.flush()
         return take(self._parts())
@@ -358,7 +355,7 @@ class Simulation:
             raise NotSaved(str(error)) from error
 
     def _parts(self) -> dict[str, Any]:
-        """Everything that has values, by its name in messages: the plug-ins and what is between them."""
+        """Return everything that has values, by its name in messages."""
         damping = None if self._settling is None else self._settling.damping  # registered while it steps
         plugins = dict(self.manager.list_name_plugin())
         kept = {f"plug-in '{name}'": each for name, each in plugins.items() if each is not damping}
@@ -367,7 +364,7 @@ class Simulation:
     # -- what it leaves
 
     def header(self, attributes: Mapping[str, Any] | None = None) -> RunHeader:
-        """Return the header of the results' file, with ``attributes`` beside its own."""
+        """Return the header of the results, with ``attributes`` beside its own."""
         return self._recorder.header(
             {
                 "title": self.scene.title or self.scene.name,
@@ -388,7 +385,7 @@ class Simulation:
         )
 
     def concerns(self) -> list[str]:
-        """Return warnings for a reader of the results, a sentence each; complete after the last step."""
+        """Return warnings for a reader of the results; complete at the end."""
         of_plugins = [text for answer in self.hook.concerns() or [] for text in answer]
         return [*coarse_bodies(self.scene), *concern(self._settled), *of_plugins]
 
@@ -399,7 +396,7 @@ class Simulation:
         return str(verdict.status)
 
     def remarks(self) -> dict[str, list[str]]:
-        """Return lists of words for the results: ``warnings``, and ``time_step_owners`` with these series."""
+        """Return the warnings, and the names of time step owners."""
         watch = self.manager.get_plugin("time_step_series")
         owners = {} if watch is None else {"time_step_owners": list(watch.owners)}
         return {"warnings": self.concerns(), **owners}

@@ -1,8 +1,7 @@
 """Sleep of bodies at rest: the active simulation, which has the other bodies, takes the steps.
 
-Bodies that are near each other sleep and wake together, so that inactive bodies act on none of the others.
-Near are bodies whose windows of the grid share a node: until windows are laid anew, no body leaves its own.
-An inactive body keeps its velocity and its springs, and goes on from there when something disturbs it."""
+Bodies whose windows of the grid share a node sleep and wake together, so that inactive bodies act on none of
+the others. An inactive body keeps its velocity and its springs."""
 
 from __future__ import annotations
 
@@ -42,7 +41,7 @@ IMPULSES = ("impulse", "friction_impulse")
 
 
 def from_setup(setup: Setup) -> Acts:
-    """Return when bodies fall asleep; raise SceneError if something needs all bodies in every step."""
+    """Return when bodies fall asleep; refuse what needs all bodies."""
     settings, contact, output = setup.scene.sleep, setup.contact, setup.scene.output
     assert settings is not None
     measured = [key for key in ("ledger", "stability", "contact_moment") if getattr(output, key)]
@@ -117,7 +116,7 @@ class Sleep:
         return dt
 
     def _look(self, time: float) -> None:
-        """Put bodies to sleep that have been at rest for long enough and are near none that has not."""
+        """Put bodies to sleep that rest and are near none that does not."""
         running, awake = self.running, np.flatnonzero(~self.inactive)
         state = running.state
         v = state.particles.velocity
@@ -173,7 +172,7 @@ class Sleep:
             self._divide()
 
     def _forces(self, body: int, time: float) -> tuple[list[AnyArray], float]:
-        """Gravity [m/s²] and loads [N or Pa] on a body, and the acceleration of all of them [m/s²]."""
+        """Return gravity [m/s²] and loads [N or Pa], and their acceleration [m/s²]."""
         state, own = self.full.state, self.full.state.bodies[body]
         mass = float(state.particles.mass[own.particles].sum())
         values: list[AnyArray] = [] if self._gravity is None else [self._gravity.at(time)]
@@ -191,7 +190,7 @@ class Sleep:
         return values, float(np.linalg.norm(total)) / mass
 
     def gather(self, time: float) -> None:
-        """Copy the active bodies' state back, and add the impulses of the others up to ``time`` [s]."""
+        """Copy the active bodies' state back; count impulses of the others."""
         full = self.full.state
         for name, rate in self.rates.items():
             full.arrays[self._records[name]][: len(rate)] += (time - self.counted) * rate
@@ -207,7 +206,7 @@ class Sleep:
         _hand_over(self.active, self.full)
 
     def _divide(self) -> None:
-        """Build the active simulation anew, and keep forces only of pairs of which both bodies sleep."""
+        """Build the active simulation anew; keep forces of sleeping pairs."""
         ends = self.full.state.pair_bodies
         asleep = self.inactive[ends[:, 0]] & self.inactive[ends[:, 1]]
         self.rates = {name: np.where(asleep[: len(r), None], r, 0.0) for name, r in self.rates.items()}
@@ -215,7 +214,7 @@ class Sleep:
         self._build(None)
 
     def _build(self, windows: dict[str, IntArray] | None) -> None:
-        """Build the active simulation, unless it has all bodies or none, with these windows or new ones."""
+        """Build the active simulation, if it has some bodies and not all."""
         full, awake = self.full, np.flatnonzero(~self.inactive).tolist()
         self.active, self.frame = None, -1
         if 0 < len(awake) < len(self.inactive):
@@ -234,7 +233,7 @@ class Sleep:
             _hand_over(full, self.active)  # once more: now it lists the pairs
 
     def restored(self) -> None:
-        """Build the active simulation as it was; raise NotSaved if the values are not those of the bodies."""
+        """Build the active simulation as it was."""
         if any(len(rate) > len(self.full.state.pairs) for rate in self.rates.values()):
             raise NotSaved("more pairs slept than there are")
         if self.inactive.any() and not self.inactive.all():
@@ -242,7 +241,7 @@ class Sleep:
 
 
 def _reached(start: AnyArray, first: IntArray, second: IntArray) -> AnyArray:
-    """Return ``start`` (n,), extended by all that pairs of ``first`` and ``second`` join to it."""
+    """Return ``start`` (n,), extended by all that pairs join to it."""
     joined = coo_array((np.ones(len(first)), (first, second)), shape=(len(start), len(start)))
     group = connected_components(joined, directed=False)[1]
     return np.isin(group, group[start])

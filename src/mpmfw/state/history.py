@@ -20,11 +20,11 @@ TYPES = ("<f8", "<f4", "<i8", "<i4", "|i1", "|u1", "|b1")
 
 
 class NotSaved(MpmfwError):
-    """A history holds something that cannot be saved, or what was saved does not fit."""
+    """What cannot be saved, or does not fit what was built."""
 
 
 def history_of(part: Any) -> tuple[str, ...] | None:
-    """Return the names that the classes of an object declare, those of its bases first; None without any."""
+    """Return the names that an object's classes declare; None without any."""
     declared = [vars(kind)["history"] for kind in reversed(type(part).__mro__) if "history" in vars(kind)]
     return tuple(dict.fromkeys(name for names in declared for name in names)) if declared else None
 
@@ -50,7 +50,7 @@ def take(parts: Mapping[str, Any]) -> dict[str, AnyArray]:
 
 
 def put(saved: Mapping[str, AnyArray], parts: Mapping[str, Any]) -> None:
-    """Give values to parts that were built alike; arrays of an unchanged shape are filled in place."""
+    """Give values to parts that were built alike, in place where possible."""
     left, visited = dict(saved), list[Any]()
     for holder, name, place in _places(parts, visited):
         old = getattr(holder, name)
@@ -80,7 +80,7 @@ def check_indices(count: int, **arrays: AnyArray) -> None:
 
 
 def _places(parts: Mapping[str, Any], visited: list[Any]) -> Iterator[tuple[Any, str, str]]:
-    """Yield holder, attribute and place of every value; append all parts to ``visited``."""
+    """Yield holder, attribute and place of every value; list all parts."""
     for place, part in parts.items():
         visited.append(part)
         for name in history_of(part) or ():
@@ -94,7 +94,7 @@ def _places(parts: Mapping[str, Any], visited: list[Any]) -> Iterator[tuple[Any,
 
 
 def _fitting(place: str, new: AnyArray | None, old: Any) -> Any:
-    """Return the saved value of a place as the value there is; an empty array there takes any length."""
+    """Return the saved value; an empty array takes any length."""
     if new is None:
         raise NotSaved(f"{place} was not saved")
     here = np.zeros(0) if old is None else np.asarray(old)
@@ -109,7 +109,6 @@ def _fitting(place: str, new: AnyArray | None, old: Any) -> Any:
 
 
 def _assign(holder: Any, name: str, old: Any, new: Any) -> None:
-    """Give an attribute its value: by its setter, or within the arrays and the dictionary that are there."""
     if getattr(getattr(type(holder), name, None), "fset", None) is not None:
         setattr(holder, name, new)
     elif isinstance(old, dict):

@@ -46,7 +46,6 @@ class IndexMap:
 
 
 def _indices(count: int, slices: Sequence[tuple[slice, slice]]) -> IntArray:
-    """Return ``count`` indices: those of each first slice are the second's, others −1."""
     found = np.full(count, -1, dtype=np.int64)
     for theirs, ours in slices:
         found[theirs] = np.arange(ours.start, ours.stop)

@@ -90,7 +90,7 @@ class BodyPairs:
         return Pair(index, first, second, label, mu, self.friction_law)
 
     def update(self, state: State) -> bool:
-        """List the pairs that are near now and were not before; return whether there are any."""
+        """List pairs that have come near; return whether there are any."""
         grid = state.grid
         windows = grid.n_fields == len(self.names)
         if windows and grid.frame == self._frame:
@@ -100,7 +100,7 @@ class BodyPairs:
         return self.add(state, *overlapping(*(boxes if windows else _outlines(state))))
 
     def add(self, state: State, first: IntArray, second: IntArray) -> bool:
-        """List pairs that are not listed yet, by both bodies; return whether there are any."""
+        """List pairs that are new; return whether there are any."""
         return self._list(state, np.setdiff1d(first * len(self.names) + second, self._listed))
 
     def restore(self, state: State, bodies: IntArray) -> bool:
@@ -117,7 +117,7 @@ class BodyPairs:
         return self._list(state, keys[len(listed) :])
 
     def _list(self, state: State, new: IntArray) -> bool:
-        """List pairs by the number of the first body times that of all bodies, plus the second's."""
+        """List pairs by the index ``first * bodies + second``."""
         self._listed = np.union1d(self._listed, new)
         start = len(state.pairs)
         bodies = (divmod(key, len(self.names)) for key in new.tolist())
@@ -126,7 +126,7 @@ class BodyPairs:
 
 
 def _outlines(state: State) -> tuple[AnyArray, AnyArray]:
-    """Boxes of the outlines, wider by half a cell on each side; infinite where none are tracked."""
+    """Boxes of the outlines, wider by half a cell; infinite without."""
     lower = np.full((len(state.bodies), state.grid.dim), np.inf)
     upper = np.full_like(lower, -np.inf)
     if state.surface is not None:

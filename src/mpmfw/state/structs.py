@@ -91,7 +91,7 @@ class Pair:
 
     @property
     def friction(self) -> float:
-        """Coulomb's μ [1]; raise SceneError if the scene names a friction law, which contact would ignore."""
+        """Coulomb's μ [1]; raise SceneError if there is a friction law."""
         if self.friction_law is not None:
             raise SceneError(
                 f"the friction of pair {self.label} was asked for, but contact.friction_law = "
@@ -103,7 +103,7 @@ class Pair:
 
 @dataclass(eq=False)
 class Particles(Struct):
-    """Material points of all bodies, body after body. Kernels see the arrays that are never None."""
+    """Material points, body after body; kernels see arrays that are never None."""
 
     member_names = (
         "position", "velocity", "mass", "initial_volume", "volume", "deformation_gradient",
@@ -136,7 +136,7 @@ class Particles(Struct):
         return struct(**{name: array[begin:end] for name, array in self.members().items()})
 
     def times_thickness(self, measure: FloatArray) -> FloatArray:
-        """A ``measure`` of the points, such as their volume (n,) [m^dim], times the thickness."""
+        """A ``measure`` of the points, such as volume, times the thickness."""
         return measure if self.thickness is None else measure * self.thickness
 
     @property
@@ -198,7 +198,7 @@ class Grid(Struct):
 
 @dataclass(slots=True)
 class Surface:
-    """Closed surfaces of all bodies, which move with the grid: segments in the plane, triangles in space."""
+    """Closed surfaces of all bodies: segments in the plane, or triangles."""
 
     history = ("position", "displacement")
 
@@ -282,11 +282,11 @@ class State:
 
     @property
     def kept_arrays(self) -> dict[str, AnyArray]:
-        """Plug-ins' declared arrays whose rows belong to bodies; others hold nothing from step to step."""
+        """Plug-ins' declared arrays whose rows belong to bodies."""
         return {key: self.arrays[key] for key, dims in self.dims.items() if dims and dims[0] in OF_BODIES}
 
     def lengthen(self, name: str, rows: int) -> AnyArray:
-        """Return a new array in place of a plug-in's ``owner/name``, with zeros added to so many ``rows``."""
+        """Replace a plug-in's ``owner/name`` by one with more ``rows``, of zeros."""
         old = self.arrays[name]
         longer = self.arrays[name] = np.zeros((rows, *old.shape[1:]), dtype=old.dtype)
         longer[: len(old)] = old

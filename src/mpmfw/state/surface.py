@@ -12,7 +12,7 @@ from mpmfw.state.structs import Body, Surface
 
 
 def make_surface(bodies: tuple[Body, ...], n_fields: int, stage: str) -> Surface:
-    """Join the bodies' surfaces; stage ``gap`` marks a surface that serves the diagnostic alone."""
+    """Join the bodies' surfaces; stage ``gap`` is of the diagnostic alone."""
     position, facets, owner, facet_owner = [], [], [], []
     start = 0
     for body in bodies:
@@ -43,7 +43,7 @@ def make_surface(bodies: tuple[Body, ...], n_fields: int, stage: str) -> Surface
 
 
 def least_gaps(surface: Surface, first: IntArray, second: IntArray, spacing: tuple[float, ...]) -> FloatArray:
-    """Return the least node-to-facet distance of every two bodies ``first`` and ``second``, (n,) [m]."""
+    """Return the least node-to-facet distance of every two bodies, (n,) [m]."""
     gaps = np.zeros(len(first))
     geometry = Facets(**{name: getattr(surface, name) for name in Facets.member_names})
     minimum_gaps(first, second, surface.body_first, surface.facet_first, geometry, gaps, spacing)

@@ -15,7 +15,7 @@ MARGIN = 3
 
 
 def make_grid(cell_size: float, lower: FloatArray, upper: FloatArray, n_fields: int) -> Grid:
-    """An empty grid from ``lower`` to at least ``upper``; windows are laid by :func:`fit_windows`."""
+    """Return an empty grid from ``lower`` to at least ``upper``."""
     dim = len(lower)
     cells = np.ceil((upper - lower) / cell_size - 1e-9).astype(np.int64)
     sizes = {"node": 0, "axis": dim}
@@ -43,7 +43,7 @@ def fit_windows(grid: Grid, particles: Particles, reach: FloatArray, surface: Su
 def fitted_windows(
     grid: Grid, particles: Particles, reach: FloatArray, surface: Surface | None
 ) -> tuple[IntArray, IntArray]:
-    """Return first node and shape of every window, (n_fields, dim), as :func:`fit_windows` lays it."""
+    """Return the windows that :func:`fit_windows` lays, (n_fields, dim) each."""
     low, high = particles.position - reach, particles.position + reach
     first, shape = np.empty_like(grid.window_lower), np.empty_like(grid.window_shape)
     for index in range(grid.n_fields):
@@ -96,7 +96,7 @@ def allocate_nodes(grid: Grid) -> None:
 
 
 def _node(grid: Grid, position: FloatArray) -> IntArray:
-    """Background index of the node below ``position``, limited to a range that integers can hold."""
+    """Background index of the node below ``position``, limited."""
     index = np.floor((position - grid.lower) / grid.cell_size)
     node: IntArray = np.clip(np.nan_to_num(index), -10, grid.nodes + 10).astype(np.int64)
     return node

@@ -122,7 +122,7 @@ SCHEMES = {"usl": usl, "musl": musl, "usf": usf}
 
 
 def begin(state: State, hook: Any, clock: Clock, length: Length) -> tuple[Stencil, float]:
-    """Fill the tables, project, detect contacts; return the points' table and the length of the step [s]."""
+    """Fill the tables, project, detect contacts; return φ and Δt."""
     p, g = state.particles, state.grid
     clock("shape")
     phi = interpolate(state, hook, clock)
@@ -209,7 +209,7 @@ def _over_nodes(p: Particles, kernel: Callable[..., Any], *given: Any) -> None:
 
 
 def project(p: Particles, phi: Stencil, g: Grid) -> None:
-    """m_i, (m v)_i and the velocity v_i⁰ that increments are counted from; forces become zero."""
+    """m_i, (m v)_i and v_i⁰; forces become zero."""
     for array in (g.mass, g.momentum, g.force):
         array.fill(0.0)
     _apply_moment(p, phi, g, p.position)
@@ -225,7 +225,7 @@ def project_again(p: Particles, phi: Stencil, g: Grid, position: FloatArray) -> 
 
 
 def _apply_moment(p: Particles, phi: Stencil, g: Grid, position: FloatArray) -> None:
-    """C_p = B_p D_p⁻¹ at the present stencil, for a transfer that stores the moment B_p."""
+    """C_p = B_p D_p⁻¹, for a transfer that stores the moment B_p."""
     if p.moment is not None and p.affine is not None:
         _over_points(p, particle_grid.affine_from_moment, position, p.moment, p.affine, phi, g, g.spacing)
 
@@ -236,7 +236,7 @@ def add_internal_force(p: Particles, phi: Stencil, g: Grid) -> None:
 
 
 def add_forces(state: State, hook: Any, phi: Stencil, dt: float) -> None:
-    """All forces, (m v)_i += Δt f_i, all corrections of the momentum, and the velocity that follows."""
+    """All forces, (m v)_i += Δt f_i, its corrections, and v_i."""
     p, g = state.particles, state.grid
     add_internal_force(p, phi, g)
     hook.add_nodal_force(grid=g, state=state, phi=phi, dt=dt)
@@ -248,7 +248,7 @@ def add_forces(state: State, hook: Any, phi: Stencil, dt: float) -> None:
 
 
 def gather(p: Particles, phi: Stencil, g: Grid, transfer: Transfer, dt: float) -> None:
-    """v_p, x_p, L_p and the affine field from the grid's final velocity; the field is not transported yet."""
+    """v_p, x_p, L_p and the affine field, which is not transported yet."""
     kind = transfer.affine
     affine = p.moment if kind == "moment" else p.affine if kind == "least_squares" else None
     least_squares = kind == "least_squares"
@@ -269,7 +269,7 @@ def transport_affine(p: Particles, transfer: Transfer, g: Grid, dt: float) -> No
 
 
 def update_deformation(state: State, dt: float) -> None:
-    """F ← (1 + Δt L) F, V = det(F) V_0; raise Diverged if det F is not positive, or not a number."""
+    """F ← (1 + Δt L) F, V = det(F) V_0; raise Diverged unless det F > 0."""
     p = state.particles
     bad = _over_points(p, particle_grid.update_deformation, dt, state.grid.spacing)
     if bad < 0:

@@ -81,7 +81,7 @@ def write(_typing: Any, numbers: Any, t: Any, value: Any) -> Any:  # noqa: ARG00
 
 @kernel
 def wait(numbers: Ints, t: int, value: int, looks: int) -> bool:
-    """Look at number ``t`` of ``numbers`` (n * APART,) some times; return True once it is ``value``."""
+    """Look at number ``t`` some times; return True once it is ``value``."""
     for _ in range(looks):  # noqa: SIM110
         if read(numbers, t) == value:
             return True
@@ -90,7 +90,7 @@ def wait(numbers: Ints, t: int, value: int, looks: int) -> bool:
 
 @kernel
 def begin(numbers: Ints, value: int, looks: int) -> None:
-    """Write number 0, which all threads look at, and give them time to take the interpreter's lock."""
+    """Write number 0, which all threads look at, and wait a little."""
     write(numbers, 0, value)
     for _ in range(looks):
         read(numbers, 0)
@@ -98,7 +98,7 @@ def begin(numbers: Ints, value: int, looks: int) -> None:
 
 @kernel
 def end(numbers: Ints, t: int, value: int, looks: int) -> bool:
-    """Write number ``t`` of a thread that is done; return True once number 0 is another than ``value``."""
+    """Write number ``t``; return True once number 0 is not ``value``."""
     write(numbers, t, value)
     for _ in range(looks):  # noqa: SIM110
         if read(numbers, 0) != value:
@@ -137,7 +137,7 @@ class Threads:
         return list(itertools.pairwise(cuts))
 
     def firsts(self, first: IntArray) -> list[IntArray]:
-        """``first`` of the velocity fields, for every thread with its part of the points alone."""
+        """Return ``first`` of the velocity fields for every thread's points."""
         return [np.clip(first, *part) for part in self.parts(0, int(first[-1]))]
 
     def over_points(self, kernel: Callable[..., int | None], *arguments: Any) -> int:
@@ -153,7 +153,7 @@ class Threads:
         return -1
 
     def _parts_of(self, argument: Any, ranges: list[tuple[int, int]]) -> list[Any]:
-        """Return each thread's part of an array or a struct, kept while its arrays are the same, or all."""
+        """Return each thread's part of an array or struct, or all of it."""
         if isinstance(argument, np.ndarray):
             return [argument[begin:end] for begin, end in ranges]
         if not hasattr(argument, "part"):
@@ -165,7 +165,7 @@ class Threads:
         return parts
 
     def over_slices(self, kernel: Callable[..., Any], slices: Sequence[slice], *arguments: Any) -> None:
-        """Call ``kernel(first, last, *arguments)`` for parts of every slice of the points."""
+        """Call ``kernel(first, last, *arguments)`` for parts of slices."""
         ranges = [self.parts(own.start, own.stop) for own in slices]
         self.each(lambda t: [kernel(*each[t], *arguments) for each in ranges])
 

@@ -77,7 +77,7 @@ class TimeStep:
         return step
 
     def _advice(self, owner: str) -> str:
-        """Return ways to lengthen the steps that a contact limits, by options that it has."""
+        """Return ways to lengthen the steps that a contact limits."""
         for contact in self.limiting:
             if hasattr(contact, "softer_by") and owner.startswith(
                 (contact.name, contact.name.split("+")[-1])
@@ -91,7 +91,7 @@ class TimeStep:
         return ", ".join([*ways, "or another shape function"])
 
     def check(self, hook: Any) -> None:
-        """Raise SceneError if ``time.step`` or ``time.safety`` asks for a step past the first limit."""
+        """Refuse a step past the first limit."""
         limits = self.limits(hook)
         step: float = self._safety * min(limits)[0] if self._fixed is None else self._fixed
         if self._checked and (refusal := self._refusal(step, limits)):
@@ -113,7 +113,7 @@ class TimeStep:
         return [self._bulk, *answers]
 
     def _refusal(self, step: float, limits: list[tuple[float, str]]) -> str:
-        """Return the reason if a step is past a stability limit; the bulk is unstable below h / c already."""
+        """Return the reason if a step is past a stability limit."""
         limit, owner = min([self._least_refused, *limits[1:]])
         if step <= limit * (1.0 + 1e-12):
             return ""
@@ -155,7 +155,7 @@ class Clock(_event.Listener):  # type: ignore[misc]
         return previous
 
     def flush(self) -> None:
-        """Add what was measured since the last flush to :attr:`wall` and :attr:`cpu` [s]."""
+        """Add what was measured since the last flush to the totals [s]."""
         self(self._stage)
         cpu_now = time.process_time()
         elapsed = sum(self._wall_frame.values())
