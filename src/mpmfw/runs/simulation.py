@@ -258,45 +258,28 @@ class Simulation:
 
         A restored simulation goes on from where it was. ``after_step`` is called after every step, those of
         settling as well: there, and before the run, it may be saved."""
+        state, time, last = self.state, self.scene.time, outputs_of(self.scene)
         with self.clock.watching_compilation():
             if self._next_output == 0:
                 self.start(after_step)
                 self._output(write, 0.0)
                 self._next_output = 1
-            while self._next_output <= outputs_of(self.scene):
-                for _ in self._steps_to_output():
-                    if progress is not None and self.state.steps % REPORT_EVERY == 0:
-                        progress(self.state.time, self.state.steps)
+            while (number := self._next_output) <= last:
+                exact = time.outputs == "exact" or number == last
+                due = time.end if number == last else number * time.output_interval
+                target = due if exact else time.end
+                # Outputs that are not exact shorten no step: they are at the step's end that is nearest
+                while state.time < target and (exact or state.time + 0.5 * state.dt <= due):
+                    self.step_towards(target)
+                    if progress is not None and state.steps % REPORT_EVERY == 0:
+                        progress(state.time, state.steps)
                     if after_step is not None:
                         after_step()
-                self._reach_output(write)
-
-    def _steps_to_output(self) -> Iterator[None]:
-        """Step to the next output, which the last step ends at exactly.
-
-        With ``time.outputs = "nearest"`` outputs before the last shorten no step."""
-        state, time, due = self.state, self.scene.time, self._due
-        exact = time.outputs == "exact" or due == time.end
-        while state.time < (due if exact else time.end) and (exact or state.time + 0.5 * state.dt <= due):
-            self.step_towards(due if exact else time.end)
-            yield
-
-    def _reach_output(self, write: Callable[[Frame], None] | None) -> None:
-        """Write the output that is due, unless another output has this step."""
-        now, time, due = self.state.time, self.scene.time, self._due
-        last = self._next_output == outputs_of(self.scene)
-        self._next_output += 1
-        if time.outputs == "exact" or last or now not in (self._last_output, time.end):
-            points = last or self._recorder.points_are_due(due)
-            self._output(write, now - self._last_output, points=points)
-            self._last_output = now
-
-    @property
-    def _due(self) -> float:
-        """Time of the next output [s]."""
-        time = self.scene.time
-        last = self._next_output == outputs_of(self.scene)
-        return float(time.end if last else self._next_output * time.output_interval)
+                self._next_output += 1
+                if exact or state.time not in (self._last_output, time.end):
+                    points = number == last or self._recorder.points_are_due(due)
+                    self._output(write, state.time - self._last_output, points=points)
+                    self._last_output = state.time
 
     def frame(self) -> Frame:
         """Return the arrays of this moment, as an output would have them."""

@@ -6,6 +6,7 @@ covers its window of the background grid; windows lie one after the other in fla
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -67,9 +68,9 @@ class Body:
     outlines: tuple[FloatArray, ...]  #: nodes (m, dim) [m] of its closed surfaces; () without surface
     facets: tuple[IntArray, ...] = ()  #: of each of them the facets' nodes (k, dim), material on the left
     thickness: float = 1.0  #: across the plane [m]; in space 1
-    areal_density: float = field(init=False)  #: ρ times the thickness [kg/m²], in space ρ [kg/m³]
-    p_wave_modulus: float = field(init=False)  #: M = K + 4 G / 3 [Pa]
-    wave_speed: float = field(init=False)  #: c = sqrt(M / ρ) [m/s]
+    areal_density: float = dataclasses.field(init=False)  #: ρ times the thickness [kg/m²], in space ρ [kg/m³]
+    p_wave_modulus: float = dataclasses.field(init=False)  #: M = K + 4 G / 3 [Pa]
+    wave_speed: float = dataclasses.field(init=False)  #: c = sqrt(M / ρ) [m/s]
 
     def __post_init__(self) -> None:
         modulus = self.bulk_modulus + 4.0 * self.shear_modulus / 3.0
