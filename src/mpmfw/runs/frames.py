@@ -69,25 +69,24 @@ class Recorder:
         update_pairs(state, self.hook)
         check_state_finite(state)
         self._check_constant()
-        arrays: dict[tuple[str, str], AnyArray] = {}
-        for group, struct in (("particles", state.particles), ("surface", state.surface)):
-            core = [at for at in self.fields if at[0] == group and at[1] not in self._by_name]
-            arrays |= {at: getattr(struct, at[1]) for at in core}
+        groups = ("particles", "surface", "series", "contact") if points else ("surface", "series", "contact")
+        found: dict[str, dict[str, AnyArray]] = {group: {} for group in groups}
+        for group, name in self.fields:
+            if group in found and name not in self._by_name:
+                found[group][name] = getattr(getattr(state, group), name)
         answers = self.hook.diagnostics(state=state, interval=interval, points=points) or []
         who = self.recording if len(answers) == len(self.recording) else [None] * len(answers)
         for plugin, answer in zip(who, answers, strict=True):
             with naming(plugin, "diagnostics", state):
                 for name, values in answer.items():
-                    arrays[self._by_name[name].group, name] = self._checked(plugin, name, values)
-        found: dict[str, dict[str, AnyArray]] = {"particles": {}, "surface": {}, "series": {}, "contact": {}}
-        for (group, name), values in arrays.items():
-            if (group, name) in self.fields and (points or group != "particles"):
-                found[group][name] = values
+                    group, checked = self._by_name[name].group, self._checked(plugin, name, values)
+                    if group in found and (group, name) in self.fields:
+                        found[group][name] = checked
         pairs, by_pair = state.pairs, found.pop("contact")
         contact = {pair.label: {name: v[pair.index] for name, v in by_pair.items()} for pair in pairs}
         return Frame(
             time=state.time,
-            particles=found["particles"],
+            particles=found.get("particles", {}),
             surface=found["surface"],
             series=found["series"],
             contact=contact if by_pair else {},
