@@ -103,7 +103,6 @@ def compare(
 
 
 def _first(scene: Any, methods: Mapping[str, Sequence[Any]], shared: Mapping[str, Any]) -> Scene | None:
-    """Return the scene with the first methods, if it is not refused."""
     named = {f"{kind}.method": chosen[0] for kind, chosen in methods.items() if isinstance(chosen[0], str)}
     try:
         return load_scene(scene, set={**shared, **named})
@@ -139,7 +138,6 @@ def _write(dataset: xr.Dataset, path: str) -> None:
 
 
 def _methods(kind: Kind, chosen: Sequence[Any]) -> list[Any]:
-    """Return the methods, names as labels write them."""
     if isinstance(chosen, str) or len(chosen) == 0:
         raise SceneError(f"{kind}: expected a list of at least one method, got {chosen!r}")
     methods = [written(kind, one, kind) if isinstance(one, str) else object_of(one) for one in chosen]

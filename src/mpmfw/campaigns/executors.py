@@ -206,7 +206,6 @@ def _knock(comm: Any, address: str) -> None:
 
 
 def _begin_worker() -> None:
-    """Ignore Ctrl-C, and end when the parent dies."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
 
@@ -220,7 +219,6 @@ def _begin_worker() -> None:
 
 @contextmanager
 def _one_thread() -> Iterator[None]:
-    """Context in which processes start with one thread each."""
     before = {name: os.environ.get(name) for name in _THREADS}
     os.environ.update(dict.fromkeys(_THREADS, "1"))
     try:

@@ -157,7 +157,6 @@ def _combination(
 def _of_contact(
     scene: Any, objects: dict[str, Any], methods: Mapping[str, Any], value: Any
 ) -> dict[str, Any]:
-    """Return the override of κ for a contact that has it."""
     own = objects.get("contact")
     if own is not None:
         if has_option("contact", own, "kappa"):

@@ -283,7 +283,6 @@ def _read_reference(error: ErrorTable, at: At, beside: Callable[[Any], Any]) -> 
 
 
 def _within(at: FloatArray, time: FloatArray, values: FloatArray) -> FloatArray:
-    """Return a curve at other times, NaN outside."""
     slack = 1e-9 * (time[-1] - time[0])
     inside = (at >= time[0] - slack) & (at <= time[-1] + slack)
     return np.where(inside, np.interp(at, time, values), np.nan)

@@ -148,7 +148,6 @@ def inferred(measure: Measure, run: xr.DataTree, scene: Scene, about: About) -> 
 
 
 def _largest(sizes: xr.DataArray, dim: str) -> str:
-    """Return the label of the largest value."""
     return str(sizes[dim].values[int(np.argmax(sizes.fillna(0.0).values))])
 
 

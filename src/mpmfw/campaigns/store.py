@@ -142,7 +142,6 @@ class Store:
     def _current(
         self, keys: set[str], takes: Callable[[Mapping[str, str]], bool], days: float | None
     ) -> set[str]:
-        """Those of the keys whose runs would be taken today."""
         oldest = -math.inf if days is None else time.time() - 86400.0 * days
         found = {key: self._read(key) for key in keys if self._path(key, "json").stat().st_mtime >= oldest}
         return {key for key, one in found.items() if one is not None and takes(one.code)}
@@ -160,7 +159,6 @@ class Store:
 
 
 def _is_past(path: Path, known: set[str], keep: set[str]) -> bool:
-    """Return True if a file is of a run to be forgotten."""
     key = key_in(path, "json") or key_in(path, "nc")
     if key in known:
         return key not in keep

@@ -62,7 +62,6 @@ def exit_status(command: Callable[..., Any]) -> Callable[..., None]:
 
 @contextmanager
 def _plain_warnings() -> Iterator[None]:
-    """Context in which warnings about results are one line on stderr."""
     shown = warnings.showwarning
 
     def show(message: Warning | str, category: type[Warning], *rest: Any, **named: Any) -> None:

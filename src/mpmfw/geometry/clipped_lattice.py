@@ -170,7 +170,6 @@ def _most_shared(piece: int, beside: npt.NDArray[np.intp], owner: npt.NDArray[np
 
 
 def _root(owner: npt.NDArray[np.intp], piece: int) -> int:
-    """The piece that ``piece`` belongs to after all joins so far."""
     while owner[piece] != piece:
         piece = int(owner[piece])
     return piece

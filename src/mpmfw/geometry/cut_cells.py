@@ -72,7 +72,6 @@ def cut_cells(corners: FloatArray, counts: tuple[int, int, int]) -> Cuts:
 
 
 def _sum(corners: FloatArray) -> FloatArray:
-    """Sum over the three corners, which come first."""
     return np.asarray(corners[0] + corners[1] + corners[2])
 
 

@@ -98,7 +98,6 @@ def _core(side: FloatArray) -> FloatArray:
 
 
 def _cells(nodes: FloatArray) -> FloatArray:
-    """Corners (k, 4, 2) of the cells of a block of nodes (i, j, 2)."""
     return np.stack([nodes[:-1, :-1], nodes[1:, :-1], nodes[1:, 1:], nodes[:-1, 1:]], axis=2).reshape(
         -1, 4, 2
     )

@@ -61,7 +61,6 @@ class Rectangle(Cornered, PlaneGeometry):
         return layout_of_quadrilaterals(self._turned(cells.corners))
 
     def _turned(self, points: FloatArray) -> FloatArray:
-        """Points (..., 2) [m] turned by the angle about the centre."""
         if self.angle == 0:
             return points
         return np.asarray(self.centroid + (points - self.centroid) @ self.axes)
@@ -144,7 +143,6 @@ def _mesh(gmsh: Any, loops: tuple[FloatArray, ...], target: float) -> FloatArray
 
 
 def _quadrilaterals(gmsh: Any) -> FloatArray:
-    """Corners (n, 4, 2) of the quadrilaterals of the present model, counter-clockwise."""
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     row = np.zeros(int(tags.max()) + 1, dtype=int)
     row[tags.astype(int)] = np.arange(len(tags))

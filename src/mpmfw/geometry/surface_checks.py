@@ -58,13 +58,11 @@ def _at(point: FloatArray) -> str:
 
 
 def _listed(numbers: IntArray) -> str:
-    """The first of some facets, counted from 0 as the file has them."""
     shown = ", ".join(str(k) for k in numbers[:5])
     return f"{shown}, …" if len(numbers) > 5 else shown
 
 
 def _refuse(facets: IntArray, what: str, corners: FloatArray) -> None:
-    """Refuse a surface with wrong facets, if there are any; ``corners`` are those of all."""
     if len(facets):
         place = _at(corners[facets[0]].mean(axis=0))
         raise ValueError(f"{what} (facets {_listed(facets)}), the first at {place}")

@@ -71,7 +71,6 @@ def _finest(problem: xr.Dataset, resolution: str | None) -> xr.Dataset:
 
 
 def _places(rows: list[dict[str, Any]]) -> tuple[list[float], dict[float, str]]:
-    """Return the places of bars, and of the contacts' names."""
     if not rows or not {"contact", "shape"} <= set(rows[0]["dims"]):
         return [float(k) for k in range(len(rows))], {}
     places: list[float] = []

@@ -210,7 +210,6 @@ def _scales(
     *,
     arrows: bool,
 ) -> tuple[Scales, str]:
-    """Return common scales of all panels and outputs, and the unit of the colours."""
     found, boxes = zip(*(panel.survey(frames[label]) for label, panel in panels.items()), strict=True)
     low, high, colours = _colours(found, limits)
     units = next(iter(panels.values())).about["units"]

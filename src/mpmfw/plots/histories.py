@@ -222,7 +222,6 @@ def _draw(axes: Any, series: xr.Dataset, curve: Curve, look: Mapping[str, Any]) 
 
 
 def _dress(axes: Any, sources: Sequence[RunSeries], name: str, label: str) -> None:
-    """Add labels with units; times in ms where all are short."""
     last = max(float(source.series["time"].values[-1]) for source in sources)
     scale, unit = time_scale(last)
     count_in(axes.xaxis, 1.0 / scale)
@@ -246,7 +245,6 @@ def _runs(results: Any) -> list[RunSeries]:
 def _compared(
     dataset: xr.Dataset, names: str | Sequence[str], selection: Mapping[str, str | None]
 ) -> tuple[list[Panel], list[list[Artist]]]:
-    """Return a panel for each curve of a comparison, and its legend."""
     if not {"contact", "shape"} <= set(dataset.dims) or dataset.sizes.get("time", 0) < 2:
         kind = dataset.attrs.get("kind", "")
         raise SceneError(f"these results{f' of a {kind!r}' if kind else ''} hold no series over time to draw")
@@ -264,7 +262,6 @@ def _compared(
 def _curves(
     series: Sequence[xr.Dataset], names: str | Sequence[str], selection: Mapping[str, str | None]
 ) -> list[Curve]:
-    """Return every curve of the series that the selection leaves."""
     names = [names] if isinstance(names, str) else names
     if not names:
         raise SceneError("no series named")

@@ -62,7 +62,6 @@ def stability_chart(dataset: xr.Dataset) -> Figure:
 
 
 def _edges(values: FloatArray) -> FloatArray:
-    """Return borders halfway between points in the logarithm."""
     logs = np.log(values)
     half = 0.5 * np.diff(logs) if len(logs) > 1 else np.array([0.35])
     return np.asarray(np.exp([logs[0] - half[0], *(logs[:-1] + half[: len(logs) - 1]), logs[-1] + half[-1]]))
@@ -80,7 +79,6 @@ def _draw_limits(axes: Any, dataset: xr.Dataset, axis: str) -> None:
 
 
 def _ticks(axis: Any, values: FloatArray) -> None:
-    """Label the points, or every other one of many."""
     every = 1 + (len(values) - 1) // 10
     axis.set_major_locator(FixedLocator(list(values[::every])))
     axis.set_minor_locator(NullLocator())

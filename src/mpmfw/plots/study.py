@@ -109,7 +109,6 @@ def _draw_run(axes: Any, row: dict[str, Any], look: Look, size: float) -> None:
 
 
 def _draw_front(axes: Any, problem: xr.Dataset) -> None:
-    """The front as stairs: at a cost, the least error that it buys."""
     on = problem["pareto"].values
     cost, error = problem["cpu_time"].values[on], 100.0 * problem["error"].values[on]
     order = np.argsort(cost)

@@ -223,7 +223,6 @@ def legend_below(
 
 
 def _equally_high(labels: list[str]) -> list[str]:
-    """Return labels with as many lines of text each."""
     most = max(label.count("\n") for label in labels)
     lacking = [most - label.count("\n") for label in labels]
     return ["\n" * (k // 2) + label + "\n" * (k - k // 2) for label, k in zip(labels, lacking, strict=True)]

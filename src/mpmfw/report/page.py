@@ -62,7 +62,6 @@ def write_report(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
 
 
 def _svg(figure: Figure) -> Markup:
-    """Draw a figure as inline SVG, the same at any time."""
     buffer = io.StringIO()
     with journal_style():
         figure.savefig(buffer, format="svg", metadata={"Date": None})

@@ -182,7 +182,6 @@ def rings_measures(run: xr.Dataset, reference: RingsReference) -> dict[str, floa
 
 
 def _reached(run: xr.Dataset) -> float:
-    """Return the time [s] of the last output with values."""
     known = [
         run["time"].values[
             np.isfinite(run[name].transpose("time", ...).values.reshape(run.sizes["time"], -1)).all(axis=1)

@@ -174,7 +174,6 @@ class RunWriter:
         self.close()
 
     def _create(self, content: AnyArray | None) -> netCDF4.Dataset:
-        """Return a new file, empty or with the outputs of ``content``."""
         if self.path is None:
             return netCDF4.Dataset("results.nc", "w", diskless=True, persist=False)
         try:
@@ -262,7 +261,6 @@ class RunWriter:
             variable[:] = facets
 
     def _timeline(self, place: str) -> Timeline:
-        """Return a group, a new one with the times so far."""
         if place not in self._groups:
             # Not every output has material points
             times = () if place.startswith("particles/") else tuple(self._times)

@@ -165,7 +165,6 @@ def _loads(scene: Tables) -> Iterator[Problem]:
 def _named(
     scene: Tables, plugins: Mapping[Path, type[Any]], options: Mapping[Path, Any]
 ) -> Iterator[Problem]:
-    """Check the bodies of loads and the like, and ask the plug-ins about their options."""
     tables = [((group, name), table) for group in NAMED for name, table in getattr(scene, group).items()]
     for path, table in tables:
         named = getattr(table, "bodies", None) or ()

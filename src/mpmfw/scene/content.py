@@ -63,7 +63,6 @@ def code_in(content: Any, at: Path = ()) -> Iterator[Problem]:
 
 
 def _text(text: Any) -> str:
-    """What is wrong with a text; empty if nothing is."""
     if not isinstance(text, str):
         return ""
     if "\0" in text:

@@ -72,7 +72,6 @@ def separate_options(mapping: Mapping[str, Any]) -> Chosen:
 
 
 def _method_table(chosen: Chosen, kind: Kind, table: Mapping[str, Any]) -> dict[str, Any]:
-    """Take the plug-ins' tables out of ``[shape]`` or ``[contact]``."""
     core_keys, installed = CORE_KEYS[kind], choices(kind)
     if kind == "contact":
         for part in ("detection", "law", "friction"):

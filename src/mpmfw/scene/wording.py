@@ -95,7 +95,6 @@ def unknown_name(path: Path, given: str, valid: list[str], what: str = "") -> Pr
 
 
 def _value_message(item: Any, expectation: str) -> str:
-    """What is wrong with a value: the limit that it breaks, or its type."""
     limits = {"greater_than": ("gt", "greater than"), "greater_than_equal": ("ge", "at least")}
     limits |= {"less_than": ("lt", "less than"), "less_than_equal": ("le", "at most")}
     kind = item["type"]

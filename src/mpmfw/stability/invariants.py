@@ -138,14 +138,12 @@ def _judged(
 
 
 def _centres(state: State) -> FloatArray:
-    """(body, axis) centres of mass [m]."""
     p = state.particles
     own = [body.particles for body in state.bodies]
     return np.array([p.mass[s] @ p.position[s] / p.mass[s].sum() for s in own])
 
 
 def _distances(state: State) -> FloatArray:
-    """Return distances (surface_node,) to the nearest point of the body [m]."""
     if state.surface is None:
         return np.zeros(0)
     nearest = np.empty(state.surface.count)

@@ -174,7 +174,6 @@ def _known(scene: Scene, name: str | None, about: About) -> tuple[Measure, str]:
 
 
 def _sizes(own: float, coarsest: Any, finest: Any) -> list[float]:
-    """Return cell sizes, each half of the one before."""
     example = "a cell size such as 0.4 or '4 mm'"
     first = 2.0 * own if coarsest is None else positive("coarsest", coarsest, "m", example)
     last = 0.25 * own if finest is None else positive("finest", finest, "m", example)

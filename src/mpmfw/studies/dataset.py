@@ -52,7 +52,6 @@ def assemble(study: Study, judge: Judge, runs: GridRuns) -> xr.Dataset:
 
 
 def _methods(grid: RunGrid) -> dict[str, Any]:
-    """Return contact and shape where they are not varied."""
     methods = {
         "contact": {s.contact.method if s.contact else "none" for s in grid.scenes.values()},
         "shape": {scene.shape.method for scene in grid.scenes.values()},
@@ -62,7 +61,6 @@ def _methods(grid: RunGrid) -> dict[str, Any]:
 
 
 def _stepping(grid: RunGrid) -> dict[str, xr.DataArray]:
-    """Return scheme and transfer where they are not varied."""
     chosen = {
         index: scene.stepping.chosen(load("shape", scene.shape.method))
         for index, scene in grid.runnable.items()

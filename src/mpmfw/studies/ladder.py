@@ -89,7 +89,6 @@ class Ladder:
         return [index[:2] for index in sorted(worth, key=lambda index: float(costs[index]))]
 
     def _ask(self, points: Collection[Index]) -> None:
-        """Make runs, and judge all so far."""
         self.runs.complete(points)
         self.asked |= {*points}
         status = self.runs.statuses()
@@ -107,7 +106,6 @@ class Ladder:
         self.errors = {i: error for i, error in self.errors.items() if np.isfinite(error)}
 
     def _limits(self, found: dict[Index, Measured]) -> Iterator[Limit]:
-        """Yield the limit of every two laws at their finest sizes."""
         for k in range(len(self.sizes) - 1, 0, -1):
             ran = [m for m in self.methods if (*m, k) in found and (*m, k - 1) in found]
             ratio = self.sizes[k - 1] / self.sizes[k]
