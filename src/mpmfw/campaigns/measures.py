@@ -1,7 +1,7 @@
 """Measures by name: quantities that a campaign reads off stored runs, and their exact values.
 
 A measure is an announced class derived from :class:`mpmfw.api.results.Measure`, or a function
-``(run, scene, about) -> Measured`` under ``@measure(name, unit, kind, keys, exact)``, as in a script before
+``(run, scene, about) -> Measured`` (or a number) under ``@measure(name, unit, kind, keys, exact)``, as in a script before
 it calls ``mpmfw.study``."""
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from mpmfw.results.references import Incline, PressedBlocks, RingsReference, dec
 from mpmfw.scene import Scene
 
 Kind: TypeAlias = Literal["number", "curve", "field"]
-Extract: TypeAlias = Callable[[xr.DataTree, Scene, About], Measured]
+Extract: TypeAlias = Callable[[xr.DataTree, Scene, About], Measured | float]
 Known: TypeAlias = Callable[[Scene, About], Exact | None]
 
 
@@ -46,7 +46,8 @@ def measure(
 
     def register(function: Extract) -> Extract:
         def of(self: Measure, run: xr.DataTree, scene: Scene, about: About) -> Measured:
-            return function(run, scene, inferred(self, run, scene, about))
+            found = function(run, scene, inferred(self, run, scene, about))
+            return found if isinstance(found, Measured) else Measured(np.array([found]), np.empty(0))
 
         made = {
             "name": name, "unit": unit, "kind": kind, "keys": keys, "norm": norm, "particles": particles,
@@ -162,10 +163,6 @@ def _of_pair(name: str, run: xr.DataTree, about: About) -> xr.DataArray | None:
     return series[name].sel(pair=about.pair) if name in series else None
 
 
-def _number(value: float) -> Measured:
-    return Measured(np.array([value]), np.empty(0))
-
-
 def _from_rest(scene: Scene, about: About) -> Incline | None:
     known = declared(scene)
     if not isinstance(known, Incline):
@@ -197,10 +194,10 @@ def _until(scene: Scene) -> float:
     ("body", "axis"),
     _down_the_plane(lambda one: 0.5 * one.solution.acceleration * one.until * one.until),
 )
-def end_displacement(run: xr.DataTree, scene: Scene, about: About) -> Measured:
+def end_displacement(run: xr.DataTree, scene: Scene, about: About) -> float:
     """Displacement of a body's centre at the end, or when a rolling one's closed form has moved 10 m."""
     moved = _displacement(run, about)
-    return _number(value_at(moved.time, moved.values, _until(scene)))
+    return value_at(moved.time, moved.values, _until(scene))
 
 
 @measure(
@@ -210,10 +207,10 @@ def end_displacement(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     ("body", "axis"),
     _down_the_plane(lambda one: one.solution.acceleration),
 )
-def acceleration(run: xr.DataTree, scene: Scene, about: About) -> Measured:
+def acceleration(run: xr.DataTree, scene: Scene, about: About) -> float:
     """Acceleration of a body's centre, from a least-squares parabola over the last 80 % of the time."""
     moved, end = _displacement(run, about), _until(scene)
-    return _number(fitted_acceleration(moved.time, moved.values, 0.2 * end, end))
+    return fitted_acceleration(moved.time, moved.values, 0.2 * end, end)
 
 
 @measure(
@@ -223,47 +220,47 @@ def acceleration(run: xr.DataTree, scene: Scene, about: About) -> Measured:
     ("body",),
     _down_the_plane(lambda one: one.solution.angular_acceleration * one.until),
 )
-def spin(run: xr.DataTree, scene: Scene, about: About) -> Measured:
+def spin(run: xr.DataTree, scene: Scene, about: About) -> float:
     """Angular velocity of a body at the end, or when the closed form of a rolling one has moved by 10 m."""
     series = run["series"].to_dataset()
     omega = series["angular_velocity"].sel(body=about.body).isel(rotation=-1).values
-    return _number(value_at(series["time"].values, omega, _until(scene)))
+    return value_at(series["time"].values, omega, _until(scene))
 
 
 @measure("force-noise", "1", "number", ("pair",))
-def noise_of_force(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # noqa: ARG001
+def noise_of_force(run: xr.DataTree, scene: Scene, about: About) -> float:  # noqa: ARG001
     """Rms noise of a pair's contact force about its mean over 20 outputs, over that mean."""
     force = _of_pair("contact_force", run, about)
     if force is None:
-        return _number(np.nan)
-    return _number(force_noise(force["time"].values, force.transpose("time", "axis").values))
+        return np.nan
+    return force_noise(force["time"].values, force.transpose("time", "axis").values)
 
 
 @measure("penetration", "1", "number", ("pair",))
-def deepest_penetration(run: xr.DataTree, scene: Scene, about: About) -> Measured:
+def deepest_penetration(run: xr.DataTree, scene: Scene, about: About) -> float:
     """Deepest penetration of a pair at any output, in cells."""
     gap = _of_pair("min_gap", run, about)
     if gap is None or not np.isfinite(gap).any():
-        return _number(np.nan)
-    return _number(max(0.0, -float(gap.min())) / float(scene.grid.cell_size))
+        return np.nan
+    return max(0.0, -float(gap.min())) / float(scene.grid.cell_size)
 
 
 @measure("energy-error", "1", "number")
-def error_of_energy(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # noqa: ARG001
+def error_of_energy(run: xr.DataTree, scene: Scene, about: About) -> float:  # noqa: ARG001
     """Largest error of strain and contact energy over the energy put in (``output.ledger``)."""
-    return _number(energy_error(run, scene))
+    return energy_error(run, scene)
 
 
 @measure("dissipation", "1", "number")
-def dissipated_energy(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # noqa: ARG001
+def dissipated_energy(run: xr.DataTree, scene: Scene, about: About) -> float:  # noqa: ARG001
     """Share of the energy put in that is neither kinetic, strain, friction nor plastic work at the end."""
-    return _number(dissipation(run, scene))
+    return dissipation(run, scene)
 
 
 @measure("momentum-change", "1", "number")
-def change_of_momentum(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # noqa: ARG001
+def change_of_momentum(run: xr.DataTree, scene: Scene, about: About) -> float:  # noqa: ARG001
     """Largest change of the total linear momentum over the bodies' own; of scenes without loads."""
-    return _number(momentum_change(run, scene))
+    return momentum_change(run, scene)
 
 
 # -- curves

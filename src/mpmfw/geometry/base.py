@@ -97,9 +97,14 @@ class BodyGeometry(BaseModel):
         return float(np.ptp(self.bounds, axis=0).min())
 
     @property
-    @abstractmethod
     def axes(self) -> FloatArray:
         """Unit vectors along which the body's sides are named, one a row (dim, dim)."""
+        return np.eye(self.dim)
+
+    @property
+    def is_connected(self) -> bool:
+        """Return True if the body is one piece."""
+        return True
 
     @abstractmethod
     def surfaces(self, edge: float) -> tuple[tuple[FloatArray, IntArray], ...]:

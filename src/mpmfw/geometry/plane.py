@@ -63,16 +63,6 @@ class PlaneGeometry(BodyGeometry):
         loops = [(loop, np.arange(len(loop))) for loop in self.outlines(edge)]
         return tuple((loop, np.stack([node, np.roll(node, -1)], axis=1)) for loop, node in loops)
 
-    @property
-    def axes(self) -> FloatArray:
-        """Unit vectors along which the body's sides are named, one a row (2, 2)."""
-        return np.eye(2)
-
-    @property
-    def is_connected(self) -> bool:
-        """Return True if the body is one piece."""
-        return True
-
     def lattice(self, size: float, offset: tuple[float, ...]) -> Layout:
         """Square cells of edge ``size`` [m], shifted by ``offset`` (fractions), clipped by the outline."""
         return clipped_lattice(self.region, size, offset)

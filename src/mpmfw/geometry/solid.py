@@ -32,7 +32,6 @@ class SolidGeometry(BodyGeometry):
     """
 
     dim: ClassVar[int] = 3  #: number of space dimensions
-    is_connected: ClassVar[bool] = True  #: whether the body is one piece
     #: Whether the surface of triangles is that of the body itself, however large they are.
     has_plane_faces: ClassVar[bool] = False
 
@@ -63,21 +62,11 @@ class SolidGeometry(BodyGeometry):
         return float(measures_of(*self.fine_surface).sum())
 
     @property
-    @abstractmethod
-    def bounds(self) -> FloatArray:
-        """Lower and upper corner of the bounding box (2, 3) [m]."""
-
-    @property
     def width(self) -> float:
         """Smallest extent along the surface's principal axes or the body's own [m]."""
         nodes = self.fine_surface[0]
         principal = np.linalg.eigh(np.cov(nodes.T))[1].T
         return float(min(np.ptp(nodes @ axes.T, axis=0).min() for axes in (principal, self.axes)))
-
-    @property
-    def axes(self) -> FloatArray:
-        """Unit vectors along which the body's sides are named, one a row (3, 3)."""
-        return np.eye(3)
 
     def surface_nodes(self, edge: float) -> float:
         """Most nodes that the surfaces have with sides up to ``edge`` [m]."""

@@ -64,7 +64,7 @@ class SurfaceMesh(TurnedSolid):
         return tuple(shells_of(facets, len(nodes)))
 
     @property
-    def is_connected(self) -> bool:  # type: ignore[override]
+    def is_connected(self) -> bool:
         """Return True if the body is one piece: one surface is not that of a cavity."""
         nodes, facets = self.fine_surface
         return sum(volume_of(nodes, facets[shell]) > 0.0 for shell in self.shells) == 1
