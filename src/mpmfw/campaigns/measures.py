@@ -1,8 +1,8 @@
 """Measures by name: quantities that a campaign reads off stored runs, and their exact values.
 
 A measure is an announced class derived from :class:`mpmfw.api.results.Measure`, or a function
-``(run, scene, about) -> Measured`` (or a number) under ``@measure(name, unit, kind, keys, exact)``, as in a script before
-it calls ``mpmfw.study``."""
+``(run, scene, about)`` under ``@measure(name, unit, kind, keys, exact)`` that returns a number or
+:class:`mpmfw.api.results.Measured`, as in a script before it calls ``mpmfw.study``."""
 
 from __future__ import annotations
 
