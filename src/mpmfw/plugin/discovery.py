@@ -141,7 +141,7 @@ def _announced(
 def load(kind: Kind, name: str) -> type[Any]:
     """Import the plug-in ``name`` and no other; of a joined contact, its detection and its law.
 
-    Raise SceneError if it is unknown, announced twice or not importable, or if :func:`refuse_class` does."""
+    Raise SceneError if it is unknown, announced twice, not importable or refused."""
     entries = choices(kind)
     if name not in entries:
         raise SceneError(f"unknown {kind} plug-in '{name}'; {did_you_mean(name, entries)}")

@@ -67,9 +67,8 @@ def _strips(lower: FloatArray, upper: FloatArray) -> tuple[int, IntArray, IntArr
 class BodyPairs:
     """Adds to ``State.pairs`` the bodies that come near each other, each time that windows are laid.
 
-    Near are bodies whose windows share a node: no body leaves its window between two layings, so that pairs
-    are listed before they act. Where bodies share one velocity field, near are those whose outlines' boxes
-    are within a cell of each other at an output."""
+    Near are bodies whose windows share a node, so that pairs are listed before they act; in one velocity
+    field, bodies whose outlines' boxes are within a cell of each other at an output."""
 
     names: tuple[str, ...]  #: of all bodies
     friction: float  #: Coulomb's μ of pairs that are not in ``given``

@@ -1,7 +1,7 @@
 """The state of a simulation as fixed structs of arrays: material points, grid, surfaces, bodies, pairs.
 
-Material points of a body are contiguous. The grid carries one velocity field, or one per body. Each field
-covers its window of the background grid; windows lie one after the other in flat nodal arrays.
+Material points of a body are contiguous. The grid carries one velocity field, or one per body, each on a
+window of the background grid.
 """
 
 from __future__ import annotations

@@ -33,9 +33,9 @@ def make_grid(cell_size: float, lower: FloatArray, upper: FloatArray, n_fields: 
 
 
 def fit_windows(grid: Grid, particles: Particles, reach: FloatArray, surface: Surface | None) -> None:
-    """Lay every field's window round its material points and surface nodes, clipped to the background grid.
+    """Lay every field's window round its points and surface nodes, with new nodal arrays of zeros.
 
-    Nodal arrays are allocated anew, all zero. ``reach`` (n, dim) [m] is half the extent of every domain."""
+    ``reach`` (n, dim) [m] is half the extent of every domain."""
     grid.window_lower[:], grid.window_shape[:] = fitted_windows(grid, particles, reach, surface)
     allocate_nodes(grid)
 

@@ -1,12 +1,11 @@
 """Several threads of one run: each has a part of an operation of the step; results are bitwise those of one.
 
-Kernels let go of the interpreter's lock, so that Python threads are enough. Nothing here depends on when a
-thread is done: operations on points alone, or from the grid to points, are shared out by points. Those from
-points to the grid are shared out by nodes. Every thread goes through the points in their order and adds to
-its range of nodes alone.
+Kernels release the interpreter's lock. Operations on points alone, or from the grid to points, are shared out
+by points. Those from points to the grid are shared out by nodes: every thread goes through the points in
+their order and adds to its range of nodes alone.
 
-A thread that sleeps, or waits for the interpreter's lock, is awake 15 to 30 µs after it is called: as long as
-a small kernel. So threads look for a while, in compiled code, at a number that another one writes.
+A thread that sleeps is awake 15 to 30 µs after it is called: as long as a small kernel. So threads look for a
+while, in compiled code, at a number that another one writes.
 """
 
 from __future__ import annotations
@@ -109,8 +108,8 @@ def end(numbers: Ints, t: int, value: int, looks: int) -> bool:
 class Threads:
     """Threads, at least 2, that share one operation at a time; the calling thread is the first of them.
 
-    They start with the first operation, end with this object, and are started anew in a process that was
-    forked. One thread projects alone unless ``rows_ascend``: the nodes of every row of the table ascend."""
+    They start with the first operation, anew in a process that was forked, and end with this object. One
+    thread projects alone unless ``rows_ascend``: the nodes of every row of the table ascend."""
 
     def __init__(self, count: int, *, rows_ascend: bool) -> None:
         self.count, self.rows_ascend = count, rows_ascend
@@ -141,9 +140,8 @@ class Threads:
         return [np.clip(first, *part) for part in self.parts(0, int(first[-1]))]
 
     def over_points(self, kernel: Callable[..., int | None], *arguments: Any) -> int:
-        """Call a kernel of the step with every thread's part of the points, their arrays and table.
-
-        Return the first point of which the kernel says that it failed, −1 if it does of none."""
+        """Call a kernel with every thread's part of points, arrays and table; return the first point that
+        failed, or −1."""
         ranges = self.parts(0, len(arguments[0].mass))
         own = list(zip(*(self._parts_of(argument, ranges) for argument in arguments), strict=True))
         codes = self.each(lambda t: kernel(*own[t]))
@@ -192,8 +190,7 @@ class Threads:
     def fill_rows(self, fill: Callable[[IntArray, int, int], int], first: IntArray, table: Stencil) -> int:
         """Fill a table of rows of varying length by ``fill(first, k, end)``, in parts that begin as before.
 
-        Entries between two parts repeat the last node with weight 0. Return the first point outside its
-        window, −1, or ``FULL`` if the table is too short."""
+        Entries between two parts have weight 0. Return the first point outside, −1, or ``FULL``."""
         parts, firsts = self.parts(0, len(table.row) - 1), self.firsts(first)
         if self._entries:  # room for some more than last time
             begins = list(itertools.accumulate((n + n // 128 + 64 for n in self._entries[:-1]), initial=0))
@@ -217,11 +214,7 @@ class Threads:
 
 
 class _Team:
-    """The threads themselves, without a reference to the object that they work for, which may end first.
-
-    Part 0 is the caller's. Whoever is free takes the next part, the caller too: a thread without a core holds
-    up nothing that it has not begun.
-    """
+    """The threads themselves. Part 0 is the caller's; whoever is free takes the next part, the caller too."""
 
     def __init__(self, count: int) -> None:
         self.count, self.round, self.ended = count, 0, False

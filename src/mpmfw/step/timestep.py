@@ -29,9 +29,9 @@ COLLAPSED = 1e-4
 def stable_length(cell_size: float, width: float) -> float:
     """Return the length that a wave passes in a stable step [m].
 
-    It is h, or √(h w) in a body whose ``width`` w [m] is less than ``cell_size`` h [m]. Such a body reaches
-    into rows of nodes by a part b of its width alone: a row then has the mass ρ b² / (2 h) and the stiffness
-    M b² / (w h²), so that ω² = 2 c² / (h w) for each direction in which the body is thin, beside the bulk's.
+    It is h, or √(h w) in a body whose ``width`` w [m] is less than ``cell_size`` h [m]: a row of nodes into
+    which a part b of the width reaches has the mass ρ b² / (2 h) and the stiffness M b² / (w h²): ω² = 2 c² /
+    (h w).
     """
     thin = width < cell_size * (1.0 - 1e-9)
     return math.sqrt(cell_size * width) if thin else cell_size
@@ -46,7 +46,6 @@ class TimeStep:
     def __init__(self, setup: Setup, limiting: Sequence[Any]) -> None:
         self.state, self.limiting = setup.state, limiting
         self.bulk_limit = 2.0 / setup.bulk_frequency
-        # Looked up once: between two steps of many points the interpreter's own data has left the caches.
         thinner = (1.0 - 1e-9) * setup.cell_size
         thin = all(self.bulk_limit < thinner / body.wave_speed for body in setup.bodies)
         length, courant = "√(h w)" if thin else "h", setup.shape_function.courant
@@ -123,8 +122,8 @@ class TimeStep:
 class Clock(_event.Listener):  # type: ignore[misc]
     """Attributes time to the stage that is running, without that of compilation.
 
-    Wall time is read at every change of stage. CPU time is read only in :meth:`flush`, once a frame, and
-    shared out in proportion to the wall time in between: one CPU-timer read costs as much as a small kernel.
+    Wall time is read at every change of stage. CPU time is read once a frame, in :meth:`flush`, and shared
+    out in proportion: reading it costs as much as a small kernel.
     """
 
     history = ("cpu", "wall", "compile_time")

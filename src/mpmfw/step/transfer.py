@@ -36,8 +36,7 @@ def make_transfer(
     """Return the transfer called ``name``, fitted to a shape function.
 
     With ``singular_spread``, D = Σ φ q qᵀ can be singular (linear shape functions on grid lines): C is then
-    Σ v ∇φᵀ instead of B D⁻¹. ``transported`` overrides the transfer's own choice; a transported ``apic``
-    applies D⁻¹ at once. ``pic_fraction`` is the share of PIC in ``flip``.
+    Σ v ∇φᵀ. A ``transported`` ``apic`` applies D⁻¹ at once. ``pic_fraction`` is the share of PIC in ``flip``.
     """
     transfer = TRANSFERS[name]
     if pic_fraction is not None:
