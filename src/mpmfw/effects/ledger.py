@@ -118,7 +118,6 @@ class EnergyLedger(Observer):
         return Acts(reason, [cls(setup, [term for term, by in terms.items() if by])], lines)
 
     def _forget(self) -> None:
-        """Begin all sums at zero."""
         self.work = dict.fromkeys(("gravity", "external", "contact", "inertia"), 0.0)
         self.half_step = HalfStep() if self.half_steps else None
         self.gained = self.dissipated = self.contact_before = 0.0

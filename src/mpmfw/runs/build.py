@@ -159,7 +159,6 @@ def _put_together(
 def _named(
     scene: Scene, bodies: tuple[Body, ...], loads: Mapping[str, Load]
 ) -> dict[str, dict[str, NamedPlugIn]]:
-    """Return the plug-ins of the scene's tables, by table and name."""
     made: dict[str, dict[str, NamedPlugIn]] = {}
     for group in ("loads", "boundaries", "outputs"):
         made[group] = {}
@@ -197,7 +196,6 @@ def _add_interfaces(setup: Setup) -> None:
 
 
 def _plugin(kind: Any, name: str, options: Any) -> Any:
-    """Import and make one plug-in."""
     plugin = load(kind, name)
     _check_base(kind, plugin)
     with naming(plugin, "its constructor"):
@@ -220,7 +218,6 @@ def _strategy(kind: Kind, given: Any) -> Any:
 
 
 def _check_base(kind: Kind, plugin: type[Any]) -> None:
-    """Refuse a class of another kind."""
     base = BASES[kind]
     if not issubclass(plugin, base):
         raise SceneError(
@@ -230,7 +227,6 @@ def _check_base(kind: Kind, plugin: type[Any]) -> None:
 
 
 def _check_dimensions(scene: Scene, plugin: Any, key: str) -> None:
-    """Refuse a plug-in that does not work in the scene's dimensions."""
     if scene.dim not in plugin.dimensions:
         works = " and ".join(f"{d}D" for d in plugin.dimensions)
         note = f" ({plugin.dimensions_note})" if plugin.dimensions_note else ""
@@ -238,7 +234,6 @@ def _check_dimensions(scene: Scene, plugin: Any, key: str) -> None:
 
 
 def _check_unused_contact(scene: Scene) -> None:
-    """Refuse options and a friction law where one body has nothing to touch."""
     given = scene.contact
     options = () if given is None or given.options is None else sorted(given.options.model_fields_set)
     keys = [f"{given.method}.{option}" for option in options] if given else []
@@ -290,7 +285,6 @@ def _effects(setup: Setup) -> list[tuple[str, str, object, str]]:
 
 
 def _of_methods(setup: Setup) -> list[Effect]:
-    """Return effects that are part of the transfer and of the shape function."""
     transfer, shape = setup.exchange, setup.shape
     affine, stored = transfer.affine is not None, transfer.affine == "moment"
     moves = hasattr(setup.shape_function, "update_particle_domains")

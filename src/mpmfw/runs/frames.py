@@ -114,7 +114,6 @@ class Recorder:
         return values
 
     def _check_constant(self) -> None:
-        """Refuse masses or initial volumes that a hook changed."""
         if self._sums() != self._constant:
             text = (
                 "a plug-in changed the material points' masses or initial volumes, "

@@ -124,7 +124,6 @@ class Simulation:
             self._step = self._sleep.step
 
     def _bind_hooks(self) -> None:
-        """Bind the calls of all hooks."""
         self.hook: Any = BoundHooks(self.manager, self.clock, self.state)
 
     def _callers(self, hook: str) -> list[Any]:
@@ -183,7 +182,7 @@ class Simulation:
             state.time = target
 
     def _take_step(self, length: Callable[[], float]) -> None:
-        """One time step; ``length`` is asked for it when the limits are known."""
+        """Take a step; ``length`` is asked for it when the limits are known."""
         state = self.state
         time, steps = state.time, state.steps
         try:

@@ -96,7 +96,6 @@ def allocate_nodes(grid: Grid) -> None:
 
 
 def _node(grid: Grid, position: FloatArray) -> IntArray:
-    """Background index of the node below ``position``, limited."""
     index = np.floor((position - grid.lower) / grid.cell_size)
     node: IntArray = np.clip(np.nan_to_num(index), -10, grid.nodes + 10).astype(np.int64)
     return node

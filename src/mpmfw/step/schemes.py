@@ -170,7 +170,6 @@ def _fill_tables(state: State, hook: Any, clock: Clock) -> Stencil:
 
 
 def _left_the_grid(state: State, error: OutsideGrid) -> SimulationError:
-    """Name the body, the index within it, the position and the time."""
     if error.surface and state.surface is not None:
         what, position = "a surface node left the grid", state.surface.position
         body = state.bodies[int(state.surface.body[error.index])]
@@ -191,7 +190,6 @@ def _left_the_grid(state: State, error: OutsideGrid) -> SimulationError:
 
 
 def _body_of(state: State, point: int) -> Body:
-    """Return the body that a material point belongs to."""
     return next(body for body in state.bodies if body.particles.start <= point < body.particles.stop)
 
 
