@@ -90,7 +90,7 @@ nitpick_ignore_regex = [
     ),
     (
         "py:class",
-        r"IndexMap|Results|RowContact|Scene|Threads|numpy\.\w+|(scipy\.)?sparse\.(_csr\.)?csr_matrix",
+        r"IndexMap|Results|ContactLaw|Scene|Threads|numpy\.\w+|(scipy\.)?sparse\.(_csr\.)?csr_matrix",
     ),
     (
         "py:class",
@@ -102,7 +102,7 @@ nitpick_ignore_regex = [
     ),
     ("py:class", r"mpmfw\.(stability\.(invariants\.Invariants|chart\.Request)|studies\.choosing\.Request)"),
     ("py:class", r"mpmfw\.(campaigns\.(execution\.\w+|measures\.Measure|running\.Event))"),
-    ("py:class", r"mpmfw\.contact\.(row_contact\.RowContact|shared_nodes\.GridNodes)"),
+    ("py:class", r"mpmfw\.contact\.shared_nodes\.GridNodes"),
     ("py:class", r"tuple\[Layout|dict\[str|Callable\[\[\]|Effect|Side|Transfer"),  # annotations of Setup
     ("py:.*", r"declare_fields|hookimpl|Interrupted|KAPPA|mpmfw\.state\.fields\.CONTACT_SERIES"),
 ]

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from pydantic import Field, model_validator
 
-from mpmfw.api import ContactRows, ForceContact, Length, PairRecords, Pressure
+from mpmfw.api import ContactRows, Length, PairRecords, Pressure
 from mpmfw.contact.springs import SpringArrays, SpringLaw, SpringOptions
 from mpmfw.contact.surfaces import Surfaces
 from mpmfw.kernels import device, kernel
@@ -113,9 +113,7 @@ class AdhesionLaw(SpringLaw):
         )  # fmt: skip
 
 
-class Adhesion(ForceContact):
+class Adhesion(AdhesionLaw):
     """Springs between surfaces that pull up to a traction."""
 
-    name = "adhesion"
     Detection = Surfaces
-    Law = AdhesionLaw

@@ -14,12 +14,12 @@ body; in Uintah it is the largest component of the whole velocity change, which 
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseContact, Particles, Setup, Stencil
+from mpmfw.api import ContactRows, FloatArray, Grid, Particles, Setup, Stencil
 from mpmfw.contact.nodes import Nodes
 from mpmfw.contact.shared_nodes import all_entries, point_of
 from mpmfw.kernels import kernel
@@ -75,12 +75,22 @@ class TractionOptions(BaseModel):
     )
 
 
-class TractionImpulse(Impulse):
-    """Impulses at shared nodes that hold compressed bodies together, and whose strain is bounded."""
+class Bardenhagen(Impulse):
+    """Momentum exchange at grid nodes that two bodies share, with Coulomb friction.
+
+    At a shared node with approaching bodies the relative velocity along the normal is taken away, and the
+    tangential one as far as Coulomb's cone lets it; of the projected and of the updated momentum.
+    """
 
     name = "bardenhagen"
     Options = TractionOptions
     options: TractionOptions
+    Detection = Nodes
+    defaults: ClassVar[dict[str, str]] = {"criterion": "velocity"}
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self.leaves_bodies_out = True  # rows have no history
 
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:
         """Return the arrays of impulses, and rows that are compressed."""
@@ -89,7 +99,7 @@ class TractionImpulse(Impulse):
             arrays["compressed"] = 0
         return arrays
 
-    def prepare(self, setup: Setup, owner: str) -> None:  # noqa: ARG002
+    def prepare(self, setup: Setup) -> None:
         """Take the cell size."""
         self.cell_size = setup.cell_size
 
@@ -118,17 +128,3 @@ class TractionImpulse(Impulse):
         first, second = grid.mass[rows.dof[: 2 * rows.count].reshape(-1, 2)].T
         limits: FloatArray = largest * np.minimum(first, second)
         return limits
-
-
-class Bardenhagen(ImpulseContact):
-    """Momentum exchange at grid nodes that two bodies share, with Coulomb friction.
-
-    At a shared node with approaching bodies the relative velocity along the normal is taken away, and the
-    tangential one as far as Coulomb's cone lets it; of the projected and of the updated momentum.
-    """
-
-    name = "bardenhagen"
-    Detection = Nodes
-    Law = TractionImpulse
-    defaults: ClassVar[dict[str, str]] = {"criterion": "velocity"}
-    leaves_bodies_out = True

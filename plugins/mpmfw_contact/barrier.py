@@ -25,7 +25,7 @@ from pydantic import Field
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from mpmfw.api import ContactRows, FloatArray, ForceContact, Grid, PairRecords, Setup, State
+from mpmfw.api import ContactRows, FloatArray, Grid, PairRecords, Setup, State
 from mpmfw.contact.springs import SpringLaw, SpringOptions
 from mpmfw.contact.surfaces import Surfaces
 from mpmfw.contact.surfaces.outline import node_error, outline_of, tracked_surface
@@ -64,20 +64,20 @@ class BarrierLaw(SpringLaw):
         """Return the arrays of :class:`BarrierArrays`."""
         return {**super().row_arrays(friction=friction), "distance": 0}
 
-    def prepare(self, setup: Setup, owner: str) -> None:
+    def prepare(self, setup: Setup) -> None:
         """Prepare as springs, and take the surfaces that the collision detection follows."""
-        self.surface = tracked_surface(setup, owner)
+        self.surface = tracked_surface(setup, self.name)
         self.outline = outline_of(self.surface)
-        self.reach = self.options.reach * setup.cell_size
+        self.threshold = self.options.reach * setup.cell_size
         self.offset, self.placed = np.zeros(0), False
         #: Bodies that the scene puts together have one number, and one offset, so that flush bodies bear at
         #: one distance.
         self.group, self.group_offset = np.arange(len(setup.bodies)), np.zeros(len(setup.bodies))
-        super().prepare(setup, owner)
+        super().prepare(setup)
 
     def range(self) -> float:
         """Return the distance from which barriers act."""
-        return self.reach
+        return self.threshold
 
     def compliance(self) -> None:
         """Return None: barriers give by no more than their reach."""
@@ -98,31 +98,31 @@ class BarrierLaw(SpringLaw):
         if self.state.steps == 0 and not self.placed:
             self._join_bodies(rows)
         worst = set_barriers(
-            rows, rows.count, rows.own, self.modulus, self.offset, self.reach, self.cell_size,
+            rows, rows.count, rows.own, self.modulus, self.offset, self.threshold, self.cell_size,
             self.options.tangential_ratio if len(rows.own.tangential) else 0.0,
         )  # fmt: skip
         if worst >= 0:
             pair, node = self.state.pairs[int(rows.pair[worst])], int(rows.places.slave[worst])
             text = f"{pair.label}: a surface node came past its barrier within a step"
-            advice = f"a smaller time.safety, or a larger contact.{self.name}.kappa or .reach"
+            advice = f"a smaller time.safety, or a larger contact.{self.law_name}.kappa or .reach"
             raise node_error(self.state, self.surface, node, text, advice=advice)
         return rows.own.limit_k  # type: ignore[no-any-return]
 
     def _join_bodies(self, rows: ContactRows) -> None:
         """Number the groups of bodies closer than barriers reach, and count their distances from there."""
-        gaps, n_bodies = np.full(len(self.offset), self.reach), len(self.group)
+        gaps, n_bodies = np.full(len(self.offset), self.threshold), len(self.group)
         np.minimum.at(gaps, rows.pair[: rows.count], rows.gap[: rows.count])
         first, second = self.state.pair_bodies.T
-        near = gaps < self.reach
+        near = gaps < self.threshold
         graph = coo_matrix((near[near], (first[near], second[near])), shape=(n_bodies, n_bodies))
         self.group = connected_components(graph, directed=False)[1]
-        np.maximum.at(self.group_offset, self.group[first], np.where(near, self.reach - gaps, 0.0))
+        np.maximum.at(self.group_offset, self.group[first], np.where(near, self.threshold - gaps, 0.0))
         self.list_pairs(self.state)
 
     def longest_step(self, rows: Any, grid: Grid) -> float:
         """Return the time in which no node uses up half of its distance, as all move now [s]."""
         return time_to_touch(
-            rows, rows.count, rows.places, self.outline, self.surface.table, self.offset, self.reach,
+            rows, rows.count, rows.places, self.outline, self.surface.table, self.offset, self.threshold,
             grid.mass, grid.momentum, grid.spacing,
         )  # fmt: skip
 
@@ -130,15 +130,13 @@ class BarrierLaw(SpringLaw):
         """Write N."""
         self.placed = True
         barrier_forces(
-            rows, rows.count, rows.own, old.own, self.modulus, self.reach, self.cell_size,
+            rows, rows.count, rows.own, old.own, self.modulus, self.threshold, self.cell_size,
             self.options.tangential_ratio, records,
         )  # fmt: skip
 
 
-class Barrier(ForceContact):
+class Barrier(BarrierLaw):
     """Barriers between surfaces, without a guarantee: a run in which a step carries a node past one ends
     and says where."""
 
-    name = "barrier"
     Detection = Surfaces
-    Law = BarrierLaw

@@ -13,7 +13,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from mpmfw.api import ContactRows, ForceContact, Pair, PairRecords, SceneError, Setup
+from mpmfw.api import ContactRows, Pair, PairRecords, SceneError, Setup, hookimpl
 from mpmfw.contact.springs import SpringArrays, SpringLaw, SpringOptions, approach_of
 from mpmfw.kernels import kernel
 from mpmfw.kernels.contact import Records, Rows
@@ -74,23 +74,17 @@ class Hamad2017Law(SpringLaw):
         if self.options.friction_law == "coulomb" or not frictional:
             return []
         return [
-            f"value of friction of {', '.join(frictional)}: contact 'hamad2017' with friction_law = "
+            f"value of friction of {', '.join(frictional)}: contact '{self.name}' with friction_law = "
             "'literal' ignores it"
         ]
 
-    def prepare(self, setup: Setup, owner: str) -> None:
-        """List the stiffness of the pairs; literal friction has no limit that a friction law could set.
-
-        Raises
-        ------
-        SceneError
-            The scene names one.
-        """
-        super().prepare(setup, owner)
+    def prepare(self, setup: Setup) -> None:
+        """List the stiffness of the pairs; literal friction has no limit, and refuses a friction law."""
+        super().prepare(setup)
         if self.options.friction_law == "literal" and setup.friction_law is not None:
             raise SceneError(
-                f"has no effect with contact.{owner}.friction_law = 'literal', which has no bound; expected "
-                "'coulomb' there",
+                f"has no effect with contact.{self.law_name}.friction_law = 'literal', which has no bound; "
+                "expected 'coulomb' there",
                 key="contact.friction_law",
             )
 
@@ -109,12 +103,13 @@ class Hamad2017Law(SpringLaw):
         if self.options.friction_law == "literal" and len(rows.friction):
             add_literal_friction(rows, rows.count, rows.own, records)
 
-    def remarks(self) -> list[str]:
-        """Return what friction ignores."""
-        return self.unused(self.state.pairs)
+    @hookimpl
+    def concerns(self) -> list[str]:
+        """Add what friction ignores."""
+        return [*super().concerns(), *self.unused(self.state.pairs)]
 
 
-class Hamad2017(ForceContact):
+class Hamad2017(Hamad2017Law):
     """One body of a pair is master; its facets repel every node that they find behind them (eq. 10), by eq.
     7-11.
 
@@ -122,7 +117,5 @@ class Hamad2017(ForceContact):
     stiffness": κ = 1.
     """
 
-    name = "hamad2017"
     Detection = EveryFacet
-    Law = Hamad2017Law
     defaults: ClassVar[dict[str, float]] = {"kappa": 1.0, "interface_thickness": 0.001}

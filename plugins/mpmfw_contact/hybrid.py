@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseContact, Setup, State
+from mpmfw.api import ContactRows, FloatArray, Grid, Setup, State
 from mpmfw.contact.surfaces import Surfaces
 from mpmfw_contact.impulse import Impulse
 
@@ -55,7 +55,7 @@ class Hybrid(Impulse):
         """Arrays of springs, and the bound."""
         return {**super().row_arrays(friction=friction), "limit": 0}
 
-    def prepare(self, setup: Setup, owner: str) -> None:  # noqa: ARG002
+    def prepare(self, setup: Setup) -> None:
         """Stiffness of the pairs."""
         self.cell_size, self.strain_first = setup.cell_size, setup.scheme == "usf"
         self.list_pairs(setup.state)
@@ -94,9 +94,7 @@ class Hybrid(Impulse):
             super().impulses(rows, grid, work, projected=projected)
 
 
-class HybridContact(ImpulseContact):
+class HybridContact(Hybrid):
     """Rows between surfaces, each stopped as far as its spring bears."""
 
-    name = "hybrid"
     Detection = Surfaces
-    Law = Hybrid

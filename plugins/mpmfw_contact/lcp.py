@@ -18,7 +18,7 @@ from __future__ import annotations
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseContact, ImpulseLaw, Setup
+from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseLaw, Setup, hookimpl
 from mpmfw.contact.surfaces import Surfaces
 from mpmfw_contact._gauss_seidel import add_friction_work, solve, state_problem
 
@@ -60,7 +60,7 @@ class Lcp(ImpulseLaw):
         """Compliance, allowed approach, velocity, and what the sweeps keep."""
         return {"compliance": 0, "allowed": 0, "velocity": 1, "before": 1, "direction": 1}
 
-    def prepare(self, setup: Setup, owner: str) -> None:  # noqa: ARG002
+    def prepare(self, setup: Setup) -> None:
         """Allocate the multipliers; with usf the strain follows from the projected momentum."""
         self.strain_first = setup.scheme == "usf"
         self.velocity = np.zeros((0, setup.dim))
@@ -105,23 +105,24 @@ class Lcp(ImpulseLaw):
 
     def restart(self) -> None:
         """Forget how the settling was solved."""
+        super().restart()
         self.solutions, self.unfinished, self.worst = 0, 0, 0.0
 
-    def remarks(self) -> list[str]:
-        """Solutions that ended before the conditions were met."""
+    @hookimpl
+    def concerns(self) -> list[str]:
+        """Add the solutions that ended before the conditions were met."""
         if self.unfinished == 0:
-            return []
+            return super().concerns()
         return [
+            *super().concerns(),
             f"contact law 'lcp': {self.unfinished} of {self.solutions} solutions ended after sweeps = "
             f"{self.options.sweeps} with "
             f"rows that still changed by up to {self.worst:.1g} of the largest; expected "
-            f"{self.options.tolerance:g}"
+            f"{self.options.tolerance:g}",
         ]
 
 
-class LcpContact(ImpulseContact):
+class LcpContact(Lcp):
     """Rows between surfaces, solved at once."""
 
-    name = "lcp"
     Detection = Surfaces
-    Law = Lcp

@@ -20,7 +20,7 @@ import math
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from mpmfw.api import ContactRows, Grid, ImpulseContact, Particles, SceneError, Setup, Stencil
+from mpmfw.api import ContactRows, Grid, Particles, SceneError, Setup, Stencil
 from mpmfw.contact.nodes import AtNodes
 from mpmfw.contact.shared_nodes import GridNodes, NodePairs, SharedNodes, write_row
 from mpmfw.kernels import Struct, device, kernel, scratch
@@ -222,18 +222,11 @@ class Logistic(AtNodes):
     options: LogisticOptions
 
     def configure(self, needs: frozenset[str], *, forces: bool) -> None:  # noqa: ARG002
-        """Refuse laws of forces.
-
-        Raises
-        ------
-        SceneError
-            The gap jumps as points come and go, and springs would make energy of that.
-        """
+        """Refuse laws of forces."""
         if forces:
             raise SceneError(
                 "detection 'logistic' is for laws of impulses: its gap jumps as points come and go, and "
-                "springs would make "
-                "energy of that"
+                "springs would make energy of that"
             )
 
     def prepare(self, setup: Setup, owner: str) -> None:
@@ -257,7 +250,7 @@ class Logistic(AtNodes):
         )  # fmt: skip
 
 
-class Nairn(ImpulseContact):
+class Nairn(Impulse):
     """Momentum exchange at grid nodes whose two bodies approach and overlap across the plane between their
     points.
 
@@ -266,4 +259,3 @@ class Nairn(ImpulseContact):
 
     name = "nairn"
     Detection = Logistic
-    Law = Impulse

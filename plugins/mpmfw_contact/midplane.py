@@ -20,18 +20,11 @@ from __future__ import annotations
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from mpmfw.api import (
-    ContactRows,
-    Detection,
-    ForceContact,
-    Grid,
-    Particles,
-    Setup,
-    State,
-    Stencil,
-)
-from mpmfw.contact.surfaces.near_facets import NearFacets, TravelLimit, VerletList
-from mpmfw.contact.surfaces.outline import Outline, hidden, opposition, outline_of, tracked_surface
+from mpmfw.api import ContactRows, Grid, Particles, Setup, Stencil
+from mpmfw.api.types import IntArray
+from mpmfw.contact.surfaces import OnFacets
+from mpmfw.contact.surfaces.near_facets import NearFacets
+from mpmfw.contact.surfaces.outline import Outline, hidden, opposition
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.contact import Rows, pair_index
 from mpmfw.kernels.facets import length_of, read_corners, write_gradients
@@ -207,7 +200,7 @@ class MidplaneDetectionOptions(BaseModel):
     )
 
 
-class Midplane(Detection):
+class Midplane(OnFacets):
     """Two rows for each two segments of different bodies that face each other and lie over each other."""
 
     name = "midplane"
@@ -217,51 +210,32 @@ class Midplane(Detection):
     dimensions = (2,)
     dimensions_note = "the plane form of a method for space: polygons that two facets share are not built"
 
-    def parts(self) -> list[TravelLimit]:
-        """Return the limit of travel."""
-        return [TravelLimit(self)]
+    of_facets = True
 
-    def reach(self, cell_size: float) -> float:
-        """Return the search radius."""
-        return self.options.search_radius * cell_size
-
-    def prepare(self, setup: Setup, owner: str) -> None:
-        """Allocate the arrays of the search."""
-        self.state, self.has_friction = setup.state, setup.has_friction
-        self.surface = tracked_surface(setup, owner)
-        self.outline = outline_of(self.surface)
-        self.radius = self.reach(setup.cell_size)
-        self.near = VerletList(
-            self.outline.facets, self.outline.facet_first, self.outline, self.radius, setup.state.grid.spacing
-        )
-        self.list_pairs(setup.state)
+    def rank_bodies(self, setup: Setup, owner: str) -> IntArray:  # noqa: ARG002
+        """Rank by index: segments of each body meet those of bodies with a higher one."""
+        return np.arange(len(setup.bodies))
 
     def new_rows(self, own: dict[str, int | None]) -> ContactRows:
         """Return rows with a couple on both sides where there is friction."""
         return ContactRows(self.state.grid.dim, couples=self.has_friction, own=own)
-
-    def list_pairs(self, state: State) -> None:
-        """Search the segments of each body against those of bodies with a higher index."""
-        self.near.list_pairs(state.pair_bodies, np.arange(len(state.bodies)))
 
     def find(self, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> None:  # noqa: ARG002
         """Find the segments that are near each other, and write their rows."""
         rows.count = 0
         if not self.near.update():
             return
-        while True:
-            rows.count = write_midlines(
+        self.fill(
+            rows,
+            lambda: write_midlines(
                 self.near.near, self.radius, self.outline, self.near.pair_of, self.near.first,
                 self.surface.table, rows, grid.spacing,
-            )  # fmt: skip
-            if rows.count >= 0:
-                return
-            rows.make_room(2 * len(rows.pair), 2 * len(rows.dof))
+            ),
+        )  # fmt: skip
 
 
-class MidplaneContact(ForceContact):
+class MidplaneContact(Hamad2017Law):
     """Linear springs on what segments of two bodies have in common, neither of which is master."""
 
     name = "midplane"
     Detection = Midplane
-    Law = Hamad2017Law

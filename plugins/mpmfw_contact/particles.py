@@ -18,7 +18,7 @@ the step.
 
 from __future__ import annotations
 
-from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseContact, ImpulseLaw, Setup
+from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseLaw
 from mpmfw.kernels import Struct, kernel, scratch
 from mpmfw.kernels.contact import Rows, slip_limit
 from mpmfw.kernels.types import Floats
@@ -57,20 +57,24 @@ def push_apart(
         work[rows.pair[c]] += tangential * speed
 
 
-class LeastPenetration(ImpulseLaw):
-    """Impulses that take overlapping points apart within the step, with friction of the moment."""
+class PointCentres(PointSpheres):
+    """Points as spheres, on whose centres the forces act."""
+
+    at_centres = True
+
+
+class ParticleContact(ImpulseLaw):
+    """Points of different bodies push each other apart by their overlap in each step, with friction of the
+    moment; springs between the same points are ``points+penalty``."""
 
     name = "particles"
+    Detection = PointCentres
     uses_friction = True
     needs = frozenset({"gap"})
 
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:  # noqa: ARG002
         """The rows' velocity."""
         return {"velocity": 1}
-
-    def prepare(self, setup: Setup, owner: str) -> None:  # noqa: ARG002
-        """The points, whose masses the law needs."""
-        self.state = setup.state
 
     def impulses(self, rows: ContactRows, grid: Grid, work: FloatArray | None, *, projected: bool) -> None:
         """Push once in a step, beside its other forces."""
@@ -79,18 +83,3 @@ class LeastPenetration(ImpulseLaw):
             return
         rows.momentary_velocity(grid, rows.own.velocity)
         push_apart(rows, rows.count, rows.own, self.state.particles.mass, self.dt, work, grid.spacing)
-
-
-class PointCentres(PointSpheres):
-    """Points as spheres, on whose centres the forces act."""
-
-    at_centres = True
-
-
-class ParticleContact(ImpulseContact):
-    """Points of different bodies push each other apart by their overlap in each step, with friction of the
-    moment; springs between the same points are ``points+penalty``."""
-
-    name = "particles"
-    Detection = PointCentres
-    Law = LeastPenetration

@@ -19,7 +19,7 @@ from typing import Any
 
 from pydantic import Field
 
-from mpmfw.api import AnyArray, ContactRows, FloatArray, ForceContact, PairRecords, Setup, State
+from mpmfw.api import AnyArray, ContactRows, FloatArray, PairRecords, Setup, State, hookimpl
 from mpmfw.api import Field as ArrayField
 from mpmfw.contact.springs import SpringLaw, SpringOptions, approach_of
 from mpmfw.contact.surfaces import Surfaces
@@ -94,20 +94,21 @@ class PenaltyLaw(SpringLaw):
         """Return the arrays of :class:`ChangingSprings`."""
         return {**super().row_arrays(friction=friction), "rest": 0, "moved": 1}
 
-    def fields(self) -> list[ArrayField]:
-        """Return the declaration of the energy that changing springs lose."""
-        return [SPRING_WORK]
+    @hookimpl
+    def declare_fields(self) -> list[ArrayField]:
+        """Add the declaration of the energy that changing springs lose."""
+        return [*super().declare_fields(), SPRING_WORK]
 
-    def prepare(self, setup: Setup, owner: str) -> None:
+    def prepare(self, setup: Setup) -> None:
         """List the pairs, and the depth from which springs grow stiffer."""
-        setup.allocate(owner, SPRING_WORK)
+        setup.allocate(self.name, SPRING_WORK)
         self.linear_to = self.options.linear_to * setup.cell_size
-        super().prepare(setup, owner)
+        super().prepare(setup)
 
     def list_pairs(self, state: State) -> None:
         """List stiffness and losses of the pairs."""
         super().list_pairs(state)
-        self.change = state.lengthen(f"{self.owner}/{SPRING_WORK.name}", len(state.pairs))
+        self.change = state.lengthen(f"{self.name}/{SPRING_WORK.name}", len(state.pairs))
 
     def stiffness(self, rows: ContactRows, old: ContactRows) -> FloatArray:
         """Write k = κ M A / h with the area that bears, and return the tangent stiffness."""
@@ -125,18 +126,18 @@ class PenaltyLaw(SpringLaw):
         )  # fmt: skip
         add_losses(rows, rows.count, rows.own, old, old.count, old.own, self.linear_to, self.change)
 
-    def series(self) -> dict[str, AnyArray]:
-        """Return the energy that changing springs lost."""
-        return {"spring_work": self.change.copy()}
+    @hookimpl
+    def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
+        """Add the energy that changing springs lost; ``interval`` [s] is since the last output."""
+        return {**super().diagnostics(state, interval), "spring_work": self.change.copy()}
 
     def restart(self) -> None:
         """Forget the losses; springs stay loaded."""
+        super().restart()
         self.change.fill(0.0)
 
 
-class Penalty(ForceContact):
+class Penalty(PenaltyLaw):
     """Springs between surfaces: both bodies slaves, the closest facing facet, friction with a history."""
 
-    name = "penalty"
     Detection = Surfaces
-    Law = PenaltyLaw

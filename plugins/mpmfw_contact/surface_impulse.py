@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from mpmfw.api import ImpulseContact
 from mpmfw.contact.surfaces import Surfaces
 from mpmfw_contact.impulse import Impulse
 
 
-class SurfaceImpulse(ImpulseContact):
+class SurfaceImpulse(Impulse):
     """What approaches at a surface node is stopped, with Coulomb friction; what overlaps is not pushed apart.
 
     Detection is that of ``penalty``, the impulses are those of ``bardenhagen``: of the two it has one each.
     """
 
-    name = "impulse"
     Detection = Surfaces
-    Law = Impulse

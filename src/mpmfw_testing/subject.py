@@ -10,7 +10,8 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from mpmfw.campaigns.measures import measure_of
-from mpmfw.contact.parts import ContactLaw, Detection
+from mpmfw.contact.law import ContactLaw
+from mpmfw.contact.rows import Detection
 from mpmfw.errors import SceneError
 from mpmfw.geometry.discretise import refuse_incomplete
 from mpmfw.plugin.discovery import (
@@ -116,7 +117,7 @@ def subject_of(plugin: Any, kind: Kind, options: Mapping[str, Any] | None = None
 def _part_of(plugin: Any) -> Kind | None:
     """Return whether a class is a detection or a law; None if it is neither."""
     found = (part for part, base in PARTS.items() if isinstance(plugin, type) and issubclass(plugin, base))
-    return next(found, None)
+    return None if hasattr(plugin, "Detection") else next(found, None)
 
 
 def _joined(part: Any, kind: Kind, options: Mapping[str, Any]) -> type[Any]:

@@ -109,6 +109,6 @@ def test_a_method_of_the_plane_says_why_it_refuses_space(name, why):
 @pytest.mark.parametrize(("scene", "kappa"), [("rolling-cylinder-slip", 4.0), ("rolling-sphere-slip", 1.0)])
 def test_springs_have_kappa_by_dimension_unless_one_is_given(contact, scene, kappa):
     for name, expected in ((contact, kappa), (f"{contact}(kappa=2)", 2.0)):
-        law = Simulation(load_scene(scene), contact=name).contact.law
+        law = Simulation(load_scene(scene), contact=name).contact
         softest = min(body.p_wave_modulus for body in law.state.bodies)
         assert law.modulus == pytest.approx(expected * softest / law.cell_size)

@@ -140,7 +140,7 @@ class ByItself(Impulse):
         rows.friction[: rows.count] = self.friction[rows.pair[: rows.count]]
         super().impulses(rows, *arguments, **keywords)
 
-    def prepare(self, setup: Any, owner: str) -> None:  # noqa: ARG002
+    def prepare(self, setup: Any) -> None:
         """The pairs' μ."""
         self.friction = np.array([pair.friction for pair in setup.pairs])
 

@@ -68,7 +68,7 @@ def stiff_springs(fraction: float, courant: float = 0.3) -> Callable[[dict[str, 
         with contextlib.suppress(SimulationError):  # what it met until then
             sim.advance(200, lambda frame: limits.append(float(frame.series["time_step_limit"]) / TICK))
         limit = min(limits) if fraction < 1.0 else limits[0]  # 1 / sqrt(1 + a κ), a refusal at once
-        kappa = sim.contact.law.kappa * ((fraction / courant) ** 2 - 1.0) / (1.0 / limit**2 - 1.0)
+        kappa = sim.contact.kappa * ((fraction / courant) ** 2 - 1.0) / (1.0 / limit**2 - 1.0)
         own = table["method"]
         return {**mapping, "contact": {**table, own: {**table.get(own, {}), "kappa": kappa}}}
 

@@ -12,7 +12,7 @@ import contact_kernels
 from contact_kernels import PLANE, empty_candidates, flat, join, star
 from contact_scenes import CELL, impact, wave_speed
 from interpreted import interpreted
-from mpmfw.contact import nodes, parts
+from mpmfw.contact import nodes, strategy
 from mpmfw.contact.events import FEWEST_STEPS
 from mpmfw.contact.surfaces import covering, search
 from mpmfw.contact.surfaces.assembly import equally_close
@@ -163,8 +163,8 @@ def ranks(**constants):
     """Ranks of moduli of which two are equal but for rounding, and a third differs by 1e-5."""
     with pytest.MonkeyPatch.context() as patch:
         for name, value in constants.items():
-            patch.setattr(parts, name, value)
-        return parts.ranks_of(np.array([1.0, 2.0, 2.0 * (1.0 + 1e-9), 2.0 * (1.0 + 1e-5)])).tolist()
+            patch.setattr(strategy, name, value)
+        return strategy.ranks_of(np.array([1.0, 2.0, 2.0 * (1.0 + 1e-9), 2.0 * (1.0 + 1e-5)])).tolist()
 
 
 def is_flush(body, cover, first, second, **constants):

@@ -9,7 +9,6 @@ import pytest
 from scipy.integrate import quad
 
 from contact_scenes import CELL, impact, rectangle, scene, slider
-from mpmfw.api import ForceContact
 from mpmfw.contact.rows import ContactRows
 from mpmfw.contact.springs import SpringArrays, SpringLaw
 from mpmfw.contact.surfaces import Surfaces
@@ -20,7 +19,7 @@ from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
 from mpmfw_contact.adhesion import energy_of, normal_force, reach_of
 from mpmfw_contact.hamad2017 import Hamad2017Law
-from mpmfw_contact.hybrid import Hybrid
+from mpmfw_contact.hybrid import HybridContact
 
 DT = 1e-4
 
@@ -96,7 +95,7 @@ def impulse(
     *, gap: float, approach: float, dt: float, slip: float = 0.0, friction: float = 0.0, moves: bool = True
 ) -> np.ndarray:
     """On the first of two nodes that approach along x by ``approach`` [m/s] and slip along y."""
-    law = Hybrid()
+    law = HybridContact()
     law.modulus, law.strain_first, law.dt = np.array([MODULUS]), False, dt
     rows = ContactRows(2, couples=False, own=law.row_arrays(friction=True))
     rows.allocate_friction(cohesion=False)
@@ -155,32 +154,24 @@ class Linear(SpringLaw):
     """Linear springs."""
 
     name = "linear_springs"
+    Detection = Surfaces
 
     def normal_forces(self, rows, old, records):  # noqa: ARG002
         """Write N."""
         press(rows, rows.count, rows.own, self.options.tangential_ratio, records)
 
 
-class LinearContact(ForceContact):
-    """Linear springs between surfaces."""
-
-    name = "linear_contact"
-    Detection = Surfaces
-    Law = Linear
-
-
-class ByHamad(ForceContact):
+class ByHamad(Hamad2017Law):
     """The bundled linear springs between the same surfaces."""
 
     name = "by_hamad"
     Detection = Surfaces
-    Law = Hamad2017Law
 
 
 def test_a_law_of_springs_is_its_normal_force() -> None:
     """Friction of the stage is that of the bundled law, to the bit."""
     positions, works = [], []
-    for contact in (LinearContact(), ByHamad()):
+    for contact in (Linear(), ByHamad()):
         simulation = Simulation(slider(), contact=contact)
         simulation.start()
         for _ in range(40):

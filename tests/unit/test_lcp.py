@@ -13,7 +13,7 @@ from mpmfw.contact.rows import ContactRows
 from mpmfw.runs.simulation import Simulation
 from mpmfw_contact import lcp
 from mpmfw_contact._gauss_seidel import ROUNDING, add_friction_work, solve, state_problem
-from mpmfw_contact.lcp import Lcp
+from mpmfw_contact.lcp import LcpContact
 
 DT = 0.1
 
@@ -21,7 +21,7 @@ DT = 0.1
 def problem(seed, dim, count=30, *, couples=False, tilts=False, friction=0.0, nodes=40):
     """Rows between two bodies of ``nodes`` grid nodes each, with random normals about one axis."""
     rng = np.random.default_rng(seed)
-    own = Lcp().row_arrays(friction=True)
+    own = LcpContact().row_arrays(friction=True)
     rows = ContactRows(dim, couples=couples, tilts=tilts, own=own)
     rows.allocate_friction(cohesion=False)
     rows.make_room(count, 6 * count)
@@ -188,13 +188,13 @@ def cut_short(monkeypatch, missed):
     """Remarks on one sweep over a stiff problem, which misses the tolerance some hundred times."""
     p = problem(3, 2, friction=0.5)
     monkeypatch.setattr(lcp, "MISSED", missed)
-    law = Lcp(sweeps=1)
+    law = LcpContact(sweeps=1)
     state = SimpleNamespace(pairs=())
-    law.prepare(SimpleNamespace(state=state, scheme="usl", dim=2), "lcp")
+    law.prepare(SimpleNamespace(state=state, scheme="usl", dim=2))
     law.dt = DT
     grid = SimpleNamespace(mass=p.mass, momentum=p.momentum, spacing=p.spacing)
     law.impulses(p.rows, grid, None, projected=False)
-    return law.remarks()
+    return law.concerns()
 
 
 def test_what_misses_the_tolerance_by_more_than_missed_is_told(monkeypatch):

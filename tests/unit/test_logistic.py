@@ -14,7 +14,7 @@ from mpmfw.contact import shared_nodes as shared
 from mpmfw.contact.rows import ContactRows
 from mpmfw.kernels import struct
 from mpmfw_contact import logistic as regression
-from mpmfw_contact.impulse import Impulse
+from mpmfw_contact.surface_impulse import SurfaceImpulse
 
 H = 0.5
 HALF = 0.25 * H  # half of the edge of a point's domain
@@ -104,7 +104,7 @@ def detected(normal, gap=0.0, *, seed=0, turn=1e-5, strain=None):
     regression.list_points(struct(row=row, nodes=nodes, weight=weight), grid.shared, clouds)
     deformation = np.broadcast_to(np.eye(dim) if strain is None else strain, edges.shape).copy()
     points = struct(position=position, deformation_gradient=deformation)
-    rows = ContactRows(dim, couples=False, own=Impulse().row_arrays(friction=False))
+    rows = ContactRows(dim, couples=False, own=SurfaceImpulse().row_arrays(friction=False))
     rows.make_room(n + 1, 2 * n)
     rows.count = regression.write_regressed_rows(
         n, listed, pairs, grid, np.tile(place, (2, 1)), clouds, points, edges, 1e-7, turn, 0.0, 0.0, rows,

@@ -12,7 +12,7 @@ from contact_kernels import no_records
 from mpmfw.contact import shared_nodes as shared
 from mpmfw.contact.rows import ContactRows
 from mpmfw.kernels.contact import add_records
-from mpmfw_contact import impulse as law
+from mpmfw_contact.surface_impulse import SurfaceImpulse
 
 
 @pytest.fixture(params=[2, 3], ids=["2D", "3D"])
@@ -148,7 +148,7 @@ def correct(f, rows, friction):
     records = no_records(3)
     records.impulse, records.count = np.zeros((3, f.dim)), np.ones(3)
     grid = SimpleNamespace(mass=f.mass, momentum=f.momentum, spacing=f.spacing)
-    impulse = law.Impulse()
+    impulse = SurfaceImpulse()
     rows.set(friction=friction[rows.pair])
     impulse.impulses(rows, grid, records.frictional_work, projected=True)
     rows.add_to(f.momentum, f.spacing)

@@ -78,7 +78,7 @@ def test_the_step_of_the_first_touch_is_no_longer_than_that_of_equal_bodies_in_c
         if (rows.gap[: rows.count] < 0.0).any():
             break
         assert rows.count
-        assert contact.omega_squared >= contact.law.estimate_frequency(contact.bulk_frequency)
+        assert contact.omega_squared >= contact.estimate_frequency(contact.bulk_frequency)
     assert simulation.state.steps > 10
 
 

@@ -13,7 +13,7 @@ from mpmfw.kernels.contact import Records, pair_table
 from mpmfw.kernels.facets import project
 from mpmfw.state.fields import FloatArray
 from mpmfw.validation import Case
-from mpmfw_contact.penalty import PenaltyLaw, spring_forces
+from mpmfw_contact.penalty import Penalty, spring_forces
 
 # Only an error of the closed form is left: the step's truncation is h² / l² ~ 1e-12, its rounding 1e-16 / h ~
 # 1e-10.
@@ -22,7 +22,7 @@ VARIATION, BALANCE = 1e-8, 1e-14
 STIFFNESS, FRICTION = 1e4, 0.3  # N/m², 1: of the kernel's own call
 
 #: Arrays of the law.
-OWN = PenaltyLaw().row_arrays(friction=True)
+OWN = Penalty().row_arrays(friction=True)
 
 
 def test_pair_force(case: Case) -> None:

@@ -9,11 +9,9 @@ strategies.
 
 from __future__ import annotations
 
-from mpmfw.contact.force_contact import ForceContact, ForceLaw
-from mpmfw.contact.impulse_contact import ImpulseContact, ImpulseLaw
-from mpmfw.contact.parts import ContactLaw, Detection
-from mpmfw.contact.row_contact import PairRecords
-from mpmfw.contact.rows import ContactRows, FrictionLaw
+from mpmfw.contact.forces import ForceLaw, ImpulseLaw
+from mpmfw.contact.law import ContactLaw, PairRecords
+from mpmfw.contact.rows import ContactRows, Detection, FrictionLaw
 from mpmfw.contact.strategy import ContactStrategy
 from mpmfw.state.fields import CONTACT_SERIES
 
@@ -23,10 +21,8 @@ __all__ = [
     "ContactRows",
     "ContactStrategy",
     "Detection",
-    "ForceContact",
     "ForceLaw",
     "FrictionLaw",
-    "ImpulseContact",
     "ImpulseLaw",
     "PairRecords",
 ]

@@ -16,7 +16,7 @@ from mpmfw.state.history import NotSaved
 from mpmfw.state.structs import State
 
 if TYPE_CHECKING:
-    from mpmfw.contact.row_contact import RowContact
+    from mpmfw.contact.law import ContactLaw
 
 #: Fewest steps of a contact that are let be: a free impact then gains 24 % of its energy in the worst phase,
 #: of two steps 55 %.
@@ -60,7 +60,7 @@ class ContactEvents:
     stage = "output"
     history = ("old_age", "old_pair", "fewest", "deepest", "fewest_ever")
 
-    def __init__(self, contact: RowContact) -> None:
+    def __init__(self, contact: ContactLaw) -> None:
         self.contact = contact
 
     @hookimpl

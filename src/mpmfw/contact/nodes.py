@@ -11,8 +11,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from mpmfw.contact.parts import Detection, stiffness_ranks
-from mpmfw.contact.rows import ContactRows
+from mpmfw.contact.rows import ContactRows, Detection
 from mpmfw.contact.shared_nodes import (
     GridNodes,
     NodePairs,
@@ -23,6 +22,7 @@ from mpmfw.contact.shared_nodes import (
     project_volume_gradient,
     write_rows,
 )
+from mpmfw.contact.strategy import stiffness_ranks
 from mpmfw.errors import SceneError
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import FloatArray
@@ -208,13 +208,7 @@ class Nodes(AtNodes):
 
     def configure(self, needs: frozenset[str], *, forces: bool) -> None:
         """Measure the gap by positions where the law needs one; forces need an area, and nodes with some
-        mass.
-
-        Raises
-        ------
-        SceneError
-            The criterion of velocity measures no gap, for a law or a cut-off, and a given normal no area.
-        """
+        mass. Raise SceneError if the options measure none."""
         self.forces = forces
         if "gap" in needs and self.options.criterion == "velocity":
             raise SceneError(

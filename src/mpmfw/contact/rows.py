@@ -1,18 +1,19 @@
-"""Rows: the places where two bodies may touch, and how much they hold along their planes."""
+"""Rows, the places where two bodies may touch, and detections, which list them; laws of friction."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
 from mpmfw.kernels import struct, velocity_of_momentum
 from mpmfw.kernels.contact import Rows, add_row_forces, couplings, relative_motion
 from mpmfw.plugin.base import PlugIn
-from mpmfw.state.fields import AnyArray, FloatArray
+from mpmfw.plugin.setup import Setup
+from mpmfw.state.fields import AnyArray, Field, FloatArray
 from mpmfw.state.history import NotSaved, check_indices
-from mpmfw.state.structs import Grid
+from mpmfw.state.structs import Grid, Particles, State, Stencil
 
 if TYPE_CHECKING:
     from mpmfw.state.index_map import IndexMap
@@ -151,6 +152,86 @@ class ContactRows(Rows):
         if len(self.node_sum) != len(grid.mass):
             self.node_sum = np.zeros(len(grid.mass))
         return couplings(self, self.count, stiffness, grid.mass, self.node_sum, out)
+
+
+class Detection(PlugIn):
+    """Base of detections, announced as entry points of the group ``mpmfw.detection``: it fills the rows of
+    a step from where the bodies are, after the projection and before the step's length is chosen."""
+
+    #: What laws may need of its rows: ``facets`` where they lie on facets of surfaces, which are then
+    #: tracked, ``nodes`` where a node meets each, ``steady gap`` where gaps do not jump as rows come and go.
+    provides: ClassVar[frozenset[str]] = frozenset()
+    #: How surface nodes are mapped to the grid: ``auto`` follows the shape function.
+    surface_map: Literal["auto", "plain", "mass_weighted"] = "auto"
+    #: Whether a part of it adds inertia to the nodes.
+    adds_mass: bool = False
+    #: Whether rows have an area, which forces and cohesion are made of.
+    measures_area: bool = True
+    #: Whether bodies at rest may be left out for a while: :meth:`copy_history` copies its history, and rows
+    #: renumber theirs.
+    leaves_bodies_out: bool = False
+    #: Gap up to which the law acts [m], known once both are prepared.
+    law_range: float = 0.0
+
+    state: State  #: to be taken by :meth:`prepare`
+
+    def parts(self) -> list[Any]:
+        """Return the plug-ins that it brings along."""
+        return []
+
+    def reach(self, cell_size: float) -> float | None:  # noqa: ARG002
+        """Return the distance of bounding boxes [m] beyond which nothing is searched, with the cell size h
+        [m]; None without a search."""
+        return None
+
+    def range(self, cell_size: float) -> float | None:
+        """Return the gap [m] up to which rows are sure to be listed, after :meth:`prepare`, with the cell
+        size h [m]; by default :meth:`reach`, None if not known."""
+        return self.reach(cell_size)
+
+    def configure(self, needs: frozenset[str], *, forces: bool) -> None:
+        """Choose what follows from the law: its ``needs`` (:attr:`ContactLaw.needs`), and whether it gives
+        ``forces``. Raise SceneError if the options do not give that."""
+
+    def fields(self) -> list[Field]:
+        """Return the output fields that :meth:`outputs` fills."""
+        return []
+
+    def prepare(self, setup: Setup, owner: str) -> None:
+        """Take facts of the scene from ``setup``, and list arrays under ``owner``."""
+        raise NotImplementedError
+
+    def new_rows(self, own: dict[str, int | None]) -> ContactRows:
+        """Return rows without content, with the ``own`` arrays of a law (:class:`ContactRows`); by default
+        both sides of a row are at one place, and it has neither couple nor spin."""
+        return ContactRows(self.state.grid.dim, couples=False, own=own)
+
+    def list_pairs(self, state: State) -> None:
+        """List ``state.pairs`` anew: bodies have come near that were apart."""
+        raise NotImplementedError
+
+    def find(self, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> None:
+        """Fill the ``rows`` of this step, all arrays but ``previous``, ``force`` and the law's own;
+        ``phi`` is the points' table of interpolation."""
+        raise NotImplementedError
+
+    def note_forces(self, rows: ContactRows, scale: float) -> None:
+        """Note the forces of the ``rows``, or impulses, which the law has just written; times ``scale`` they
+        are impulses."""
+
+    def restart(self) -> None:
+        """Forget accumulated sums at time zero, after settling."""
+
+    def copy_history(self, other: Any, index_map: IndexMap) -> None:
+        """Copy the history of ``other``, of the same class, renumbered by ``index_map``; none by default."""
+
+    def outputs(self, rows: ContactRows) -> dict[str, AnyArray]:  # noqa: ARG002
+        """Return values of the declared output fields from the ``rows`` of the last step."""
+        return {}
+
+    def remarks(self) -> list[str]:
+        """Return warnings for a reader of the results, a sentence each, after the last step."""
+        return []
 
 
 class FrictionLaw(PlugIn):

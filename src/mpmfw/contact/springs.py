@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from mpmfw.contact.force_contact import ForceLaw
-from mpmfw.contact.row_contact import PairRecords
+from mpmfw.contact.forces import ForceLaw
+from mpmfw.contact.law import PairRecords
 from mpmfw.contact.rows import ContactRows
 from mpmfw.errors import SceneError
 from mpmfw.kernels import Struct, device, kernel
@@ -67,9 +67,8 @@ def add_friction(
 ) -> None:  # fmt: skip
     """Write f = N n + f_t of every row, with the law's N, k_t, pull and area; and add the works of friction.
 
-    Rows of one place share what it held by their areas. Friction dissipates |f_t| Δs / k_t of the trial
-    force beyond the limit; ½ f_t² / k_t is stored. Both are subtracted from ``change`` (pair,), where it
-    has pairs.
+    Rows of one place share its force by their areas. Friction dissipates |f_t| Δs / k_t of the trial force
+    beyond the limit, and ½ f_t² / k_t is stored; both are taken from ``change`` (pair,), if it has pairs.
     """
     dim, has_friction = rows.normal.shape[1], len(own.tangential) > 0
     for c in range(count):
@@ -142,21 +141,15 @@ class SpringLaw(ForceLaw):
         names = [name for name in SpringArrays.member_names if name != "tangential"]
         return {**dict.fromkeys(names, 0), "tangential": 1 if friction else None}
 
-    def prepare(self, setup: Setup, owner: str) -> None:
-        """List the stiffness of the pairs.
-
-        Raises
-        ------
-        SceneError
-            An option of friction was set, and no pair has friction.
-        """
+    def prepare(self, setup: Setup) -> None:
+        """List the stiffness of the pairs; refuse an option of friction where no pair has friction."""
         if not setup.has_friction:
             for name in ("tangential_ratio", "friction_law"):
                 if name in self.options.model_fields_set:
                     raise SceneError(
-                        "has no effect, since every pair has friction = 0", key=f"contact.{owner}.{name}"
+                        "has no effect, since every pair has friction = 0", key=f"contact.{self.name}.{name}"
                     )
-        self.owner, self.state, self.cell_size = owner, setup.state, setup.cell_size
+        self.cell_size = setup.cell_size
         given = self.options.kappa
         self.kappa = KAPPA[setup.state.particles.dim] if given is None else given
         # tangential springs, where there are any, may be the stiffer ones
@@ -188,10 +181,8 @@ class SpringLaw(ForceLaw):
         return own.limit_k  # type: ignore[no-any-return]
 
     def normal_forces(self, rows: ContactRows, old: ContactRows, records: PairRecords) -> None:
-        """Write N and k_t of every row on which the law acts, and add to the pairs' energies.
-
-        N, k_t and pull are 0 before, and entered is 1. The dashpot is an attribute.
-        """
+        """Write N and k_t of every row on which the law acts, and add to the pairs' energies. N, k_t and pull
+        are 0 before, entered is 1, and the dashpot is an attribute."""
         raise NotImplementedError
 
     def forces(self, rows: ContactRows, old: ContactRows, dashpot: float, records: PairRecords) -> None:

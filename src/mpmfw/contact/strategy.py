@@ -10,8 +10,9 @@ import numpy as np
 from mpmfw.plugin.base import PlugIn
 from mpmfw.plugin.checks import naming
 from mpmfw.plugin.setup import Acts, Effect, Setup
+from mpmfw.state.fields import FloatArray, IntArray
 from mpmfw.state.pairs import overlapping
-from mpmfw.state.structs import Pair
+from mpmfw.state.structs import Body, Pair
 
 
 class ContactStrategy(PlugIn):
@@ -108,3 +109,22 @@ def _search(setup: Setup, reach: float | None) -> list[Effect]:
     near = len(overlapping(lower - 0.5 * reach, upper + 0.5 * reach)[0]) > 0
     found = f"{'two' if near else 'no two'} bodies' boxes are within its reach of {reach:.4g} m at the start"
     return [Effect("contact search", near, found if near else f"asleep until bodies are near: {found}")]
+
+
+#: Relative difference of wave moduli K + 4 G / 3 up to which two bodies are equally stiff, and of sizes that
+#: are equal.
+EQUAL = 1e-6
+
+
+def stiffness_ranks(bodies: Sequence[Body]) -> IntArray:
+    """Rank every body by its wave modulus (body,): 0 for the softest, the same for equally stiff ones."""
+    return ranks_of(np.array([body.p_wave_modulus for body in bodies]))
+
+
+def ranks_of(values: FloatArray) -> IntArray:
+    """Rank positive values (n,): 0 for the smallest, the same for equal ones."""
+    order = np.argsort(values)
+    steps = np.diff(values[order], prepend=values[order[:1]]) > EQUAL * values[order]
+    ranks = np.zeros(len(values), dtype=np.int64)
+    ranks[order] = np.cumsum(steps)
+    return ranks

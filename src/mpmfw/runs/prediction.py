@@ -121,8 +121,8 @@ def share_of_springs(simulation: Simulation, axis: int | None) -> float:
     Under a unit of pressure springs give by h / (κ M), and a body by its length over M. A pair counts if its
     boxes are less than a cell apart and, with an ``axis``, follow each other along it."""
     state, h = simulation.state, simulation.scene.grid.cell_size
-    law: Any = getattr(simulation.contact, "law", None)
-    springs = law.compliance() if hasattr(law, "compliance") else None
+    contact: Any = simulation.contact
+    springs = contact.compliance() if hasattr(contact, "compliance") else None
     if springs is None:
         return 0.0
     lower, upper = (np.array([getattr(body, end) for body in state.bodies]) for end in ("lower", "upper"))

@@ -11,7 +11,7 @@ from faulty_plugins.contact.plain import PlainContact
 from faulty_plugins.sealed import Sealed
 from mpmfw.api import AnyArray, State, hookimpl
 from mpmfw_contact.bardenhagen import Bardenhagen
-from mpmfw_contact.penalty import Penalty, PenaltyLaw
+from mpmfw_contact.penalty import Penalty
 
 
 class MassRatio(PlainContact):
@@ -157,20 +157,17 @@ class Closed(Sealed, PlainContact):
     """Holds a function."""
 
 
-class PerPointLaw(PenaltyLaw):
+class PerPoint(Penalty):
+    """Every point has half a cell of the surface, however many points there are."""
+
+    name = "per-point"
+
     def stiffness(self, rows, old):
         super().stiffness(rows, old)
         n = rows.count
         for k in (rows.own.k, rows.own.limit_k):
             k[:n] *= 0.5 * self.cell_size / rows.tributary_area[:n]
         return rows.own.limit_k
-
-
-class PerPoint(Penalty):
-    """Every point has half a cell of the surface, however many points there are."""
-
-    name = "per-point"
-    Law = PerPointLaw
 
 
 class HalfTheWork(Penalty):

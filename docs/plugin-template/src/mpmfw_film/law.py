@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from mpmfw.api.contact import ContactRows, ImpulseLaw
-from mpmfw.api.types import FloatArray, Grid, Setup
+from mpmfw.api.types import FloatArray, Grid
 from mpmfw.kernels import Floats, Struct, kernel, scratch
 from mpmfw.kernels.contact import Rows, slip_limit
 
@@ -81,15 +81,11 @@ class Film(ImpulseLaw):
         """Arrays of :class:`Own`: numbers of a row, and one vector."""
         return {"active": 0, "compliance": 0, "velocity": 1}
 
-    def prepare(self, setup: Setup, owner: str) -> None:  # noqa: ARG002
-        """Facts of the scene, asked once."""
-        self.state = setup.state
-
     def impulses(self, rows: ContactRows, grid: Grid, work: FloatArray | None, *, projected: bool) -> None:
         """Return the rows' impulses from the grid's momentum; the film acts once a step, at its update."""
         own, spacing = rows.own, grid.spacing
         rows.momentary_velocity(grid, own.velocity)
         find_approach(rows, rows.count, own, spacing)
         rows.couplings(own.active, grid, own.compliance)
-        drag = 0.0 if projected or work is None else self.options.resistance * self.state.dt
+        drag = 0.0 if projected or work is None else self.options.resistance * self.dt
         exchange(rows, rows.count, own, drag, np.zeros(0) if work is None else work, spacing)

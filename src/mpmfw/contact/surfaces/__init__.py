@@ -1,5 +1,5 @@
 """Detection between tracked surfaces: nodes of one body against facets of another."""
 
-from mpmfw.contact.surfaces.detection import FacetOptions, Surfaces, SurfacesOptions
+from mpmfw.contact.surfaces.detection import FacetOptions, OnFacets, Surfaces, SurfacesOptions
 
-__all__ = ["FacetOptions", "Surfaces", "SurfacesOptions"]
+__all__ = ["FacetOptions", "OnFacets", "Surfaces", "SurfacesOptions"]

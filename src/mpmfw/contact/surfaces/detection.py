@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from mpmfw.contact.parts import Detection, ranks_of, stiffness_ranks
-from mpmfw.contact.rows import ContactRows
+from mpmfw.contact.rows import ContactRows, Detection
+from mpmfw.contact.strategy import ranks_of, stiffness_ranks
 from mpmfw.contact.surfaces.assembly import Places, assemble
 from mpmfw.contact.surfaces.near_facets import TravelLimit, VerletList
 from mpmfw.contact.surfaces.outline import no_candidates, node_error, outline_of, tracked_surface
@@ -19,7 +20,7 @@ from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 from mpmfw.state.fields import Field as ArrayField
 from mpmfw.state.history import check_indices
-from mpmfw.state.structs import Body, Grid, Particles, State, Stencil
+from mpmfw.state.structs import Grid, Particles, State, Stencil
 from mpmfw.units import Length
 
 FORCE = ArrayField(
@@ -65,7 +66,50 @@ class SurfacesOptions(FacetOptions):
         return self
 
 
-class Surfaces(Detection):
+class OnFacets(Detection):
+    """Base of detections that search the facets of tracked surfaces near items: surface nodes, or facets."""
+
+    options: Any
+    of_facets = False  #: whether the items are facets
+    rank: IntArray  #: (body,) items of a body meet facets of bodies of the same or a higher rank
+
+    def parts(self) -> list[Any]:
+        """Return the limit of travel."""
+        return [TravelLimit(self)]
+
+    def reach(self, cell_size: float) -> float:
+        """Return the search radius: bodies whose boxes are farther apart cost a comparison of boxes."""
+        return float(self.options.search_radius) * cell_size
+
+    def prepare(self, setup: Setup, owner: str) -> None:
+        """Take the tracked surfaces, rank the bodies, and make the lists of near facets."""
+        self.state, self.has_friction = setup.state, setup.has_friction
+        self.surface, self.cell_size = tracked_surface(setup, owner), setup.cell_size
+        self.outline, self.radius = outline_of(self.surface), self.reach(setup.cell_size)
+        self.rank = self.rank_bodies(setup, owner)
+        items, first = np.arange(self.surface.count)[:, np.newaxis], self.outline.body_first
+        if self.of_facets:
+            items, first = self.outline.facets, self.outline.facet_first
+        self.near = VerletList(items, first, self.outline, self.radius, setup.state.grid.spacing)
+        self.list_pairs(setup.state)
+
+    def rank_bodies(self, setup: Setup, owner: str) -> IntArray:
+        """Return the rank of every body (body,)."""
+        raise NotImplementedError
+
+    def list_pairs(self, state: State) -> None:
+        """List which bodies are searched against each other."""
+        self.near.list_pairs(state.pair_bodies, self.rank)
+
+    def fill(self, rows: ContactRows, write: Callable[[], int]) -> None:
+        """Call a kernel that writes the ``rows`` and returns their number, with more room while it returns
+        −1."""
+        while (count := write()) < 0:
+            rows.make_room(2 * len(rows.pair), 2 * len(rows.dof))
+        rows.count = count
+
+
+class Surfaces(OnFacets):
     """Every node of a surface against the closest facet of each other body that faces it ([H17], section
     3.2).
 
@@ -98,43 +142,42 @@ class Surfaces(Detection):
 
     def parts(self) -> list[Any]:
         """Return the limit of travel, and the surface layer where it has a thickness."""
-        travel = TravelLimit(self)
         if not self.adds_mass:
-            return [travel]
+            return super().parts()
         from mpmfw.contact.surfaces.layer import InterfaceLayer
 
-        return [travel, InterfaceLayer(self.options.interface_thickness)]
-
-    def reach(self, cell_size: float) -> float:
-        """Return the search radius: bodies whose boxes are farther apart cost a comparison of boxes."""
-        return self.options.search_radius * cell_size
+        return [*super().parts(), InterfaceLayer(self.options.interface_thickness)]
 
     def fields(self) -> list[ArrayField]:
         """Return the force of the surface nodes."""
         return [FORCE]
 
     def prepare(self, setup: Setup, owner: str) -> None:
-        """Choose the roles of the bodies, and allocate the arrays of the search."""
-        self.state, self.has_friction = setup.state, setup.has_friction
-        self.surface = tracked_surface(setup, owner)
-        size = np.array([self.surface.tributary[self.surface.of(body.index)].sum() for body in setup.bodies])
-        self.rank = _ranks(setup.bodies, size, self.options.master, owner, one_pass=not self.two_passes)
+        """Prepare the search, and allocate its candidates."""
+        super().prepare(setup, owner)
         slots = 8 if self.every_facet else min(max(len(setup.bodies) - 1, 1), 3)
-        self.outline = outline_of(self.surface)
         self.candidates = no_candidates(setup, owner, slots)
         self.force: FloatArray = setup.allocate(owner, FORCE)
-        self.radius, self.cell_size = self.reach(setup.cell_size), setup.cell_size
         self.through = np.zeros(3)
         self.place = np.zeros(0, dtype=np.int64)
-        nodes = np.arange(self.surface.count)[:, np.newaxis]
-        self.near = VerletList(
-            nodes, self.outline.body_first, self.outline, self.radius, setup.state.grid.spacing
-        )
-        self.list_pairs(setup.state)
 
-    def list_pairs(self, state: State) -> None:
-        """List which bodies are searched against each other."""
-        self.near.list_pairs(state.pair_bodies, self.rank)
+    def rank_bodies(self, setup: Setup, owner: str) -> IntArray:
+        """Rank the bodies: nodes of one are slaves to facets of those of the same or a higher rank.
+
+        All are alike where each body is slave once; else the stiffer is master, unless one is named. Of
+        equally stiff bodies the one with the larger surface is master: the other seldom reaches its edges.
+        Equals are slaves of each other.
+        """
+        bodies, master, surface = setup.bodies, self.options.master, self.surface
+        if master is not None and master not in [body.name for body in bodies]:
+            names = ", ".join(body.name for body in bodies)
+            raise SceneError(f"no body '{master}'; expected one of {names}", key=f"contact.{owner}.master")
+        if self.two_passes:
+            return np.zeros(len(bodies), dtype=np.int64)
+        size = np.array([surface.tributary[surface.of(body.index)].sum() for body in bodies])
+        ranks = stiffness_ranks(bodies) * len(bodies) + ranks_of(size)
+        ranks[[body.index for body in bodies if body.name == master]] = len(bodies) ** 2
+        return ranks
 
     def new_rows(self, own: dict[str, int | None]) -> SurfaceRows:
         """Return rows with their slave node and facet."""
@@ -151,24 +194,27 @@ class Surfaces(Detection):
 
     def find(self, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> None:  # noqa: ARG002
         """Search at x_s(tⁿ), and write a row for each candidate."""
-        self.count = self.search()
+        assert isinstance(rows, SurfaceRows)
+        self.count, closest = self.search(), not self.every_facet
         rows.count = 0
-        if self.count:
-            assert isinstance(rows, SurfaceRows)
-            self._assemble(rows)
-            if len(rows.spin):
-                from mpmfw.contact.surfaces.turning import write_spins  # not called for in the plane
+        if self.count == 0:
+            return
+        if len(self.place) < len(grid.mass):
+            self.place = np.zeros(len(grid.mass), dtype=np.int64)
+        self.fill(
+            rows,
+            lambda: assemble(
+                self.rank, closest, closest, self.candidates, self.outline, self.near.pair_of,
+                self.near.first, self.surface.table, self.place, rows, rows.places, grid.spacing,
+            ),
+        )  # fmt: skip
+        if len(rows.spin):
+            from mpmfw.contact.surfaces.turning import write_spins  # not called for in the plane
 
-                write_spins(rows.count, self.law_range, self.outline, rows, rows.places, grid.spacing)
+            write_spins(rows.count, self.law_range, self.outline, rows, rows.places, grid.spacing)
 
     def search(self) -> int:
-        """Fill the candidates, and return their number.
-
-        Raises
-        ------
-        SimulationError
-            Bodies have crossed.
-        """
+        """Fill the candidates, and return their number; raise SimulationError if bodies have crossed."""
         if not self.near.update() and self.count == 0:
             return 0
         count = find_candidates(
@@ -189,19 +235,6 @@ class Surfaces(Detection):
         )
         advice = "a slower impact, a stiffer contact, or smaller cells"
         return node_error(self.state, self.surface, node, text, advice=advice)
-
-    def _assemble(self, rows: SurfaceRows) -> None:
-        closest, n_nodes = not self.every_facet, len(self.state.grid.mass)
-        if len(self.place) < n_nodes:
-            self.place = np.zeros(n_nodes, dtype=np.int64)
-        while True:
-            rows.count = assemble(
-                self.rank, closest, closest, self.candidates, self.outline, self.near.pair_of,
-                self.near.first, self.surface.table, self.place, rows, rows.places, self.state.grid.spacing,
-            )  # fmt: skip
-            if rows.count >= 0:
-                return
-            rows.make_room(2 * len(rows.pair), 2 * len(rows.dof))
 
     def copy_history(self, other: Surfaces, index_map: Any) -> None:
         """Copy the candidates of the last step, the deepest ones first into fewer slots."""
@@ -265,22 +298,3 @@ class SurfaceRows(ContactRows):
         history["identity"] = index_map.surface_node[node] * own.n_bodies + index_map.body[body]
         history["at/slave"] = index_map.surface_node[history["at/slave"]]
         history["at/facet"] = index_map.facet[history["at/facet"]]
-
-
-def _ranks(
-    bodies: tuple[Body, ...], size: FloatArray, master: str | None, owner: str, *, one_pass: bool
-) -> IntArray:
-    """Rank the bodies: nodes of one are slaves to facets of those of the same or a higher rank.
-
-    All are alike where each body is slave once; else the stiffer is master, unless one is named. Of
-    equally stiff bodies the one with the larger surface, ``size`` (body,) [m^(dim−1)], is master: the
-    other seldom reaches its edges. Equals are slaves of each other.
-    """
-    if master is not None and master not in [body.name for body in bodies]:
-        names = ", ".join(body.name for body in bodies)
-        raise SceneError(f"no body '{master}'; expected one of {names}", key=f"contact.{owner}.master")
-    if not one_pass:
-        return np.zeros(len(bodies), dtype=np.int64)
-    ranks = stiffness_ranks(bodies) * len(bodies) + ranks_of(size)
-    ranks[[body.index for body in bodies if body.name == master]] = len(bodies) ** 2
-    return ranks

@@ -40,13 +40,7 @@ def outline_of(surface: Surface) -> Outline:
 
 
 def tracked_surface(setup: Setup, owner: str) -> Surface:
-    """Return the tracked surfaces, which contact ``owner`` works on.
-
-    Raises
-    ------
-    SceneError
-        There are none.
-    """
+    """Return the tracked surfaces, which contact ``owner`` works on; raise SceneError if there are none."""
     if setup.state.surface is None:
         raise SceneError(f"'{owner}' needs bodies with outlines", key="contact.method")
     return setup.state.surface

@@ -1,4 +1,4 @@
-"""Laws of forces, and their contact: what acts beside internal forces, and limits the step."""
+"""Bases of laws: forces that act beside the internal ones, and impulses that correct momentum."""
 
 from __future__ import annotations
 
@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from mpmfw.contact.parts import ContactLaw
-from mpmfw.contact.row_contact import PairRecords, RowContact
+from mpmfw.contact.law import ContactLaw, PairRecords
 from mpmfw.contact.rows import ContactRows
 from mpmfw.kernels.contact import add_records, match_rows, relative_motion
 from mpmfw.plugin.hookspecs import hookimpl
@@ -22,9 +21,11 @@ if TYPE_CHECKING:
 
 
 class ForceLaw(ContactLaw):
-    """A force on every row, which acts beside internal forces and limits the step."""
+    """Base of laws of forces on rows, which act beside the internal ones (eq. 12 of [H17]); the step must
+    resolve them."""
 
     gives_forces = True
+    history: ClassVar[tuple[str, ...]] = ("old", "omega_squared", "law_step")
     #: Normal dashpot as a fraction of critical.
     damping: float = 0.0
 
@@ -54,13 +55,6 @@ class ForceLaw(ContactLaw):
         """
         raise NotImplementedError
 
-
-class ForceContact(RowContact):
-    """Forces on rows act beside the internal ones (eq. 12 of [H17]), and the step must resolve them."""
-
-    Law: ClassVar[type[ForceLaw]]  #: what acts on the rows
-    history = ("old", "omega_squared", "longest_step")
-
     def restored(self) -> None:
         """Refuse rows of pairs that there are not by ``NotSaved``."""
         check_indices(len(self.state.pairs), pair=self.old.pair[: self.old.count])
@@ -89,23 +83,23 @@ class ForceContact(RowContact):
         self.bulk_frequency = setup.bulk_frequency
         #: Of the rows of this step [1/s²]; None before any was detected.
         self.omega_squared: float | None = None
-        self.longest_step = math.inf  #: that the law allows beside it [s]
+        self.law_step = math.inf  #: that the law allows beside it [s]
 
     @hookimpl
     def detect(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
         """Find the rows where the bodies are now, and the highest frequency that they give the grid."""
         rows, old = self.rows, self.old
         self.find_rows(grid, phi, particles)
-        self.omega_squared, self.longest_step = 0.0, math.inf
+        self.omega_squared, self.law_step = 0.0, math.inf
         if rows.count:
             match_rows(rows, rows.count, old, old.count)
-            stiffness = self.law.stiffness(rows, old)
+            stiffness = self.stiffness(rows, old)
             self.omega_squared = rows.couplings(stiffness, grid, stiffness)
-            self.longest_step = self.law.longest_step(rows, grid)
+            self.law_step = self.longest_step(rows, grid)
             if not np.any(rows.gap[: rows.count] <= 0.0):
                 # The step in which they touch must not be longer than the next: springs begin with the depth
                 # that it leaves, and with its square the energy that nothing paid for
-                self.omega_squared = max(self.omega_squared, self.law.estimate_frequency(self.bulk_frequency))
+                self.omega_squared = max(self.omega_squared, self.estimate_frequency(self.bulk_frequency))
 
     @hookimpl
     def add_nodal_force(self, grid: Grid, dt: float) -> None:
@@ -116,8 +110,8 @@ class ForceContact(RowContact):
         period = math.sqrt(self.omega_squared or 0.0) * self.state.dt
         # c = ζ 2 sqrt(k m) with the mass k / ω² that goes with the highest frequency; per length of the last
         # step
-        dashpot = 2.0 * self.law.damping / period if period > 0.0 else 0.0
-        self.law.forces(rows, old, dashpot, self.records)
+        dashpot = 2.0 * self.damping / period if period > 0.0 else 0.0
+        self.forces(rows, old, dashpot, self.records)
         rows.add_to(grid.force, grid.spacing)
         add_records(rows, rows.count, dt, self.records, grid.spacing)
         self.detection.note_forces(rows, dt)
@@ -135,7 +129,7 @@ class ForceContact(RowContact):
             relative_motion(rows, rows.count, grid.velocity, dt, rows.own.moved, grid.spacing)
         self.rows, self.old = self.old, rows
 
-    def copy_history(self, other: RowContact, index_map: IndexMap) -> None:
+    def copy_history(self, other: ContactLaw, index_map: IndexMap) -> None:
         """Copy the history of the detection, and the rows of the last step of ``other``."""
         super().copy_history(other, index_map)
         self.old.copy_history(other.last_rows, index_map)
@@ -151,16 +145,72 @@ class ForceContact(RowContact):
         together. Before the first detection, ω² is that of equal bodies."""
         omega_squared = self.omega_squared
         if omega_squared is None:
-            omega_squared = self.law.estimate_frequency(self.bulk_frequency)
-        if omega_squared == 0.0 and self.longest_step == math.inf:
+            omega_squared = self.estimate_frequency(self.bulk_frequency)
+        if omega_squared == 0.0 and self.law_step == math.inf:
             return None
-        zeta = self.law.damping
+        zeta = self.damping
         # A dashpot that lags by a step takes away from the limit of its spring: 2 (√(1 + ζ²) − ζ) / ω.
         omega_squared /= (math.sqrt(1.0 + zeta * zeta) - zeta) ** 2
         resolved = 2.0 / math.sqrt(self.bulk_frequency**2 + omega_squared)
-        if self.longest_step < resolved:
-            return self.longest_step, f"{self.law.name} at the present approach"
-        return resolved, f"{self.law.name} springs and bulk"
+        if self.law_step < resolved:
+            return self.law_step, f"{self.law_name} at the present approach"
+        return resolved, f"{self.law_name} springs and bulk"
 
 
-ForceLaw.Contact = ForceContact
+class ImpulseLaw(ContactLaw):
+    """Base of laws of impulses on rows, which correct the grid's momentum: the projected and the updated one,
+    and MUSL's second. They need no shorter step."""
+
+    #: Length of the step [s], known whenever impulses are asked for.
+    dt: float = 0.0
+
+    def impulses(self, rows: ContactRows, grid: Grid, work: FloatArray | None, *, projected: bool) -> None:
+        """Write ``rows.force``, the impulses [N s m^(dim−3)] that the momentum of ``grid`` asks for; the
+        caller adds them to it.
+
+        ``work`` of friction of every pair is to be added to [J m^(dim−3)]; it is None where the correction
+        moves no point. A ``projected`` momentum is that before forces have acted.
+        """
+        raise NotImplementedError
+
+    @hookimpl
+    def detect(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
+        """Find the rows where the bodies are now."""
+        self.find_rows(grid, phi, particles)
+        # of forces; the rows have the impulses of each correction
+        self.cohesion = self.rows.cohesion.copy()
+
+    @hookimpl
+    def after_momentum_projection(self, grid: Grid, dt: float) -> None:
+        """Correct the projected momentum; cohesion holds against the step's forces, which have not acted
+        yet. ``dt`` [s] is the length of the step."""
+        self.dt = dt
+        self.rows.cohesion[:] = 0.0
+        self._correct(grid, projected=True)
+
+    @hookimpl
+    def after_momentum_update(self, grid: Grid, dt: float) -> None:
+        """Correct the updated momentum, at the same rows; ``dt`` [s] is the length of the step."""
+        self.rows.cohesion[:] = dt * self.cohesion
+        self._correct(grid, projected=False)
+
+    @hookimpl
+    def after_second_projection(self, grid: Grid) -> None:
+        """Correct MUSL's second momentum, from which the strain is taken, at the same rows.
+
+        Else bodies that no longer approach are strained as if they did. No point moves with this momentum:
+        its impulse and work are in no record.
+        """
+        if self.rows.count:
+            self.impulses(self.rows, grid, None, projected=False)
+            self.rows.add_to(grid.momentum, grid.spacing)
+
+    def _correct(self, grid: Grid, *, projected: bool) -> None:
+        rows, records = self.rows, self.records
+        if rows.count == 0:
+            records.count.fill(0.0)
+            return
+        self.impulses(rows, grid, records.frictional_work, projected=projected)
+        rows.add_to(grid.momentum, grid.spacing)
+        add_records(rows, rows.count, 1.0, records, grid.spacing)
+        self.detection.note_forces(rows, 1.0)

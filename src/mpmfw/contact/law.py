@@ -1,22 +1,21 @@
-"""Contact of a detection and a law: what all share, whether the law gives forces or impulses."""
+"""Laws of contact: a law with a detection is a contact strategy, and keeps the records of the pairs."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from mpmfw.contact.parts import ContactLaw, Detection, make_part, options_of_both
-from mpmfw.contact.rows import ContactRows, FrictionLaw
+from mpmfw.contact.joining import joined, options_of_both
+from mpmfw.contact.rows import ContactRows, Detection, FrictionLaw
 from mpmfw.contact.strategy import ContactStrategy
 from mpmfw.errors import SceneError
 from mpmfw.kernels.contact import Records
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import CONTACT_SERIES, AnyArray, Field
-from mpmfw.state.structs import Grid, Pair, Particles, State, Stencil
+from mpmfw.state.structs import Grid, Particles, State, Stencil
 
 if TYPE_CHECKING:
     from mpmfw.state.index_map import IndexMap
@@ -77,41 +76,81 @@ class PairRecords(Records):
         }
 
 
-class RowContact(ContactStrategy):
-    """Base of contacts that name the classes ``Detection`` and ``Law``, whose options are those of both."""
+class ContactLaw(ContactStrategy):
+    """Base of laws, announced as entry points of the group ``mpmfw.law``: a law is a :class:`ForceLaw` or
+    an :class:`ImpulseLaw`.
+
+    A class that names its ``Detection`` is a contact strategy, and its options are those of both. The other
+    classes are laws for any detection, ``DETECTION+LAW``.
+    """
 
     Detection: ClassVar[type[Detection]]  #: what lists the rows
-    Law: ClassVar[type[ContactLaw]]  #: what acts on them
-    #: Options whose defaults are others than those of the two parts, by name.
+    #: Options of a contact whose defaults are others than those of detection and law, by name.
     defaults: ClassVar[dict[str, Any]] = {}
-    velocity_fields = "per_body"
+    #: What it needs of the rows: ``gap`` for a signed gap, ``steady gap`` for one that does not jump as rows
+    #: come and go, ``facets``, ``nodes`` for nodes against facets.
+    needs: ClassVar[frozenset[str]] = frozenset()
+    #: Whether it gives forces, and not impulses.
+    gives_forces: ClassVar[bool] = False
+    #: Its option that makes contact softer where it is smaller, for advice; None where there is none.
+    softness_option: ClassVar[str | None] = None
     stage = "contact"
-    history: ClassVar[tuple[str, ...]] = ("detection", "law", "friction", "records")
+    history: ClassVar[tuple[str, ...]] = ("detection", "friction", "records")
 
     def __init__(self, **options: Any) -> None:
+        if not hasattr(self, "Detection"):
+            raise SceneError(f"law '{self.name}' has no detection; expected DETECTION+{self.name}")
         super().__init__(**options)
-        self.detection: Detection = make_part(self.Detection, self.options)
-        self.law: Any = make_part(self.Law, self.options)
-        self.detection.configure(self.Law.needs, forces=self.Law.gives_forces)
-        self.surface_map = self.detection.surface_map
-        self.adds_mass = self.detection.adds_mass
-        parts_do = self.law.leaves_bodies_out and self.detection.leaves_bodies_out
-        self.leaves_bodies_out = type(self).leaves_bodies_out or parts_do
-        option = self.Law.softness_option
-        own = self.name.rpartition("+")[2]  # in a scene a joined law has a table of its own
-        self.softer_by = None if option is None else f"contact.{own}.{option}"
+        own, both = self.Detection.Options.model_fields, type(self.options).model_fields
+        chosen = [
+            name
+            for name in own
+            if name in self.options.model_fields_set or both[name].default != own[name].default
+        ]
+        self.detection = self.Detection(**{name: getattr(self.options, name) for name in chosen})
+        self.detection.configure(self.needs, forces=self.gives_forces)
+        self.surface_map, self.adds_mass = self.detection.surface_map, self.detection.adds_mass
+        self.leaves_bodies_out = type(self).leaves_bodies_out and self.detection.leaves_bodies_out
+        self.law_name = self.name.rpartition("+")[2]  #: that of its table in a scene
+        option = self.softness_option
+        self.softer_by = None if option is None else f"contact.{self.law_name}.{option}"
 
     def __init_subclass__(cls, **keywords: Any) -> None:
         super().__init_subclass__(**keywords)
-        if not hasattr(cls, "Detection"):
+        cls.takes_friction_law = cls.uses_friction
+        if "Detection" not in vars(cls):
             return
-        detection, law = cls.Detection, cls.Law
+        detection = cls.Detection
         cls.needs_surface = "facets" in detection.provides
-        cls.dimensions = tuple(d for d in detection.dimensions if d in law.dimensions)
-        cls.dimensions_note = detection.dimensions_note or law.dimensions_note
-        cls.uses_friction = cls.takes_friction_law = law.uses_friction
-        if "Options" not in vars(cls) and ("Detection" in vars(cls) or "Law" in vars(cls)):
-            cls.Options = options_of_both(cls)
+        cls.dimensions = tuple(d for d in detection.dimensions if d in cls.dimensions)
+        cls.dimensions_note = detection.dimensions_note or cls.dimensions_note
+        cls.Options = options_of_both(cls)
+
+    @classmethod
+    def joined_with(cls, detection: type[Any]) -> type[Any]:
+        """Return the contact strategy of a class ``detection`` and this law, called ``DETECTION+LAW``."""
+        return joined(detection, cls)  # type: ignore[arg-type]  # classes are hashable
+
+    def row_arrays(self, *, friction: bool) -> dict[str, int | None]:  # noqa: ARG002
+        """Return the law's own arrays of the rows, by name: the number of further dimensions, or None for an
+        array without rows. ``friction`` is true if any pair has friction.
+
+        They are its history, ``rows.own`` for kernels. One called ``moved`` gets B v Δt of the step."""
+        return {}
+
+    def prepare(self, setup: Setup) -> None:
+        """Take facts of the scene from ``setup``, and list arrays under the contact's name."""
+
+    def measure(self, rows: ContactRows, grid: Grid, phi: Stencil, particles: Particles) -> None:
+        """Take what the law needs of the material points, once the rows of the step are there; ``phi`` is
+        their table of interpolation."""
+
+    def range(self) -> float:
+        """Return the gap up to which the law acts [m], after :meth:`prepare`: 0 where bodies must touch."""
+        return 0.0
+
+    def list_pairs(self, state: State) -> None:
+        """Take facts of ``state.pairs`` as arrays: bodies have come near that were apart."""
 
     def parts(self) -> list[Any]:
         """Return the parts of the detection."""
@@ -121,31 +160,23 @@ class RowContact(ContactStrategy):
         """Return the reach of the detection [m]; ``cell_size`` is h [m]."""
         return self.detection.reach(cell_size)
 
-    def unused(self, pairs: Sequence[Pair]) -> list[str]:
-        """Return facts of these ``pairs`` that the law does not use."""
-        return self.law.unused(pairs)  # type: ignore[no-any-return]
-
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        """Return the declarations of the pairs' series and of the law's."""
-        return [*CONTACT_SERIES, *self.law.fields()]
+        """Return the declarations of the pairs' series."""
+        return list(CONTACT_SERIES)
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        """Prepare detection, law and records, and make the rows of this step and the last.
+        """Prepare records, detection and law, and make the rows of this step and the last.
 
-        Raises
-        ------
-        SceneError
-            The law acts across wider gaps than are found, or cohesion has no area to act on.
-        """
+        Raise SceneError if cohesion has no area to act on."""
         self.state, self.friction = setup.state, setup.friction_law or FrictionLaw()
         self.records = PairRecords(setup, self.name)
         self.detection.prepare(setup, self.name)
-        self.law.prepare(setup, self.name)
+        self.prepare(setup)
         self.check_range(setup.cell_size)
-        self.detection.law_range = self.law.range()
-        own = self.law.row_arrays(friction=setup.has_friction)
+        self.detection.law_range = self.range()
+        own = self.row_arrays(friction=setup.has_friction)
         self.rows, self.old = self.detection.new_rows(own), self.detection.new_rows(own)
         if self.friction.cohesive and not self.detection.measures_area:
             raise SceneError(
@@ -160,8 +191,8 @@ class RowContact(ContactStrategy):
 
     def check_range(self, cell_size: float) -> None:
         """Refuse a law that acts across wider gaps than the detection finds, with the cell size h [m]."""
-        detection, law = self.detection, self.law
-        listed, needed = detection.range(cell_size), law.range()
+        detection = self.detection
+        listed, needed = detection.range(cell_size), self.range()
         if listed is None or needed <= listed or math.isclose(needed, listed):
             return
         finds, expected = f"contact '{self.name}': detection '{detection.name}'", "another detection"
@@ -171,15 +202,15 @@ class RowContact(ContactStrategy):
             finds = f"contact.{table}.search_radius = {value:g}"
             expected = f"at least {value * needed / listed:.4g}"
         raise SceneError(
-            f"{finds} finds gaps of up to {listed:.4g} m, and law '{law.name}' acts across gaps of up to "
-            f"{needed:.4g} m; expected {expected}, or a law that acts across none so wide"
+            f"{finds} finds gaps of up to {listed:.4g} m, and law '{self.law_name}' acts across gaps of up "
+            f"to {needed:.4g} m; expected {expected}, or a law that acts across none so wide"
         )
 
     @hookimpl
     def add_pairs(self, state: State) -> None:
         """Add facts and records of bodies that have come near."""
         self.detection.list_pairs(state)
-        self.law.list_pairs(state)
+        self.list_pairs(state)
         self.records.add_pairs(state)
         self._list_facts(state)
 
@@ -200,7 +231,7 @@ class RowContact(ContactStrategy):
             for area in (rows.area, rows.tributary_area):
                 area[: rows.count] *= width
         if rows.count:
-            self.law.measure(rows, grid, phi, particles)
+            self.measure(rows, grid, phi, particles)
             if len(rows.friction):
                 self.friction.slip_limit(rows, self.pair_friction, self.state.dt)
 
@@ -209,22 +240,21 @@ class RowContact(ContactStrategy):
         """The rows of the last step, with what acted on them."""
         return self.rows
 
-    def copy_history(self, other: RowContact, index_map: IndexMap) -> None:
+    def copy_history(self, other: ContactLaw, index_map: IndexMap) -> None:
         """Copy the history of ``other``, renumbered by ``index_map``; records are declared arrays."""
         self.detection.copy_history(other.detection, index_map)
 
     def restart(self) -> None:
         """Forget impulse and work of the settling; contacts stay loaded."""
         self.records.restart()
-        self.law.restart()
         self.detection.restart()
 
     @hookimpl
     def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:  # noqa: ARG002
-        """Return the pairs' series and the law's; ``interval`` [s] is since the last output."""
-        return {**self.records.series(interval), **self.law.series()}
+        """Return the pairs' series; ``interval`` [s] is since the last output."""
+        return self.records.series(interval)
 
     @hookimpl
     def concerns(self) -> list[str]:
-        """Return the warnings of law and detection."""
-        return [*self.law.remarks(), *self.detection.remarks()]
+        """Return the warnings of the detection."""
+        return self.detection.remarks()
