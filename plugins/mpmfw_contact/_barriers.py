@@ -86,8 +86,7 @@ def barrier_forces(
     rows: Rows, count: int, own: BarrierArrays, old_own: BarrierArrays, modulus: Floats, reach: float,
     cell_size: float, tangential_ratio: float, records: Records,
 ) -> None:  # fmt: skip
-    """Write N = −κ M A b'(d / reach) of every row nearer than ``reach``; in the step in which it comes so
-    near, the part ``entered`` counts for friction."""
+    """Write N = −κ M A b'(d / reach) of every row nearer than ``reach``, and the part of its first step."""
     for c in range(count):
         s, o, k = own.distance[c] / reach, rows.previous[c], modulus[rows.pair[c]] * own.effective_area[c]
         if s >= 1.0:

@@ -1,5 +1,4 @@
-"""Springs that grow stiffer with their depth, and that lose energy as they change: their area, their rest,
-their facet."""
+"""Springs that grow stiffer with their depth, and that lose energy as they change."""
 
 from __future__ import annotations
 
@@ -34,8 +33,7 @@ class ChangingSprings(SpringArrays):
 
 @device
 def normal_force(k: Float, depth: Float, limit: Float) -> Float:
-    """Force of a spring of stiffness k at a depth [N/m]; ``limit`` is the depth from which it grows stiffer
-    [m]."""
+    """Force of a spring of stiffness k at a depth [N/m]; it grows stiffer from the depth ``limit`` [m]."""
     if depth <= limit:
         return k * depth
     over = depth - limit

@@ -25,8 +25,7 @@ from mpmfw.kernels.types import Float
 
 @device
 def reach_of(k: Float, pull: Float, separation: Float) -> Float:
-    """Gap from which on nothing acts: ``separation``, or where the spring of stiffness k comes to its
-    ``pull`` σ_0 A [m]."""
+    """Gap from which on nothing acts [m]: ``separation``, or where a spring comes to its ``pull`` σ_0 A."""
     return max(separation, pull / k)
 
 
@@ -91,8 +90,7 @@ class AdhesionLaw(SpringLaw):
     options: AdhesionLawOptions
 
     def range(self) -> float:
-        """Return the separation, or where the springs of the softest body come to the traction; nothing
-        without tension."""
+        """Return the separation, or where the softest springs come to the traction; 0 without tension."""
         if self.options.traction == 0.0:
             return 0.0
         softest = min(body.p_wave_modulus for body in self.state.bodies)

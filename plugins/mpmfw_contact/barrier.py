@@ -28,7 +28,7 @@ from scipy.sparse.csgraph import connected_components
 from mpmfw.api import ContactRows, FloatArray, Grid, PairRecords, Setup, State
 from mpmfw.contact.springs import SpringLaw, SpringOptions
 from mpmfw.contact.surfaces import Surfaces
-from mpmfw.contact.surfaces.outline import node_error, outline_of, tracked_surface
+from mpmfw.contact.surfaces.outline import node_error, outline_of
 from mpmfw_contact._barriers import barrier_forces, set_barriers, time_to_touch
 
 #: b'' where −b' is a thousandth.
@@ -66,7 +66,7 @@ class BarrierLaw(SpringLaw):
 
     def prepare(self, setup: Setup) -> None:
         """Prepare as springs, and take the surfaces that the collision detection follows."""
-        self.surface = tracked_surface(setup, self.name)
+        self.surface = setup.state.tracked_surface
         self.outline = outline_of(self.surface)
         self.threshold = self.options.reach * setup.cell_size
         self.offset, self.placed = np.zeros(0), False
@@ -136,7 +136,6 @@ class BarrierLaw(SpringLaw):
 
 
 class Barrier(BarrierLaw):
-    """Barriers between surfaces, without a guarantee: a run in which a step carries a node past one ends
-    and says where."""
+    """Barriers between surfaces; a run in which a step carries a node past one ends and says where."""
 
     Detection = Surfaces

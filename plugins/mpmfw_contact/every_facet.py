@@ -17,8 +17,7 @@ from mpmfw.kernels.types import Float
 
 @device
 def is_behind(s: int, m: int, radius: Float, outline: Outline, spacing: tuple[float, ...]) -> Float:
-    """Gap by eq. 10: g_n < 0 with the foot of node s on facet m, a corner of which is within the radius; else
-    0."""
+    """Gap by eq. 10: g_n < 0 with the foot of node s on facet m, a corner within the radius; else 0."""
     dim, near, on_it = len(spacing), False, True
     x, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
     corners = scratch.matrix(spacing, spacing)

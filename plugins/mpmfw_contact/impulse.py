@@ -1,5 +1,4 @@
-"""Impulses at single rows: what approaches is stopped, and slip as far as Coulomb's cone lets it (Bardenhagen
-et al. 2001)."""
+"""Impulses at single rows: approach is stopped, and slip within Coulomb's cone (Bardenhagen et al. 2001)."""
 
 from __future__ import annotations
 
@@ -88,8 +87,7 @@ class Impulse(ImpulseLaw):
         return {"active": 0, "compliance": 0, "velocity": 1}
 
     def activate(self, rows: ContactRows, grid: Grid, *, moves: bool) -> None:  # noqa: ARG002
-        """Write which rows take part, before anything moves; ``moves`` is false for a momentum that moves no
-        point."""
+        """Write which rows take part; ``moves`` is false for a momentum that moves no point."""
         find_approach(rows, rows.count, rows.own, grid.spacing)
 
     def limit(self, rows: ContactRows, grid: Grid) -> FloatArray:  # noqa: ARG002

@@ -78,8 +78,7 @@ class PenaltyLawOptions(SpringOptions):
 
 
 class PenaltyLaw(SpringLaw):
-    """A spring bears by the part of its area that lies across the normal, and changes with it without gain of
-    energy."""
+    """A spring bears by its area across the normal, and changes with it without gain of energy."""
 
     name = "penalty"
     leaves_bodies_out = True

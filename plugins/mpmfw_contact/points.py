@@ -38,8 +38,7 @@ def radius(volume: Float, dim: int) -> Float:
 
 @device
 def bucket_of(p: int, position: Floats, size: Float, moved_by: int, buckets: int) -> int:
-    """Bucket of the cell of edge ``size`` where point p lies, or of a neighbour of it: digits of ``moved_by``
-    to the base 3."""
+    """Bucket of point p's cell of edge ``size``, or of a neighbour: digits of ``moved_by`` to the base 3."""
     key, rest = 0, moved_by
     for d in range(position.shape[1]):
         cell = math.floor(position[p, d] / size) + (rest % 3 - 1 if moved_by >= 0 else 0)
@@ -164,8 +163,7 @@ def write_point_rows(
 
 
 class PointSpheres(Detection):
-    """Rows between the points of two bodies that are near each other; no surface is tracked, and none is
-    smooth."""
+    """Rows between the points of two bodies that are near each other; no surface is tracked."""
 
     name = "points"
     provides = frozenset({"steady gap"})

@@ -18,8 +18,8 @@ from mpmfw.state.structs import State
 if TYPE_CHECKING:
     from mpmfw.contact.law import ContactLaw
 
-#: Fewest steps of a contact that are let be: a free impact then gains 24 % of its energy in the worst phase,
-#: of two steps 55 %.
+#: Fewest steps of a contact without a warning: a free impact then gains up to 24 % of its energy, of two
+#: steps 55 %.
 FEWEST_STEPS = 3
 
 _STEPS = "fewest steps that a contact of a place lasted, of those that ended since the last output"
@@ -32,11 +32,10 @@ PENETRATION = Field("penetration", ("pair",), "1", _DEPTH, "series", output=True
 def follow_contacts(
     rows: Rows, count: int, age: Floats, old_pair: Ints, old_age: Floats, fewest: Floats, deepest: Floats
 ) -> None:
-    """Count the steps of every place's contact; at its end note the least, and the largest −g_n, of each
-    pair.
+    """Count the steps of every place's contact; note the least at its end, and the largest −g_n, by pair.
 
-    ``age`` and ``old_age`` are the steps that contacts of the rows of this step and the last have lasted;
-    the first row of an identity has it. The last step's is used up, its rows' pairs are ``old_pair``.
+    ``age`` and ``old_age`` are the steps that contacts have lasted, of this step's and the last one's rows;
+    the first row of an identity has it. The last step's is used up; ``old_pair`` are its rows' pairs.
     """
     last = -1
     for c in range(count):

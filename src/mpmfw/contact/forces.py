@@ -21,8 +21,7 @@ if TYPE_CHECKING:
 
 
 class ForceLaw(ContactLaw):
-    """Base of laws of forces on rows, which act beside the internal ones (eq. 12 of [H17]); the step must
-    resolve them."""
+    """Base of laws of forces, which act beside the internal ones (eq. 12 of [H17]) and limit the step."""
 
     gives_forces = True
     history: ClassVar[tuple[str, ...]] = ("old", "omega_squared", "law_step")
@@ -30,21 +29,16 @@ class ForceLaw(ContactLaw):
     damping: float = 0.0
 
     def estimate_frequency(self, bulk_frequency: float) -> float:
-        """Return ω² of its springs [1/s²] for equal bodies, before anything is detected;
-        ``bulk_frequency`` is 2 c / h [1/s]."""
+        """Return ω² of springs between equal bodies [1/s²]; ``bulk_frequency`` is 2 c / h [1/s]."""
         raise NotImplementedError
 
     def stiffness(self, rows: ContactRows, old: ContactRows) -> FloatArray:
         """Return the tangent stiffness of every row (n,) [N m^(dim−4)], in contact or not: it limits the
-        step.
-
-        ``old`` are the rows of the last step, where ``rows.previous`` points.
-        """
+        step. ``old`` are the rows of the last step, where ``rows.previous`` points."""
         raise NotImplementedError
 
     def longest_step(self, rows: ContactRows, grid: Grid) -> float:  # noqa: ARG002
-        """Return the step [s] that ``rows`` allow beside their stiffness, before the safety factor;
-        infinite by default. ``grid`` has mass and momentum of the projection."""
+        """Return the step [s] that ``rows`` allow beside their stiffness, before the safety factor."""
         return math.inf
 
     def forces(self, rows: ContactRows, old: ContactRows, dashpot: float, records: PairRecords) -> None:
@@ -72,8 +66,7 @@ class ForceLaw(ContactLaw):
 
     @hookimpl
     def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
-        """Return series of every contact, and the detection's output fields of the last step's rows;
-        ``interval`` [s] is since the last output."""
+        """Add the detection's output fields of the last step's rows."""
         return {**self.detection.outputs(self.old), **super().diagnostics(state, interval)}
 
     @hookimpl
@@ -97,8 +90,8 @@ class ForceLaw(ContactLaw):
             self.omega_squared = rows.couplings(stiffness, grid, stiffness)
             self.law_step = self.longest_step(rows, grid)
             if not np.any(rows.gap[: rows.count] <= 0.0):
-                # The step in which they touch must not be longer than the next: springs begin with the depth
-                # that it leaves, and with its square the energy that nothing paid for
+                # The step in which they touch must not be longer than the next: with the square of the depth
+                # that it leaves grows the energy that nothing paid for
                 self.omega_squared = max(self.omega_squared, self.estimate_frequency(self.bulk_frequency))
 
     @hookimpl
@@ -108,8 +101,7 @@ class ForceLaw(ContactLaw):
         if rows.count == 0 and old.count == 0:
             return
         period = math.sqrt(self.omega_squared or 0.0) * self.state.dt
-        # c = ζ 2 sqrt(k m) with the mass k / ω² that goes with the highest frequency; per length of the last
-        # step
+        # c = ζ 2 sqrt(k m) with the mass k / ω² of the highest frequency, per length of the last step
         dashpot = 2.0 * self.damping / period if period > 0.0 else 0.0
         self.forces(rows, old, dashpot, self.records)
         rows.add_to(grid.force, grid.spacing)
@@ -158,8 +150,7 @@ class ForceLaw(ContactLaw):
 
 
 class ImpulseLaw(ContactLaw):
-    """Base of laws of impulses on rows, which correct the grid's momentum: the projected and the updated one,
-    and MUSL's second. They need no shorter step."""
+    """Base of laws of impulses, which correct the projected and the updated momentum, and MUSL's second."""
 
     #: Length of the step [s], known whenever impulses are asked for.
     dt: float = 0.0
@@ -182,8 +173,7 @@ class ImpulseLaw(ContactLaw):
 
     @hookimpl
     def after_momentum_projection(self, grid: Grid, dt: float) -> None:
-        """Correct the projected momentum; cohesion holds against the step's forces, which have not acted
-        yet. ``dt`` [s] is the length of the step."""
+        """Correct the projected momentum; ``dt`` [s] is the length of the step. Cohesion acts later."""
         self.dt = dt
         self.rows.cohesion[:] = 0.0
         self._correct(grid, projected=True)
@@ -196,11 +186,7 @@ class ImpulseLaw(ContactLaw):
 
     @hookimpl
     def after_second_projection(self, grid: Grid) -> None:
-        """Correct MUSL's second momentum, from which the strain is taken, at the same rows.
-
-        Else bodies that no longer approach are strained as if they did. No point moves with this momentum:
-        its impulse and work are in no record.
-        """
+        """Correct MUSL's second momentum, which gives the strain; it moves no point, and is in no record."""
         if self.rows.count:
             self.impulses(self.rows, grid, None, projected=False)
             self.rows.add_to(grid.momentum, grid.spacing)

@@ -35,8 +35,7 @@ _IMPULSES = ("impulse", "friction_impulse")
 
 
 class PairRecords(Records):
-    """Records of all pairs, written by kernels and read at outputs. Works and impulses count from time
-    zero; ``restart`` forgets the settling."""
+    """Records of all pairs since time zero; ``restart`` forgets the settling."""
 
     history = ("_last",)
 
@@ -142,8 +141,7 @@ class ContactLaw(ContactStrategy):
         """Take facts of the scene from ``setup``, and list arrays under the contact's name."""
 
     def measure(self, rows: ContactRows, grid: Grid, phi: Stencil, particles: Particles) -> None:
-        """Take what the law needs of the material points, once the rows of the step are there; ``phi`` is
-        their table of interpolation."""
+        """Take what the law needs of the material points; ``phi`` is their table of interpolation."""
 
     def range(self) -> float:
         """Return the gap up to which the law acts [m], after :meth:`prepare`: 0 where bodies must touch."""

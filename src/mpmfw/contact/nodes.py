@@ -28,8 +28,7 @@ from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import FloatArray
 from mpmfw.state.structs import Grid, Particles, State, Stencil
 
-#: Share of a full cell's mass that both bodies must have at a node for a force to act there: with less it
-#: would be all acceleration.
+#: Share of a full cell's mass that both bodies must have at a node where a force acts.
 LEAST_MASS = 0.05
 
 #: Share of a full cell's mass that three bodies have at a node which they fill: round bodies leave pores.
@@ -76,8 +75,7 @@ class NodesOptions(BaseModel):
 
 
 class AtNodes(Detection):
-    """Base of detections at grid nodes with mass of both bodies of a pair: rows are v_a − v_b where there
-    is a normal, by default that of the volume gradients."""
+    """Base of detections at grid nodes with mass of both bodies of a pair: rows are v_a − v_b."""
 
     history = ("seams",)
     #: Whether three bodies have filled a node.
@@ -107,7 +105,7 @@ class AtNodes(Detection):
         self.shared = SharedNodes(**{name: np.zeros(nodes, dtype=np.int64) for name in names})
 
     def weights(self, state: State) -> tuple[FloatArray, FloatArray]:
-        """Return what the volume gradients of every pair's bodies weigh in its normal, (pair,) each."""
+        """Return the weights of both bodies' volume gradients in the normal, (pair,) each."""
         ones = np.ones(len(state.pairs))
         return ones, ones
 
@@ -207,8 +205,7 @@ class Nodes(AtNodes):
         self.measures_area = self.options.normal != "specified"
 
     def configure(self, needs: frozenset[str], *, forces: bool) -> None:
-        """Measure the gap by positions where the law needs one; forces need an area, and nodes with some
-        mass. Raise SceneError if the options measure none."""
+        """Measure the gap by positions where the law needs one; raise SceneError if options measure none."""
         self.forces = forces
         if "gap" in needs and self.options.criterion == "velocity":
             raise SceneError(
@@ -275,8 +272,7 @@ class Nodes(AtNodes):
         return [*super().remarks(), *(self.bias.remarks(self.state.pairs, advice) if self.bias else [])]
 
     def weights(self, state: State) -> tuple[FloatArray, FloatArray]:
-        """Return 1 for both gradients where normals are averaged, or the stiffer body's alone; of equals
-        0: the larger one."""
+        """Return 1 for both, or with ``master`` for the stiffer alone; of equals 0: the larger counts."""
         if self.options.normal != "master":
             return super().weights(state)
         ranks, (first, second) = stiffness_ranks(state.bodies), state.pair_bodies.T

@@ -14,8 +14,8 @@ from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import Field, FloatArray
 from mpmfw.state.structs import Pair, State
 
-#: Bias, as a coefficient of friction, from which a reader is warned: symmetric impacts and a cylinder that
-#: rolls with ``criterion = "position"`` have at most 0.02, blocks and discs that slide in 0.05 to 0.3.
+#: Bias, as a coefficient of friction, from which a reader is warned: symmetric impacts and rolling by
+#: ``criterion = "position"`` have at most 0.02, blocks and discs that slide in 0.05 to 0.3.
 LARGEST = 0.05
 
 
@@ -32,10 +32,7 @@ def add_bias(
     rows: Rows, count: int, scale: float, gradient: Floats, sums: BiasSums, spacing: tuple[float, ...]
 ) -> None:
     """Add J_n, J_n n and J_n (n_a + n_b) / 2 of every shared node, n_a and n_b the two bodies' own outward
-    normals.
-
-    Where faces meet n_b = −n_a, and the last is 0. Its length is J_n times the sine of the angle between
-    their mean and either. The impulse on body a is ``scale`` times the row's force.
+    normals: the last is 0 where faces meet. The impulse on body a is ``scale`` times the row's force.
     """
     dim = len(spacing)
     for c in range(count):
@@ -64,10 +61,9 @@ _DECLARED = {
 class NormalBias:
     """Bias of the averaged normals of a contact, called ``owner``, over a run.
 
-    At the edge of a contact the two bodies' own normals disagree: the front corner of a block that slides on
-    a plane points ahead, a disc sees the plane ahead of it through the wedge between them. A mean normal
-    there leans ahead, sliding in counts as approach, and impulses along it brake the body and throw it up.
-    Normals that lean ahead and behind alike cancel.
+    At the edge of a contact the bodies' own normals disagree: the front corner of a sliding block points
+    ahead. A mean normal there leans ahead, sliding in counts as approach, and impulses brake the body and
+    throw it up. Normals that lean ahead and behind alike cancel.
     """
 
     def __init__(self, setup: Setup, owner: str) -> None:
@@ -89,8 +85,7 @@ class NormalBias:
             array.fill(0.0)
 
     def sideways(self) -> FloatArray:
-        """Return the bias across the mean normal over all normal impulses, of every pair (pair,): a
-        coefficient of friction."""
+        """Return the bias across the mean normal over the normal impulses (pair,): a friction."""
         sums = self.sums
         length = np.linalg.norm(sums.normal, axis=1, keepdims=True)
         n = sums.normal / np.where(length > 0.0, length, 1.0)

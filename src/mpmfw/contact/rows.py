@@ -28,8 +28,7 @@ _NO_MASS = np.zeros(0)
 
 
 class ContactRows(Rows):
-    """The rows of one step (:class:`mpmfw.kernels.contact.Rows`): arrays with room for more than ``count`` of
-    them.
+    """The rows of one step (:class:`mpmfw.kernels.contact.Rows`), with room for more than ``count`` of them.
 
     Parameters
     ----------
@@ -38,11 +37,9 @@ class ContactRows(Rows):
     couples, tilts
         Whether a tangential force acts with a couple across the gap, and the normal is varied with the facet.
     spins
-        Whether the detection knows how far the sides turn about the normal, in space: what friction has
-        stored turns with them.
+        Whether the detection measures how far the sides turn about the normal, in space.
     own
-        Arrays of the law, by name: the number of their further dimensions, each ``dim`` long, or None for an
-        array without rows. They are its history, found by ``previous``, and ``rows.own`` for kernels.
+        Arrays of the law (:meth:`mpmfw.contact.law.ContactLaw.row_arrays`).
     """
 
     history = ("kept",)
@@ -86,8 +83,7 @@ class ContactRows(Rows):
         self.own = struct(**{name: np.zeros(shape) for name, shape in own.items()})
 
     def copy_history(self, other: ContactRows, index_map: IndexMap) -> None:
-        """Copy the rows of ``other``'s last step but B, renumbered by ``index_map``, over those of the
-        same pairs."""
+        """Copy the rows of ``other``'s last step but B, renumbered by ``index_map``, over the same pairs'."""
         kept = np.flatnonzero(~np.isin(self.pair[: self.count], index_map.pair))
         taken = np.flatnonzero(index_map.pair[other.pair[: other.count]] >= 0)
         ours = {name: array[kept].copy() for name, array in self.of_rows().items() if len(array)}
@@ -142,13 +138,11 @@ class ContactRows(Rows):
         relative_motion(self, self.count, velocity, 1.0, out, grid.spacing)
 
     def add_to(self, nodal: FloatArray, spacing: tuple[float, ...]) -> None:
-        """Add Bᵀ f of ``force`` to ``nodal`` (n_nodes, dim): forces, or momenta where it is an impulse.
-        ``spacing`` is the cell size h [m], once for each dimension."""
+        """Add Bᵀ f of ``force`` to forces or momenta ``nodal`` (n_nodes, dim)."""
         add_row_forces(self, self.count, _NO_MASS, nodal, spacing)
 
     def couplings(self, stiffness: FloatArray, grid: Grid, out: FloatArray) -> float:
-        """Row sums of ``abs(B) M⁻¹ abs(B)ᵀ K`` into ``out`` (n,), and the largest of them; ``stiffness`` K is
-        (n,) [N/m^2] in 2D."""
+        """Write row sums of ``abs(B) M⁻¹ abs(B)ᵀ K`` into ``out`` (n,); return the largest."""
         if len(self.node_sum) != len(grid.mass):
             self.node_sum = np.zeros(len(grid.mass))
         return couplings(self, self.count, stiffness, grid.mass, self.node_sum, out)
@@ -180,13 +174,11 @@ class Detection(PlugIn):
         return []
 
     def reach(self, cell_size: float) -> float | None:  # noqa: ARG002
-        """Return the distance of bounding boxes [m] beyond which nothing is searched, with the cell size h
-        [m]; None without a search."""
+        """Return the distance of boxes [m] beyond which nothing is searched; None without a search."""
         return None
 
     def range(self, cell_size: float) -> float | None:
-        """Return the gap [m] up to which rows are sure to be listed, after :meth:`prepare`, with the cell
-        size h [m]; by default :meth:`reach`, None if not known."""
+        """Return the gap [m] up to which rows are sure to be listed; None if unknown."""
         return self.reach(cell_size)
 
     def configure(self, needs: frozenset[str], *, forces: bool) -> None:
@@ -211,13 +203,11 @@ class Detection(PlugIn):
         raise NotImplementedError
 
     def find(self, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> None:
-        """Fill the ``rows`` of this step, all arrays but ``previous``, ``force`` and the law's own;
-        ``phi`` is the points' table of interpolation."""
+        """Fill the ``rows`` of this step, all but ``previous``, ``force`` and ``own``."""
         raise NotImplementedError
 
     def note_forces(self, rows: ContactRows, scale: float) -> None:
-        """Note the forces of the ``rows``, or impulses, which the law has just written; times ``scale`` they
-        are impulses."""
+        """Note what the law has written; times ``scale`` they are impulses."""
 
     def restart(self) -> None:
         """Forget accumulated sums at time zero, after settling."""
@@ -239,8 +229,8 @@ class FrictionLaw(PlugIn):
     Coulomb's.
 
     The tangential force on a row is at most T = μ N + a, with N the normal one. A friction law gives μ and
-    a once a step, after the rows are detected: what depends on the slip follows that of the step before. A
-    contact law obeys it with ``mpmfw.kernels.contact.slip_limit``.
+    a once a step, by the slip of the step before. A contact law obeys it with
+    ``mpmfw.kernels.contact.slip_limit``.
     """
 
     #: Whether rows hold something without a normal force, a > 0, so that pairs with μ = 0 have friction as
@@ -250,17 +240,10 @@ class FrictionLaw(PlugIn):
     is_coulomb: ClassVar[bool] = False
 
     def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:  # noqa: ARG002
-        """Write ``rows.friction`` (n,) [1], and ``rows.cohesion`` (n,) [N m^(dim−3)] where the law is
-        :attr:`cohesive`.
+        """Write ``rows.friction`` (n,) [1], and ``rows.cohesion`` (n,) [N m^(dim−3)] if :attr:`cohesive`.
 
-        Parameters
-        ----------
-        rows
-            Of this step, with ``motion`` over the last one.
-        friction
-            μ of every pair in the scene (n_pairs,) [1].
-        dt
-            Length of the last step [s]; 0 before the first.
+        ``rows.motion`` is over the last step, of the length ``dt`` [s], 0 before the first; ``friction`` is μ
+        of every pair in the scene (n_pairs,) [1].
         """
         n = rows.count
         rows.friction[:n] = friction[rows.pair[:n]]

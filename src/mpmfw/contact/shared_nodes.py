@@ -12,8 +12,7 @@ from mpmfw.kernels.types import Flags, Float, Floats, Ints, Points, Table
 
 
 class NodePairs(Struct):
-    """Bodies of every pair, and what their volume gradients weigh in its normal: 0 and 0 where the larger
-    counts."""
+    """Bodies of every pair, and the weights of their volume gradients; with 0 and 0 the larger counts."""
 
     first: Ints  #: (pair,)
     second: Ints  #: (pair,)
@@ -46,10 +45,7 @@ class SharedNodes(Struct):
 
 @kernel
 def find_shared_nodes(pairs: NodePairs, grid: GridNodes, shared: SharedNodes) -> int:
-    """List the nodes where both bodies of a pair have mass; return how many there are, stored or not.
-
-    Only the intersection of the two windows is visited: bodies that are apart cost a comparison.
-    """
+    """List the nodes where both bodies of a pair have mass; return their number, stored or not."""
     lower, shape, offset = grid.window_lower, grid.window_shape, grid.offset
     dim = lower.shape[1]
     count = 0
@@ -108,10 +104,7 @@ def point_of(row: Ints, k: int, p: int) -> int:
 def project_volume_gradient(
     table: Table, points: Points, grid: GridNodes, spacing: tuple[float, ...]
 ) -> None:
-    """Σ_p V_p ∇φ_ip at shared nodes, which points out of the body; 0 at others.
-
-    Entries are gone through without a loop for each point, whose length the processor would guess wrong.
-    """
+    """Σ_p V_p ∇φ_ip at shared nodes, out of the body."""
     grid.gradient[:] = 0.0
     p = 0
     for k in all_entries(table.row):
@@ -155,8 +148,7 @@ def background_index(i: int, body: int, grid: GridNodes) -> int:
 def direction_out(
     i: int, j: int, p: int, pairs: NodePairs, grid: GridNodes, given: Floats, out: Floats
 ) -> bool:
-    """n ∝ w_b g_b − w_a g_a of the outward volume gradients, or the given one, out of the second body;
-    whether there is one."""
+    """n ∝ w_b g_b − w_a g_a of the volume gradients, or the given one; False without one."""
     square, of_first, of_second = 0.0, pairs.weight_first[p], pairs.weight_second[p]
     if of_first + of_second == 0.0 and len(grid.gradient) > 0:
         for d in range(len(given)):
@@ -176,8 +168,7 @@ def direction_out(
 
 @device
 def area_across(i: int, j: int, normal: Floats, grid: GridNodes) -> Float:
-    """Area of both bodies across the ``normal``, S_i = Σ V ∇φ = ∮ φ n dS [m^(dim−1)]; 0 without
-    gradients."""
+    """Area of both bodies across the ``normal``, S_i = Σ V ∇φ = ∮ φ n dS [m^(dim−1)]."""
     of_first, of_second = 0.0, 0.0
     if len(grid.gradient) > 0:
         for d in range(len(normal)):
@@ -212,8 +203,8 @@ def write_rows(
     listed: int, shared: SharedNodes, pairs: NodePairs, grid: GridNodes, given: Floats, cut_off: float,
     least_mass: float, dt: float, rows: Rows, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """A row for each shared node with a normal where the bodies are near; their number. The gap is the
-    bodies' extrapolated separation less the cut-off."""
+    """A row for each shared node with a normal where the bodies are near; their number. The gap is that of
+    mean positions less the cut-off."""
     dim = len(spacing)
     n = scratch.vector(spacing)
     c = 0

@@ -44,13 +44,11 @@ class ContactStrategy(PlugIn):
         return []
 
     def reach(self, cell_size: float) -> float | None:  # noqa: ARG002
-        """Return the distance of two bodies' boxes [m] beyond which nothing is searched, with the cell
-        size h [m]; None without a search."""
+        """Return the distance of boxes [m] beyond which nothing is searched; None without a search."""
         return None
 
     def unused(self, pairs: Sequence[Pair]) -> list[str]:  # noqa: ARG002
-        """Return facts of these pairs that have no effect with its options, one line each, for
-        ``explain``."""
+        """Return facts of these pairs without effect under its options, one line each, for ``explain``."""
         return []
 
     def monitors(self) -> list[Any]:

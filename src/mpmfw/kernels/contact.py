@@ -84,8 +84,7 @@ def match_rows(rows: Rows, count: int, old: Rows, old_count: int) -> None:
 
 @device
 def row_velocity(c: int, rows: Rows, velocity: Floats, out: Floats, spacing: tuple[float, ...]) -> None:
-    """(B v)_c = Σ w v + Σ c (n·v) of row c with the nodes' ``velocity`` (n_nodes, dim) [m/s], into
-    ``out``."""
+    """(B v)_c = Σ w v + Σ c (n·v) of row c with the nodes' ``velocity`` (n_nodes, dim), into ``out``."""
     dim = len(spacing)
     for d in range(dim):
         out[d] = 0.0
@@ -153,10 +152,9 @@ def couplings(
     rows: Rows, count: int, stiffness: Floats, node_mass: Floats, node_sum: Floats, out: Floats
 ) -> float:
     """Row sums Σ_i |b_ci| (Σ_d k_d |b_di|) / m_i of B M⁻¹ Bᵀ K into ``out`` (n,), and the largest, which
-    bounds λ_max (Gershgorin).
+    bounds λ_max (Gershgorin). ``node_sum`` is scratch, zero on entry and on return.
 
-    With k = 1 and 0 it is the inverse of a row's mass where others share its nodes. ``node_sum`` is
-    scratch, zero on entry and on return; nodes without mass do not count.
+    With k = 1 and 0 it is the inverse of a row's mass where others share its nodes.
     """
     for c in range(count):
         if stiffness[c] != 0.0:
@@ -179,8 +177,7 @@ def couplings(
 
 @kernel
 def add_records(rows: Rows, count: int, scale: float, records: Records, spacing: tuple[float, ...]) -> None:
-    """Add ``scale`` Σ f on every pair's first body and its tangential part to the impulses; count the
-    places with a force."""
+    """Add ``scale`` Σ f on every pair's first body, and its tangential part; count places with a force."""
     dim = len(spacing)
     records.count[:] = 0.0
     last = -1
@@ -202,9 +199,8 @@ def add_turned(vector: Floats, o: int, old: Rows, c: int, rows: Rows, out: Float
     """Turn ``vector[o]`` (n, dim) of row o of the last step into the tangent plane of row c, and add it to
     ``out[c]``.
 
-    The turn is the least that takes the old normal into the new: f − (f·n) / (1 + n·n_old) (n + n_old),
-    and in space, if rows have a ``spin``, about the new normal as far as the surfaces turned: f cos θ + n
-    × f sin θ.
+    The turn is the least that takes the old normal into the new, f − (f·n) / (1 + n·n_old) (n + n_old), and
+    with a ``spin`` in space that of the surfaces about the new one, f cos θ + n × f sin θ.
     """
     cosine, along = 0.0, 0.0
     for d in range(out.shape[1]):
@@ -225,8 +221,7 @@ def add_turned(vector: Floats, o: int, old: Rows, c: int, rows: Rows, out: Float
 
 
 def pair_table(first: Ints, second: Ints) -> Ints:
-    """Table that :func:`pair_index` reads of the pairs' bodies (n_pairs,): keys that ascend, and the
-    pairs' indices."""
+    """Table of the pairs' bodies (n_pairs,) for :func:`pair_index`: ascending keys, and indices of pairs."""
     key = (np.minimum(first, second) << 32) | np.maximum(first, second)
     order = np.argsort(key)
     return np.ascontiguousarray(np.stack([key[order], order], axis=1))

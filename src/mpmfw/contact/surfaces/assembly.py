@@ -26,8 +26,7 @@ from mpmfw.kernels.stencil import entries
 from mpmfw.kernels.surfaces import area_of
 from mpmfw.kernels.types import Float, Floats, Ints, Table
 
-#: Difference of distances, in lengths of a facet, below which two facets are equally close: what rounding
-#: leaves.
+#: Difference of distances, in lengths of a facet, below which two facets are equally close: rounding.
 TIE = 1e-9
 
 
@@ -43,8 +42,7 @@ class Places(Struct):
 
 @device
 def measure_across(m: int, normal: Floats, outline: Outline, spacing: tuple[float, ...]) -> Float:
-    """Measure of facet m as seen along ``normal``, 0 from behind: (x_2 − x_1)·e_t [m] in the plane, twice
-    its area [m^2] in space."""
+    """Measure of facet m across ``normal``, 0 from behind: length [m], in space twice the area [m²]."""
     area = scratch.vector(spacing)
     area_of(m, outline, area, spacing)
     return max(dot(area, normal, spacing), 0.0)
@@ -58,10 +56,9 @@ def equally_close(
     """The neighbour of facet m to which node s is as close, and the part of the contact that it takes; 0
     without a tie, 1 if facet m has no measure across the normal.
 
-    Where a node meets a vertex head-on, or is as deep under both sides of a corner, the contact is with
-    both, in parts w_i = L_i² / (L_1² + L_2²) of their lengths along the tangent, or areas across the
-    normal: a subgradient of the distance, which has a ridge there, and no index decides. Barycentric
-    coordinates and e_n on the neighbour are written to ``other_share`` and ``other_normal``.
+    At a vertex met head-on, or as deep under both sides of a corner, the contact is with both, in parts w_i
+    = L_i² / (L_1² + L_2²) of their measures across the normal: a subgradient of the distance, and no index
+    decides. Coordinates and e_n on the neighbour go to ``other_share`` and ``other_normal``.
     """
     dim = len(spacing)
     own, looked = measure_across(m, normal, outline, spacing), False
@@ -152,9 +149,8 @@ def add_point(
     """Add ``share`` times N_i of surface node p to the entries of row c, which end before ``top``; the new
     top.
 
-    ``corner`` is the facet's corner that p is, −1 of the slave node: its couple and tilt go with it.
-    ``place`` (n_nodes,) is scratch of any content that is not negative: the entry that a grid node was
-    given last.
+    ``corner`` is p on the facet, with couple and tilt; −1 of the slave node. ``place`` (n_nodes,) is scratch,
+    nowhere negative: the entry that a grid node was given last.
     """
     dim, begin = len(spacing), rows.start[c]
     dof, out, couple, tilt = rows.dof, rows.weight, rows.couple, rows.tilt
@@ -207,13 +203,11 @@ def assemble(
     rank: Ints, across: bool, ties: bool, candidates: Candidates, outline: Outline, pair_of: Ints,
     pair_first: Ints, table: Table, place: Ints, rows: Rows, places: Places, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """A row for each candidate, two where it meets two facets alike; their number, or −1 where there is no
-    room.
+    """A row for each candidate, two where it meets two facets alike; their number, or −1 without room.
 
     A node counts with its tributary area, or with half of it where its body and the master are of the same
-    ``rank`` (body,): each is then slave once. ``across`` says whether only what lies across the normal is
-    a row's area, ``ties`` whether of two equally close facets both count. ``place`` is scratch
-    (:func:`add_point`).
+    ``rank`` (body,): each is then slave once. ``across``: only what lies across the normal is a row's area;
+    ``ties``: of two equally close facets both count. ``place`` is scratch (:func:`add_point`).
     """
     c, top, body, dim = 0, 0, outline.body, len(spacing)
     share, normal = scratch.vector(spacing), scratch.vector(spacing)

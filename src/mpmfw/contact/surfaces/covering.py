@@ -18,8 +18,7 @@ OPPOSITE = 0.9
 #: Cosine between the normals of facets that meet in an edge, at most.
 EDGE = 0.7
 
-#: Part of a corner's distance that may lie along the facet that covers it: elastic faces are not quite
-#: parallel.
+#: Part of a corner's distance that may lie along the facet that covers it: elastic faces lean a little.
 ASIDE = 0.3
 
 #: What rounding leaves of lengths in cells and of cosines.
@@ -39,8 +38,7 @@ def seam_box(
     a: int, b: int, partners: Partners, reach: Float, boxes: Boxes, lower: Floats, upper: Floats,
     spacing: tuple[float, ...],
 ) -> bool:  # fmt: skip
-    """Box of what two bodies' boxes have in common within ``reach`` [m] of a third body, a partner of the
-    first; whether there is any."""
+    """Box of what two bodies' boxes have in common within ``reach`` [m] of a third body; False without."""
     flush, found = FLUSH * spacing[0], False
     low, high = scratch.vector(spacing), scratch.vector(spacing)
     for k in range(partners.first[a], partners.first[a + 1]):
@@ -66,8 +64,7 @@ def list_within(
     body: int, lower: Floats, upper: Floats, begin: int, outline: Outline, out: Indices,
     spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """List the facets of a body whose boxes touch that from ``lower`` to ``upper``, into ``out[begin:]``;
-    return where they end."""
+    """List the facets of a body that touch the box in ``out[begin:]``; return where they end."""
     low, high, count = scratch.vector(spacing), scratch.vector(spacing), begin
     for m in range(outline.facet_first[body], outline.facet_first[body + 1]):
         read_box(m, outline.facets, outline.position, low, high, spacing)
@@ -81,8 +78,8 @@ def list_within(
 def is_flush(p: int, m: int, normal: Floats, outline: Outline, spacing: tuple[float, ...]) -> bool:
     """Return True if surface node p, on a facet with the unit ``normal``, lies on facet m of another body.
 
-    The node may be away from it along the normal, and beyond its rim along the normals of other facets at
-    the node that turn away from this one: seams are never level.
+    It may be away along the normal, and beyond the rim along the normals of facets round an edge: seams are
+    never level.
     """
     dim, flush = len(spacing), FLUSH * spacing[0]
     away, share, side = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)

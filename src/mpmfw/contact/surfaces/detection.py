@@ -12,7 +12,7 @@ from mpmfw.contact.rows import ContactRows, Detection
 from mpmfw.contact.strategy import ranks_of, stiffness_ranks
 from mpmfw.contact.surfaces.assembly import Places, assemble
 from mpmfw.contact.surfaces.near_facets import TravelLimit, VerletList
-from mpmfw.contact.surfaces.outline import no_candidates, node_error, outline_of, tracked_surface
+from mpmfw.contact.surfaces.outline import no_candidates, node_error, outline_of
 from mpmfw.contact.surfaces.search import find_candidates
 from mpmfw.contact.surfaces.tracking import CROSSED
 from mpmfw.errors import SceneError, SimulationError
@@ -84,7 +84,7 @@ class OnFacets(Detection):
     def prepare(self, setup: Setup, owner: str) -> None:
         """Take the tracked surfaces, rank the bodies, and make the lists of near facets."""
         self.state, self.has_friction = setup.state, setup.has_friction
-        self.surface, self.cell_size = tracked_surface(setup, owner), setup.cell_size
+        self.surface, self.cell_size = setup.state.tracked_surface, setup.cell_size
         self.outline, self.radius = outline_of(self.surface), self.reach(setup.cell_size)
         self.rank = self.rank_bodies(setup, owner)
         items, first = np.arange(self.surface.count)[:, np.newaxis], self.outline.body_first
@@ -102,8 +102,7 @@ class OnFacets(Detection):
         self.near.list_pairs(state.pair_bodies, self.rank)
 
     def fill(self, rows: ContactRows, write: Callable[[], int]) -> None:
-        """Call a kernel that writes the ``rows`` and returns their number, with more room while it returns
-        −1."""
+        """Call a kernel that writes the ``rows``, with more room while it returns −1."""
         while (count := write()) < 0:
             rows.make_room(2 * len(rows.pair), 2 * len(rows.dof))
         rows.count = count
@@ -114,8 +113,7 @@ class Surfaces(OnFacets):
     3.2).
 
     Gap, barycentric coordinates ξ_a and normal are those of the closest point; a node inside another body
-    is followed until it is seen to come out. A row's weights are N_i(x_s) in the slave's field and −ξ_a
-    N_i(x_a) in the master's.
+    is followed until it comes out. A row's weights are N_i(x_s) of the slave and −ξ_a N_i(x_a) of the master.
     """
 
     name = "surfaces"
@@ -162,12 +160,8 @@ class Surfaces(OnFacets):
         self.place = np.zeros(0, dtype=np.int64)
 
     def rank_bodies(self, setup: Setup, owner: str) -> IntArray:
-        """Rank the bodies: nodes of one are slaves to facets of those of the same or a higher rank.
-
-        All are alike where each body is slave once; else the stiffer is master, unless one is named. Of
-        equally stiff bodies the one with the larger surface is master: the other seldom reaches its edges.
-        Equals are slaves of each other.
-        """
+        """Rank all alike in two passes; in one the stiffer is master, unless one is named. Of equally stiff
+        bodies it is the one with the larger surface, whose edges the other seldom reaches."""
         bodies, master, surface = setup.bodies, self.options.master, self.surface
         if master is not None and master not in [body.name for body in bodies]:
             names = ", ".join(body.name for body in bodies)
@@ -237,7 +231,7 @@ class Surfaces(OnFacets):
         return node_error(self.state, self.surface, node, text, advice=advice)
 
     def copy_history(self, other: Surfaces, index_map: Any) -> None:
-        """Copy the candidates of the last step, the deepest ones first into fewer slots."""
+        """Copy the candidates of the last step; of more than there are slots the deepest."""
         theirs, ours = other.candidates, self.candidates
         known = np.flatnonzero(index_map.surface_node >= 0)
         node, facet = index_map.surface_node[known], theirs.facet[known]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.contact.surfaces.outline import tracked_surface
 from mpmfw.kernels import kernel, struct
 from mpmfw.kernels.particle_grid import project, velocity_of_momentum
 from mpmfw.kernels.types import Floats, Table
@@ -35,11 +34,7 @@ def gather_layer(
 
 
 class InterfaceLayer:
-    """Mass and velocity of the layer, of a ``thickness`` [m], by which a surface node has the mass ρ l_trib
-    thickness.
-
-    It takes part in both projections and in the gather.
-    """
+    """A layer of a ``thickness`` [m]: a surface node has the mass ρ l_trib thickness."""
 
     name = "surface_layer"
     stage = "contact"
@@ -55,7 +50,7 @@ class InterfaceLayer:
     @hookimpl
     def setup(self, setup: Setup) -> None:
         """Mass of every surface node."""
-        surface = self.surface = tracked_surface(setup, self.name)
+        surface = self.surface = setup.state.tracked_surface
         self.state, self.flip = setup.state, setup.flip
         density = np.array([body.areal_density for body in setup.bodies])
         self.mass: FloatArray = setup.allocate(self.name, MASS)

@@ -1,7 +1,6 @@
 """Facets near every surface node, or near every facet, listed once and used until bodies have moved far.
 
-Such lists are those of L. Verlet (1967), found by the boxes of bodies and of blocks of facets. A step must
-not carry a node past the band in which it is searched.
+The lists are those of L. Verlet (1967), found by boxes of bodies and of blocks of facets.
 """
 
 from __future__ import annotations
@@ -59,8 +58,7 @@ def list_body(
     body: int, lower: Floats, upper: Floats, cutoff: Float, count: int, outline: Outline, blocks: Floats,
     near: NearFacets, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """Add the facets of a body whose boxes are within ``cutoff`` [m] of a box; return the number of
-    entries, stored or not."""
+    """Add a body's facets within ``cutoff`` [m] of a box; return the number of entries, stored or not."""
     begin, end = outline.facet_first[body], outline.facet_first[body + 1]
     low, high, limit = scratch.vector(spacing), scratch.vector(spacing), cutoff * cutoff
     for block in range((end - begin + BLOCK - 1) // BLOCK):
@@ -83,11 +81,7 @@ def list_near(
     blocks: Floats, near: NearFacets, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """List for every item the facets of its body's partners within ``cutoff`` [m]; return the number of
-    entries, stored or not.
-
-    The surface nodes of item i are ``items[i]``; ``item_first[b]:item_first[b + 1]`` are the items of body
-    b. ``blocks`` is scratch for the boxes of blocks of facets.
-    """
+    entries, stored or not. ``blocks`` is scratch for the boxes of blocks of facets."""
     count, n_bodies = 0, len(item_first) - 1
     lower, upper = scratch.vector(spacing), scratch.vector(spacing)
     for b in range(n_bodies):
@@ -108,8 +102,7 @@ def list_near(
 
 @kernel
 def measure_motion(outline: Outline, position: Floats, moved: Floats) -> float:
-    """Write how far any node of each body is from ``position`` (n_s, dim) into ``moved``; return the sum of
-    the two largest [m]."""
+    """Write how far each body has ``moved`` from ``position``; return the sum of the two largest [m]."""
     most, second = 0.0, 0.0
     for b in range(len(moved)):
         square = 0.0
@@ -157,8 +150,7 @@ class VerletList:
         self.scratch = np.zeros(len(outline.covered), dtype=np.int32)
 
     def list_pairs(self, bodies: IntArray, rank: IntArray) -> None:
-        """Search items of a body against facets of bodies of no lower ``rank`` (body,), within the pairs
-        of ``bodies`` (pair, 2)."""
+        """Search items of the pairs of ``bodies`` (pair, 2), against those of no lower ``rank`` (body,)."""
         first, second = np.ascontiguousarray(bodies.T)
         self.first, self.second, self.pair_of = first, second, pair_table(first, second)
         self.listed = False
@@ -206,11 +198,7 @@ def fewest_steps(
     first: Ints, second: Ints, outline: Outline, begins: bool, boxes: Boxes, motions: Boxes, band: float
 ) -> float:
     """Least (distance of the boxes + ``band``) / relative motion over all pairs: steps like the last that are
-    left to them.
-
-    ``motions`` bound the displacements of the last step [m]: bodies may turn and deform. They are filled,
-    but in the step that ``begins`` the run.
-    """
+    left to them. ``motions``, bounds of the last displacements [m], are filled unless the run ``begins``."""
     lower, upper, slowest, fastest = boxes.lower, boxes.upper, motions.lower, motions.upper
     bounding_boxes(outline.body_first, outline.position, lower, upper)
     if not begins:
@@ -229,8 +217,7 @@ def fewest_steps(
 
 
 class TravelLimit:
-    """Limit of the step by speed alone, for a ``detection`` with a search radius and a list of near
-    facets."""
+    """Limit of the step by speed alone: no node passes the band in which the ``detection`` searches."""
 
     name = "surface_travel"
     stage = "contact"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.errors import SceneError, SimulationError
+from mpmfw.errors import SimulationError
 from mpmfw.kernels import Struct, device, scratch
 from mpmfw.kernels.facets import dot, length_of, read_corners, read_point, squared_distance
 from mpmfw.kernels.surfaces import add_normal, area_of, signed_distance
@@ -32,18 +32,10 @@ class Outline(Struct):
 
 
 def outline_of(surface: Surface) -> Outline:
-    """Return the arrays of the tracked ``surface``, written in place; more than two bodies may cover each
-    other's facets."""
+    """Return the arrays of the tracked ``surface``, written in place."""
     if len(surface.body_first) > 3 and len(surface.covered) == 0:
         surface.covered = np.full(len(surface.facets), -1)
     return Outline(**{name: getattr(surface, name) for name in Outline.member_names})
-
-
-def tracked_surface(setup: Setup, owner: str) -> Surface:
-    """Return the tracked surfaces, which contact ``owner`` works on; raise SceneError if there are none."""
-    if setup.state.surface is None:
-        raise SceneError(f"'{owner}' needs bodies with outlines", key="contact.method")
-    return setup.state.surface
 
 
 def node_error(state: State, surface: Surface, node: int, text: str, *, advice: str) -> SimulationError:
@@ -63,8 +55,7 @@ def node_error(state: State, surface: Surface, node: int, text: str, *, advice: 
 def distance_to(
     s: int, m: int, outline: Outline, share: Floats, normal: Floats, spacing: tuple[float, ...]
 ) -> Float:
-    """Signed distance of node s from facet m [m]; barycentric coordinates into ``share``, e_n into
-    ``normal`` (:func:`mpmfw.kernels.signed_distance`)."""
+    """Signed distance of node s from facet m [m]; coordinates into ``share``, e_n into ``normal``."""
     x = scratch.vector(spacing)
     read_point(s, outline.position, x, spacing)
     return signed_distance(x, m, outline, share, normal, spacing)
@@ -92,9 +83,8 @@ def hidden(m: int, body: int, outline: Outline) -> bool:
     return len(outline.covered) > 0 and outline.covered[m] >= 0 and outline.covered[m] != body
 
 
-#: Least cosine between a slave node's reversed normal and that of a facet that faces it: blocks have sides at
-#: right angles, and neither rounding nor how little an elastic side leans must decide. A wedge of 2.3 degrees
-#: has sides that face nothing.
+#: Least cosine between a slave node's reversed normal and that of a facet that faces it: at the right angles
+#: of blocks neither rounding nor elastic lean must decide. The sides of a wedge of 2.3° face nothing.
 LEAST_COSINE = 0.02
 
 
@@ -115,8 +105,7 @@ def opposes(outward: Floats, m: int, outline: Outline, spacing: tuple[float, ...
 
 @device
 def node_outward(s: int, other: int, outline: Outline, outward: Floats, spacing: tuple[float, ...]) -> None:
-    """Normal of surface node s as body ``other`` sees it, without the facets that a third body covers, into
-    ``outward``."""
+    """Normal of surface node s for body ``other``, without the facets that a third body covers."""
     for d in range(len(spacing)):
         outward[d] = 0.0
     for k in range(outline.star_first[s], outline.star_first[s + 1]):
@@ -132,8 +121,7 @@ class Partners(Struct):
 
 
 def partners_of(first: IntArray, second: IntArray, rank: IntArray) -> Partners:
-    """Return the bodies that each body is searched against: of its pairs, whose bodies are ``first`` and
-    ``second`` (pair,), those of no lower ``rank`` (body,)."""
+    """Return each body's partners of no lower ``rank`` (body,), of the pairs ``first``, ``second``."""
     body, other = np.concatenate([first, second]), np.concatenate([second, first])
     searched = rank[body] <= rank[other]
     body, other = body[searched], other[searched]
@@ -142,8 +130,7 @@ def partners_of(first: IntArray, second: IntArray, rank: IntArray) -> Partners:
 
 
 class Candidates(Struct):
-    """Up to ``slots`` facets of other bodies that every surface node may touch, those of the last step until
-    the search."""
+    """Facets of other bodies that every surface node may touch; until the search those of the last step."""
 
     facet: Ints  #: (n_s, slots) −1 if none is near
     gap: Floats  #: (n_s, slots) g_n [m], infinite if none is near

@@ -40,11 +40,7 @@ def facing_facet(
     spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """Return the facet nearest to a point of facet m, of the same body, that faces node s; −1 if none is
-    within ``reach`` [m].
-
-    ``share`` are the point's barycentric coordinates, ``outward`` is the node's normal. Of equally near
-    facets the first counts.
-    """
+    within ``reach`` [m]. ``share`` are the point's barycentric coordinates; the first of equals counts."""
     start, corners = scratch.vector(spacing), scratch.matrix(spacing, spacing)
     read_corners(m, outline.position, outline.facets, corners, spacing)
     for d in range(len(spacing)):
@@ -71,9 +67,8 @@ def reorient(
 ) -> None:  # fmt: skip
     """Replace candidates of node s that do not face it by a facet round the corner that does, or drop them.
 
-    The node at the corner of a body lies on the side of another that is flush with it: there it would be
-    held, and its part of the face would carry nothing. A node outside may be inside of the plane of a far
-    face alone, and is not turned.
+    At the corner of flush bodies a node would be held on the other's side, and its part of the face would
+    carry nothing. Nodes far outside are not turned.
     """
     outward, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
     area, looked = scratch.vector(spacing), False
@@ -98,8 +93,7 @@ def reorient(
         candidates.facet[s, j], candidates.gap[s, j] = m if kept else -1, gap if kept else math.inf
 
 
-#: Allowance for rounding where boxes are compared with a distance, so that of equally close facets none is
-#: lost.
+#: Allowance for rounding where boxes are compared with a distance: no equally close facet is lost.
 ROUNDING = 1.0 + 1e-12
 
 #: As many slots as a node has at most, unless every facet counts.
@@ -108,8 +102,7 @@ SLOTS = (0.0,) * 3
 
 @device
 def slot_for(s: int, other: int, outline: Outline, candidates: Candidates) -> int:
-    """Slot of node s that has a facet of body ``other``, else a free one, else that of the farthest facet, of
-    equally far ones the last."""
+    """Slot of node s that has a facet of body ``other``, else a free one, else that of the farthest facet."""
     facet, gap, slot = candidates.facet, candidates.gap, 0
     for j in range(facet.shape[1]):
         m = facet[s, j]
@@ -126,12 +119,8 @@ def keep_nearest(
     s: int, m: int, least: Float, radius: Float, outline: Outline, candidates: Candidates,
     spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
-    """Keep facet m, at least ``least`` [m] away, if no other of its body is as close to node s, nor more than
-    ``radius``.
-
-    Of equally close facets the first is kept, and where more bodies are near than there are slots the nearest
-    are: the order of search does not matter.
-    """
+    """Keep facet m, at least ``least`` [m] away, if no other of its body is as close to node s, nor farther
+    than ``radius``. The first of equals is kept, and the nearest bodies: the order does not matter."""
     j = slot_for(s, body_of(m, outline), outline, candidates)
     kept, distance = candidates.facet[s, j], abs(candidates.gap[s, j])
     reach = min(distance * ROUNDING + (ROUNDING - 1.0) * radius, radius)
@@ -151,8 +140,7 @@ def search_node(
     s: int, radius: Float, outline: Outline, near: NearFacets, candidates: Candidates,
     spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
-    """Find the closest facets of node s; those of the last step go first, since their distance rules out most
-    others."""
+    """Find the closest facets of node s; those of the last step first, which rule out most others."""
     last, slots = scratch.integers(SLOTS), candidates.facet.shape[1]
     for j in range(slots):
         last[j] = candidates.facet[s, j]
@@ -175,10 +163,7 @@ def find_candidates(
 ) -> int:  # fmt: skip
     """Find for every node the closest point of each other body within ``radius``, on a facet that faces it;
     and for nodes that were inside a body, or came in unseen, a facet that they are behind. Return their
-    number.
-
-    Of nodes that went through a body, ``through`` (3,) has how far the farthest is beyond the far side [m],
-    its index, and the body's.
+    number. ``through`` (3,): how far the farthest node that went through a body is beyond it [m], and both.
     """
     count, slots, through[0] = 0, candidates.facet.shape[1], 0.0
     inside, fast = scratch.integers(SLOTS), farthest_motion(outline) >= THIN * radius

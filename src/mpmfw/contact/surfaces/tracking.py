@@ -22,8 +22,7 @@ from mpmfw.kernels.facets import at_rim, dot, length_of, project
 from mpmfw.kernels.types import Float, Floats
 
 #: Least cosine between a slave node's normal and the direction out of a body by which the node has gone
-#: through it: one that leaves the way it entered, or round a corner, has an angle of 90° or more, or little
-#: less.
+#: through it: one that leaves as it came, or round a corner, has 90° or more, or little less.
 THROUGH = 0.7
 
 #: How far beyond the far side of a body, in cells, a node may be before the bodies count as crossed.
@@ -48,8 +47,7 @@ def nearest_facet(s: int, first: int, last: int, outline: Outline, spacing: tupl
 
 @device
 def walk(s: int, m: int, outward: Floats, outline: Outline, spacing: tuple[float, ...]) -> int:
-    """Return the facet locally nearest to node s, reached from facet m along facets that face the node's
-    normal, ``outward``; from a facet that does not, by those that face it more."""
+    """Return the facet locally nearest to node s, from m along facets that face it, else face it more."""
     least = square_of(s, m, outline, spacing)
     for _ in range(len(outline.facets)):
         bound = min(opposition(outward, m, outline, spacing), LEAST_COSINE)
@@ -69,8 +67,7 @@ def walk(s: int, m: int, outward: Floats, outline: Outline, spacing: tuple[float
 
 @device
 def slot_for_lost(s: int, other: int, outline: Outline, candidates: Candidates) -> int:
-    """Slot of node s for a facet of body ``other``: that of the widest gap, so a free one; −1 if it has one
-    of that body."""
+    """Slot of node s for a facet of body ``other``: that of the widest gap; −1 if one has such a facet."""
     facet, gap, slot = candidates.facet, candidates.gap, 0
     for j in range(facet.shape[1]):
         if facet[s, j] >= 0 and body_of(facet[s, j], outline) == other:
@@ -84,11 +81,8 @@ def slot_for_lost(s: int, other: int, outline: Outline, candidates: Candidates) 
 def put_behind(
     s: int, j: int, m: int, outline: Outline, candidates: Candidates, spacing: tuple[float, ...]
 ) -> None:
-    """Put facet m, which node s is behind, into its slot j, unless the node is in front of it after all.
-
-    Where the closest point is on the rim, the node is behind it whatever the pseudo-normal there says: a
-    nearer facet may be round the corner.
-    """
+    """Put facet m into slot j of node s, unless the node is in front of it. On the rim it is behind whatever
+    the pseudo-normal says: a nearer facet may be round the corner."""
     share, normal = scratch.vector(spacing), scratch.vector(spacing)
     gap = distance_to(s, m, outline, share, normal, spacing)
     if at_rim(share, spacing):
@@ -104,8 +98,8 @@ def keep_inside(
     """Give node s, which was behind facet ``last`` of a body, the closest facet of it that faces the node, if
     the search has found none.
 
-    A node that the search has lost has come out round a corner, is deeper than the search radius, or has
-    gone through to the far side; only the first is let go. ``through`` is that of :func:`find_candidates`.
+    A node that the search lost came out round a corner, is deeper than the radius, or went through; only the
+    first is let go. ``through`` is that of :func:`find_candidates`.
     """
     outward, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
     other = body_of(last, outline)
@@ -129,8 +123,7 @@ def keep_inside(
 def foot_then(
     s: int, m: int, back: Float, outline: Outline, share: Floats, spacing: tuple[float, ...]
 ) -> Float:
-    """Gap [m] of node s from facet m, and its foot's barycentric coordinates, the part ``back`` of their
-    last displacements ago."""
+    """Gap [m] of node s from facet m, and its foot's coordinates, the part ``back`` of the last step ago."""
     dim, moved = len(spacing), outline.displacement
     x, corners, normal = scratch.vector(spacing), scratch.matrix(spacing, spacing), scratch.vector(spacing)
     for d in range(dim):
@@ -172,8 +165,7 @@ def farthest_motion(outline: Outline) -> Float:
 def add_crossings(
     s: int, outline: Outline, near: NearFacets, candidates: Candidates, spacing: tuple[float, ...]
 ) -> None:
-    """Add facets through which node s came into a body in the last step, if the search has missed it:
-    nearer to the far side of a thin body, or by a flank that does not face it."""
+    """Add facets through which node s came into a body in the last step, if the search missed it."""
     for k in range(near.first[s], near.first[s + 1]):
         m = near.facet[k]
         if hidden(m, outline.body[s], outline) or not crosses(s, m, outline, spacing):

@@ -1,9 +1,4 @@
-"""How far two surfaces turn about the normal between them: in space a stored tangential force turns with
-them.
-
-Two bodies that stick together and spin about their normal do not slip: a spring that stayed as it is in
-space would pull aside, and after half a turn against what it held.
-"""
+"""How far surfaces turn about the normal between them: a stored tangential force turns with them."""
 
 from __future__ import annotations
 
@@ -50,8 +45,7 @@ def facet_turn(m: int, normal: Floats, outline: Outline, spacing: tuple[float, .
 
 @device
 def node_turn(s: int, normal: Floats, without: Float, outline: Outline, spacing: tuple[float, ...]) -> Float:
-    """Mean, by their areas, of the angles of the facets round node s that lie across ``normal`` and face
-    it [rad]; ``without`` any the angle that is given."""
+    """Mean by area of the angles of node s's facets that face ``normal`` [rad], else ``without``."""
     total, whole = 0.0, 0.0
     for k in range(outline.star_first[s], outline.star_first[s + 1]):
         angle, across = facet_turn(outline.star[k], normal, outline, spacing)
