@@ -62,9 +62,8 @@ def set_barriers(
     """Write distance and greatest stiffness in the step of every row; return the first row whose distance is
     used up, or −1.
 
-    ``modulus`` is κ M / h of each pair, ``offset`` is added to its gaps, barriers act from the distance
-    ``reach``, and ``stiffest`` is k_t over κ M A / reach. The end of the step is foreseen from the motion
-    over the last one.
+    ``modulus`` is κ M / h of each pair, ``offset`` is added to its gaps, and ``stiffest`` is k_t over κ M A /
+    reach. The step's end is foreseen from the last motion.
     """
     for c in range(count):
         p = rows.pair[c]
@@ -116,11 +115,11 @@ def time_to_reach(
     s: int, m: int, share: Floats, normal: Floats, offset: Float, reach: Float, outline: Outline,
     table: Table, mass: Floats, momentum: Floats, spacing: tuple[float, ...],
 ) -> Float:  # fmt: skip
-    """Time in which node s and facet m, if both go on as they move, use up :data:`USED` of their distance, or
-    of the reach once they are within it [s], along ``normal``, from the facet to the node.
+    """Time in which node s and facet m, as they move, use up :data:`USED` of their distance along ``normal``,
+    or of the reach [s].
 
-    No corner of the facet comes past the node sooner: that is a lower bound. With an ``offset`` surfaces
-    may overlap, and the point of the facet counts whose coordinates are ``share``.
+    No corner of the facet comes past the node sooner. With an ``offset`` surfaces may overlap, and the point
+    with the coordinates ``share`` counts.
     """
     dim, least = len(spacing), math.inf
     own, motion = scratch.vector(spacing), scratch.vector(spacing)
@@ -150,8 +149,7 @@ def time_to_touch(
     rows: Rows, count: int, places: Places, outline: Outline, table: Table, offset: Floats, reach: float,
     mass: Floats, momentum: Floats, spacing: tuple[float, ...],
 ) -> float:  # fmt: skip
-    """Time in which no node of a row uses up more than a part of the distance from its facet, nor, where
-    surfaces may not overlap, from one beside it [s]: conservative advancement, by :func:`time_to_reach`."""
+    """Least :func:`time_to_reach` of all rows, and of the facets beside theirs [s]."""
     least, dim = math.inf, len(spacing)
     x, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
     for c in range(count):

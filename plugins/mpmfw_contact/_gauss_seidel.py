@@ -1,7 +1,6 @@
 """Kernels of the complementarity problem of all rows: projected Gauss-Seidel, without a matrix.
 
-J are impulses on rows, v = v* + M⁻¹ Bᵀ J the nodal velocities, kept up to date, u_c = B_c v those of the
-rows.
+J are impulses on rows, v = v* + M⁻¹ Bᵀ J the nodal velocities, u_c = B_c v those of the rows.
 """
 
 from __future__ import annotations
@@ -30,12 +29,11 @@ def state_problem(
     rows: Rows, count: int, own: LcpArrays, mass: Floats, momentum: Floats, velocity: Floats, per_step: float,
     recovery: float, facing: float, spacing: tuple[float, ...],
 ) -> float:  # fmt: skip
-    """Set velocities of nodes and rows, compliance and b, and let the impulses act that ``rows.force`` begins
-    with; return the largest component of the nodes' velocities before [m/s].
+    """Set velocities of nodes and rows, compliance and b, and let the impulses in ``rows.force`` act; return
+    the largest component of the nodes' velocities before [m/s].
 
-    A row that is open by g > 0 has b = g ``per_step``, which is 1 / Δt [1/s]; one that overlaps
-    ``recovery`` times that. Open rows take part of whose area at least the part ``facing`` lies across the
-    normal.
+    A row that is open by g > 0 has b = g ``per_step``, which is 1 / Δt [1/s]; an overlap ``recovery`` times
+    that. Open rows take part if the part ``facing`` of their area lies across the normal.
     """
     dim, fastest = len(spacing), 0.0
     u = scratch.vector(spacing)
@@ -75,12 +73,11 @@ def meet_row(
     c: int, rows: Rows, own: LcpArrays, mass: Floats, velocity: Floats, touching: Float, u: Floats,
     change: Floats, spacing: tuple[float, ...],
 ) -> Float:  # fmt: skip
-    """Replace J_c by what meets its own conditions as the others stand; w |ΔJ_c|, the velocity that this took
-    [m/s].
+    """Replace J_c by an impulse that meets the conditions as the others stand; return w |ΔJ_c| [m/s].
 
     J_n ← max(0, J_n − (u_n + b) / w), and J_t ← J_t − u_t / w shortened to μ J_n + a (Alart & Curnier
-    1991); a acts where the row ends the step closed, u_n + b ≤ ``touching`` [m/s]. What this leaves as it
-    is has 0 ≤ u_n + b ⊥ J_n ≥ 0 and |J_t| ≤ μ J_n + a with slip against J_t, whatever w > 0.
+    1991); a acts where the row ends the step closed, u_n + b ≤ ``touching`` [m/s]. A fixed point has 0 ≤
+    u_n + b ⊥ J_n ≥ 0 and |J_t| ≤ μ J_n + a with slip against J_t, whatever w > 0.
     """
     dim, w = len(spacing), own.compliance[c]
     if w <= 0.0:
@@ -115,8 +112,7 @@ def go_on(
     count: int, share: Float, rows: Rows, own: LcpArrays, mass: Floats, velocity: Floats, change: Floats,
     spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
-    """Add ``share`` of the last direction to the impulses, and make the new one, p ← share p + ΔJ of the
-    sweep; rows without an impulse stay as they are."""
+    """Add ``share`` of the direction p to the impulses that act; p ← share p + ΔJ of the sweep."""
     dim = len(spacing)
     for c in range(count):
         bears = acts(c, rows)
@@ -134,17 +130,14 @@ def solve(
     sweeps: int, spacing: tuple[float, ...],
 ) -> tuple[int, float]:  # fmt: skip
     """Sweep to and fro until no row changes by more than ``tolerance`` of the largest velocity w |J| or w
-    |ΔJ| of all, or than rounding of the ``fastest`` velocity [m/s] explains.
+    |ΔJ| of all, or than rounding of the ``fastest`` velocity [m/s].
 
     After each sweep the impulses go on as by conjugate gradients, with |ΔJ|² over the last sweep's as share,
-    unless that is more than 1 (Silcowitz-Hansen, Niebe & Erleben 2010): where rows say nearly the same,
-    sweeps alone need thousands. The second half are sweeps alone, which end within the cone. Rows without an
-    impulse are left out until those that have one agree.
+    unless that is more than 1 (Silcowitz-Hansen, Niebe & Erleben 2010): sweeps alone need thousands. The
+    second half are sweeps alone, which end within the cone. Rows without an impulse wait for the others.
 
-    Returns
-    -------
-    Number of sweeps, one more than ``sweeps`` where these were not enough, and the last one's change over the
-    largest velocity.
+    Return the number of sweeps, one more than ``sweeps`` if these were not enough, and the last change over
+    the largest velocity.
     """
     u, change = scratch.vector(spacing), scratch.vector(spacing)
     largest, last, last_square, every = 0.0, 0.0, 0.0, True
@@ -185,9 +178,8 @@ def add_friction_work(
     rows: Rows, count: int, own: LcpArrays, velocity: Floats, projected: bool, work: Floats,
     spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
-    """Add −J_t·u_t to the ``work`` of every pair [J/m]: of the mean of before and after where the momentum
-    is as ``projected``, else of the end of the step. Negative work, which the tolerance leaves of rows
-    that stick, does not count."""
+    """Add −J_t·u_t to the ``work`` of every pair [J/m]: of the mean of before and after where the momentum is
+    as ``projected``, else of the step's end. Negative work of rows that stick does not count."""
     dim = len(spacing)
     u = scratch.vector(spacing)
     for c in range(count):

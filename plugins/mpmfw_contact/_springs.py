@@ -7,8 +7,7 @@ from mpmfw.kernels import device, kernel
 from mpmfw.kernels.contact import Rows
 from mpmfw.kernels.types import Float, Floats
 
-#: Depth in cells from which a spring grows stiffer: were it linear, bodies at the speed of their waves would
-#: cross.
+#: Depth in cells from which a spring grows stiffer: bodies at the speed of their waves would cross.
 LINEAR_TO = 0.25
 
 #: By how much: f = k (d + GROWTH (d − l)² / l) beyond that depth l.
@@ -59,11 +58,8 @@ def tangent_stiffness(k: Float, depth: Float, limit: Float) -> Float:
 
 @device
 def new_rest(gap: Float, approached: Float) -> Float:
-    """Rest gap of a new spring, whose node ``approached`` so much in the last step [m].
-
-    A node deeper than that has come in by a side that faced it not: a spring loaded to its depth at once
-    would make energy of nothing. It has the force of its approach.
-    """
+    """Rest gap of a new spring, whose node ``approached`` so much in the last step [m]: a deeper node came in
+    by the side, and a spring loaded to its depth at once would make energy of nothing."""
     return min(gap + max(approached, 0.0), 0.0)
 
 
@@ -73,12 +69,11 @@ def changed_spring(
 ) -> tuple[Float, Float]:
     """Share and rest gap of a loaded spring whose share was ``old_part`` and would be ``part``.
 
-    Where corners meet the normal jumps, and a spring that became stiffer while it is loaded would make
-    energy of nothing. One that grows keeps its force, one that shrinks its rest: both lose energy. Small
-    changes are ignored, so that noise does not let bodies at rest creep into one another. A rest fades over
-    a cell of sliding: nodes that come in by a corner would hold less than others for good. A node that
-    came in by the side, with next to no share, and is shallow when a face takes it, has half of its length
-    under that face: half of its force acts at once.
+    A spring that became stiffer while it is loaded would make energy of nothing. One that grows keeps its
+    force, one that shrinks its rest: both lose energy. Small changes are ignored, so that bodies at rest do
+    not creep into one another. A rest fades over a cell of sliding, or nodes that come in by a corner would
+    hold less for good. A node that came in by the side with next to no share, and is shallow when a face
+    takes it, is half under that face: half of its force acts at once.
     """
     share, left = old_part, max(max(1.0 - abs(slid) / cell_size, 0.0) * rest, gap)
     if old_part < WEAK < part and gap > -SHALLOW * cell_size:
@@ -137,12 +132,11 @@ def add_losses(
     linear_to: float, work: Floats,
 ) -> None:  # fmt: skip
     """Add to every pair's ``work`` [J/m] the energy of the last step's springs, where they are now, less that
-    of today's.
+    of this step's.
 
-    A spring whose row moved by Δu has the gap g + n·Δu; what it is now beyond that is a change of the
-    spring: of its area, rest or facet, or its end. A tangential spring did the work f_t·Δu meanwhile.
-    Friction and the energy of today's tangential springs are not losses:
-    :func:`mpmfw.contact.springs.add_friction` subtracts them.
+    A spring whose row moved by Δu has the gap g + n·Δu; any other change is of its area, rest or facet, or
+    its end. A tangential spring did the work f_t·Δu meanwhile. Friction and today's tangential springs are
+    subtracted by :func:`mpmfw.contact.springs.add_friction`.
     """
     c = 0
     for o in range(old_count):

@@ -6,9 +6,8 @@ beyond; the work of adhesion is σ_0 δ. The attraction adds to the load of fric
 Derjaguin (1934), Molekulartheorie der äußeren Reibung, Z. Physik 88, 661-675. Neither paper was at hand; both
 laws are textbooks'.
 
-Assumed here: a spring of k = κ M A / h leads from pressure to σ_0, since a force that jumps at contact has
-no stable step. The force is a function of the gap alone, and nothing is lost. Gaps that jump, as at grid
-nodes, would make energy of nothing: such detections are refused.
+Assumed here: a spring of k = κ M A / h leads from pressure to σ_0, since a force that jumps has no stable
+step. The force follows from the gap alone, and nothing is lost: detections whose gaps jump are refused.
 """
 
 from __future__ import annotations

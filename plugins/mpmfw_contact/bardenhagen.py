@@ -19,7 +19,7 @@ from typing import Any, ClassVar
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from mpmfw.api import ContactRows, FloatArray, Grid, Particles, Setup, Stencil
+from mpmfw.api import ContactRows, FloatArray, Grid, Particles, Stencil
 from mpmfw.contact.nodes import Nodes
 from mpmfw.contact.shared_nodes import all_entries, point_of
 from mpmfw.kernels import kernel
@@ -79,7 +79,7 @@ class Bardenhagen(Impulse):
     """Momentum exchange at grid nodes that two bodies share, with Coulomb friction.
 
     At a shared node with approaching bodies the relative velocity along the normal is taken away, and the
-    tangential one as far as Coulomb's cone lets it; of the projected and of the updated momentum.
+    tangential one within Coulomb's cone; of the projected and of the updated momentum.
     """
 
     name = "bardenhagen"
@@ -98,10 +98,6 @@ class Bardenhagen(Impulse):
         if self.options.traction:
             arrays["compressed"] = 0
         return arrays
-
-    def prepare(self, setup: Setup) -> None:
-        """Take the cell size."""
-        self.cell_size = setup.cell_size
 
     def measure(self, rows: ContactRows, grid: Grid, phi: Stencil, particles: Particles) -> None:
         """Find the rows whose bodies are compressed, if the normal traction counts."""

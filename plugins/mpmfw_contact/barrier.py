@@ -8,12 +8,11 @@ distance d < d̂, friction lagged by a step, and implicit steps whose line searc
 detection finds a contact.
 
 Assumed here is all that explicit steps need. The barrier's stiffness limits the step. So does collision
-detection: as all move at the step's beginning, a node uses up at most half of its distance from the facet
-and from those beside it. A run in which forces carry a node past a barrier ends and says where. Friction
-is a spring with a history; on the published dashpot of slow slip a body would creep. A place weighs by its
-area: the energy per area is κ M d̂ b(d / d̂). Bodies that begin closer than d̂ begin without a force:
-their distances count from there, by one offset for all that are so joined. A node meets one facet of a
-body, the closest that faces it; published are all.
+detection: as all move at the step's beginning, a node uses up at most half of its distance from a facet. A
+run in which forces carry a node past a barrier ends and says where. Friction is a spring with a history; on
+the published dashpot a body would creep. The energy per area is κ M d̂ b(d / d̂). Bodies that begin closer
+than d̂ begin without a force: their distances count from there, by one offset for all that are so joined. A
+node meets one facet of a body, the closest that faces it; published are all.
 """
 
 from __future__ import annotations
@@ -70,8 +69,7 @@ class BarrierLaw(SpringLaw):
         self.outline = outline_of(self.surface)
         self.threshold = self.options.reach * setup.cell_size
         self.offset, self.placed = np.zeros(0), False
-        #: Bodies that the scene puts together have one number, and one offset, so that flush bodies bear at
-        #: one distance.
+        #: Bodies that the scene puts together have one number, and one offset.
         self.group, self.group_offset = np.arange(len(setup.bodies)), np.zeros(len(setup.bodies))
         super().prepare(setup)
 

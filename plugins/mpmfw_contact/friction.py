@@ -30,11 +30,10 @@ class MohrCoulombOptions(BaseModel):
 
 
 class MohrCoulomb(FrictionLaw):
-    """T = μ N + c A: shear strength τ = c + σ_n tan φ of an interface, μ = tan φ; with μ = 0 that of
-    undrained clay.
+    """T = μ N + c A: shear strength τ = c + σ_n tan φ of an interface; with μ = 0 that of undrained clay.
 
     A is the row's area across the normal. A row holds while it overlaps, or is pressed where no gap is
-    measured; tension it never bears.
+    measured.
     """
 
     name = "mohr_coulomb"
@@ -82,7 +81,7 @@ class Stribeck(FrictionLaw):
     rest.
 
     The exponential form of Bo & Pavelescu (1982) with the exponent 1. v is the slip velocity of the step
-    before, so that springs, which stick with small motions, have these too: v_c is to be well above them.
+    before; springs stick with small motions, and v_c is to be well above them.
     """
 
     name = "stribeck"

@@ -9,9 +9,8 @@ is the lesser of μ times that and of what stops the slip. The stiffness is 10 K
 bulk moduli, times a segment's length in a cell as deep as it is wide. Bodies that overlap and separate are
 pushed as well, since the lesser is that of sizes.
 
-Assumed here. The cap is that of a row, so that impulses are equal and opposite; there it is that of a body
-at a node. All that overlaps bears; there only overlaps below 0.1 cells do. The limit of 0.1 on the strain
-of a step is left out.
+Assumed here. The cap is that of a row, so that impulses are equal and opposite; there it is a body's at a
+node. All overlaps bear; there those below 0.1 cells do. The limit of 0.1 on a step's strain is left out.
 """
 
 from __future__ import annotations
@@ -37,8 +36,7 @@ class HybridOptions(BaseModel):
 
 
 class Hybrid(Impulse):
-    """J_n = min(k |g| Δt, m |Δv_n|) on every row that overlaps, and J_t = min(μ J_n, m |Δv_t|); no step limit
-    of its own.
+    """J_n = min(k |g| Δt, m |Δv_n|) on every row that overlaps, and J_t = min(μ J_n, m |Δv_t|).
 
     The mass m is that of :class:`~mpmfw_contact.impulse.Impulse`. The impulse is that of the updated
     momentum, as published, and of MUSL's second.
@@ -56,12 +54,12 @@ class Hybrid(Impulse):
         return {**super().row_arrays(friction=friction), "limit": 0}
 
     def prepare(self, setup: Setup) -> None:
-        """Stiffness of the pairs."""
-        self.cell_size, self.strain_first = setup.cell_size, setup.scheme == "usf"
-        self.list_pairs(setup.state)
+        """With usf the strain follows from the projected momentum."""
+        self.strain_first = setup.scheme == "usf"
 
     def list_pairs(self, state: State) -> None:
-        """κ K / h of all pairs [Pa/m]."""
+        """List also κ K / h of all pairs [Pa/m]."""
+        super().list_pairs(state)
         both = [
             (state.bodies[pair.first].bulk_modulus, state.bodies[pair.second].bulk_modulus)
             for pair in state.pairs

@@ -36,10 +36,8 @@ def stop(
     """J_n = m approach, J_t = min(μ |J_n| + a, m |Δv_t|), with m the inverse of the row's compliance.
 
     The size of J_n is at most the row's ``limit`` [N s/m], without rows where there is none. Where sides
-    separate J_n holds them back, or pushes them as much if contact ``repels``. The work of J_t is its
-    product with the slip: the mean of before and after where the momentum is as ``projected``, else that
-    left at the end of the step, since J_t then acts beside its forces. A ``work`` without pairs is not
-    written.
+    separate J_n holds them back, or pushes them if contact ``repels``. The ``work`` of J_t, if it has pairs,
+    is on the slip: the mean of before and after of a ``projected`` momentum, else the slip of the step's end.
     """
     dim = len(spacing)
     slip = scratch.vector(spacing)
@@ -73,8 +71,7 @@ class Impulse(ImpulseLaw):
     """Every row by itself; the mass of nodes that several rows share is divided between those that approach.
 
     The mass of row c is 1 / Σ_i |b_ci| (Σ_d |b_di|) / m_i over the rows d that approach: of two bodies at
-    a shared node m_a m_b / (m_a + m_b). All impulses are taken from the same velocities: the order of the
-    bodies does not matter.
+    a shared node m_a m_b / (m_a + m_b). All impulses follow from the same velocities.
     """
 
     name = "impulse"

@@ -3,8 +3,7 @@
 Source: the time stepping is that of J. J. Moreau (1988), Unilateral contact and dry friction in finite
 freedom dynamics, and M. Jean (1999), The non-smooth contact dynamics method; the projections are those of P.
 Alart & A. Curnier (1991), A mixed formulation for frictional contact problems prone to Newton like solution
-methods. The cone is round and not the pyramid of linear complementarity problems, from which such laws have
-their name.
+methods. The cone is round, not the pyramid of linear complementarity problems.
 
 Assumed here is its place in a step of MPM. The whole impulse is that of the updated momentum, where all
 forces have acted; with USF the projected momentum is met as well, and with MUSL the second. What is open
@@ -26,8 +25,8 @@ from mpmfw_contact._gauss_seidel import add_friction_work, solve, state_problem
 MISSED = 10.0
 
 
-#: Part of the area of an open place on a surface that lies across the normal, from which it takes part. The
-#: normal of a place ahead of a corner that slides is along the face, and would stop the corner.
+#: Part of an open place's area that lies across the normal, from which it takes part: the normal ahead of a
+#: corner that slides is along the face, and would stop it.
 FACING = 0.9
 
 
@@ -44,11 +43,8 @@ class LcpOptions(BaseModel):
 
 
 class Lcp(ImpulseLaw):
-    """0 ≤ g / Δt + u_n ⊥ J_n ≥ 0 and Coulomb's cone in all rows at once, by projected Gauss-Seidel.
-
-    Sweeps run to and fro in the rows' order, from the forces of the last step: bitwise repeatable. Rows
-    that say nearly the same share a force in a way that the tolerance leaves open.
-    """
+    """0 ≤ g / Δt + u_n ⊥ J_n ≥ 0 and Coulomb's cone in all rows at once, by projected Gauss-Seidel from the
+    forces of the last step."""
 
     name = "lcp"
     Options = LcpOptions
@@ -116,9 +112,8 @@ class Lcp(ImpulseLaw):
         return [
             *super().concerns(),
             f"contact law 'lcp': {self.unfinished} of {self.solutions} solutions ended after sweeps = "
-            f"{self.options.sweeps} with "
-            f"rows that still changed by up to {self.worst:.1g} of the largest; expected "
-            f"{self.options.tolerance:g}",
+            f"{self.options.sweeps} with rows that still changed by up to {self.worst:.1g} of the largest; "
+            f"expected {self.options.tolerance:g}",
         ]
 
 

@@ -4,10 +4,9 @@ regression.
 Source: J. A. Nairn, C. C. Hammerquist, G. D. Smith (2020), New material point method contact algorithms for
 improved accuracy, large-deformation problems, and proper null-space filtering, CMAME 362, 112859 (not at
 hand), as in the public codes of NairnMPM (Nodes/MachineLearning.cpp) and Uintah (SerialMPM.cc). Points with a
-weight at the node, all alike, have the class −1 or 1. The squares of the classes less a logistic function of
-position are made small by Gauss and Newton, with a penalty of 1e-7 h² on the slope, until 1 − cos of the
-normal's turn is below 1e-5 (NairnMPM, 15 iterations) or 1e-7 (Uintah, 50). The separation is that of the
-points' outermost reaches along the normal, and bodies touch where it is negative.
+weight at the node have the class −1 or 1. Gauss and Newton fit a logistic function of position, with a
+penalty of 1e-7 h² on the slope, until 1 − cos of the normal's turn is below 1e-5 (NairnMPM, 15 iterations) or
+1e-7 (Uintah, 50). The separation is that of the points' outermost reaches along the normal.
 
 Assumed here. A point reaches as far as the tangent of its ellipse across the normal; in NairnMPM as the
 ellipse along it, in Uintah as its corners. Each pair of bodies has planes of its own.
@@ -23,139 +22,20 @@ from pydantic import BaseModel, ConfigDict, Field
 from mpmfw.api import ContactRows, Grid, Particles, SceneError, Setup, Stencil
 from mpmfw.contact.nodes import AtNodes
 from mpmfw.contact.shared_nodes import GridNodes, NodePairs, SharedNodes, write_row
-from mpmfw.kernels import Struct, device, kernel, scratch
+from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.contact import Rows
-from mpmfw.kernels.facets import dot, read_point
-from mpmfw.kernels.types import Flags, Float, Floats, Ints, Points, Table
+from mpmfw.kernels.facets import read_point
+from mpmfw.kernels.types import Float, Floats, Points
+from mpmfw_contact._regression import Clouds, fit_plane, list_points
 from mpmfw_contact.impulse import Impulse
-
-#: Most iterations of a regression; about four are used.
-ITERATIONS = 50
-
-#: Pivot of the normal equations, over its diagonal, below which they have no solution.
-SINGULAR = 1e-13
-
-
-class Clouds(Struct):
-    """Material points of the nodes that two bodies share, as entries of the table of interpolation."""
-
-    head: Ints  #: (n_nodes,) first entry of a node, −1 where it is not shared
-    after: Ints  #: (m,) next entry of the same node, −1 behind the last
-    point: Ints  #: (m,) point of an entry
-
-
-@kernel
-def list_points(table: Table, shared: Flags, clouds: Clouds) -> None:
-    """List the points with a weight at each ``shared`` node, in their order."""
-    clouds.head[:] = -1
-    for p in range(len(table.row) - 2, -1, -1):
-        for k in range(table.row[p], table.row[p + 1]):
-            i = table.nodes[k]
-            if shared[i] and table.weight[k] > 0.0:
-                clouds.after[k], clouds.head[i], clouds.point[k] = clouds.head[i], k, p
-
-
-@device
-def solve_symmetric(a: Floats, b: Floats) -> bool:
-    """Replace b by a⁻¹ b, a symmetric and positive, by Cholesky's factors; False where a is singular."""
-    n = len(b)
-    for i in range(n):
-        diagonal = a[i, i]
-        for j in range(i + 1):
-            total = a[i, j]
-            for k in range(j):
-                total -= a[i, k] * a[j, k]
-            if i > j:
-                a[i, j] = total / a[j, j]
-            elif total > SINGULAR * diagonal:
-                a[i, i] = math.sqrt(total)
-            else:
-                return False
-        for k in range(i):
-            b[i] -= a[i, k] * b[k]
-        b[i] /= a[i, i]
-    for i in range(n - 1, -1, -1):
-        for k in range(i + 1, n):
-            b[i] -= a[k, i] * b[k]
-        b[i] /= a[i, i]
-    return True
-
-
-@device
-def set_equations(
-    i: int, j: int, clouds: Clouds, position: Floats, origin: Floats, h: Float, beta: Floats, penalty: float,
-    x: Floats, a: Floats, b: Floats,
-) -> None:  # fmt: skip
-    """Normal equations of the step that Σ (c_p − f(β·x_p))² + λ |slope|² asks of β, x_p = ((X_p − X_i) / h,
-    1).
-
-    c is −1 at the points of node i and 1 at those of node j; f(s) = 2 / (1 + e^(−s)) − 1 = tanh(s / 2).
-    """
-    wide, dim = len(beta), len(beta) - 1
-    for d in range(wide):
-        of_slope = penalty if d < dim else 0.0
-        b[d] = -of_slope * beta[d]
-        for e in range(wide):
-            a[d, e] = of_slope if d == e else 0.0
-    x[dim] = 1.0
-    for side in range(2):
-        k = clouds.head[i if side == 0 else j]
-        while k >= 0:
-            along = beta[dim]
-            for d in range(dim):
-                x[d] = (position[clouds.point[k], d] - origin[d]) / h
-                along += beta[d] * x[d]
-            f = math.tanh(0.5 * along)
-            slope = 0.5 * (1.0 - f * f)
-            for d in range(wide):
-                b[d] += slope * (2.0 * side - 1.0 - f) * x[d]
-                for e in range(wide):
-                    a[d, e] += slope * slope * x[d] * x[e]
-            k = clouds.after[k]
-
-
-@device
-def fit_plane(
-    i: int, j: int, clouds: Clouds, position: Floats, origin: Floats, penalty: float, tolerance: float,
-    normal: Floats, spacing: tuple[float, ...], wide: tuple[float, ...],
-) -> bool:  # fmt: skip
-    """Unit normal of the plane between the points of nodes i and j, out of the first body, into ``normal``;
-    whether there is one.
-
-    Gauss & Newton from β = 0, whose first step is twice the linear fit, until the normal turns by less
-    than an angle of which 1 − cos is the ``tolerance``. ``wide`` has a number more than ``spacing``.
-    """
-    x, beta, b = scratch.vector(wide), scratch.vector(wide), scratch.vector(wide)
-    a, found = scratch.matrix(wide, wide), False
-    for d in range(len(wide)):
-        beta[d] = 0.0
-    for _ in range(ITERATIONS):
-        set_equations(i, j, clouds, position, origin, spacing[0], beta, penalty, x, a, b)
-        if not solve_symmetric(a, b):
-            break
-        for d in range(len(wide)):
-            beta[d] += b[d]
-        square, turned = dot(beta, beta, spacing), 1.0
-        if not 0.0 < square < math.inf:
-            break
-        for d in range(len(spacing)):
-            component = beta[d] / math.sqrt(square)
-            turned -= component * normal[d] if found else 0.0
-            normal[d] = component
-        if found and turned < tolerance:
-            break
-        found = True
-    return found
 
 
 @device
 def outermost(
     i: int, clouds: Clouds, points: Points, half_edges: Floats, origin: Floats, direction: Floats, sign: Float
 ) -> Float:
-    """Return the reach of node i's points along ``sign`` times the ``direction`` from ``origin`` [m].
-
-    A point reaches as the ellipse within its domain, |(F R)ᵀ n| from its centre.
-    """
+    """Return the reach of node i's points along ``sign`` times the ``direction`` from ``origin`` [m], each
+    with the ellipse within its domain, |(F R)ᵀ n|."""
     dim, farthest, k = len(direction), -math.inf, clouds.head[i]
     while k >= 0:
         p, along, square = clouds.point[k], 0.0, 0.0
@@ -251,11 +131,7 @@ class Logistic(AtNodes):
 
 
 class Nairn(Impulse):
-    """Momentum exchange at grid nodes whose two bodies approach and overlap across the plane between their
-    points.
-
-    Both the projected and the updated momentum are corrected, as published.
-    """
+    """Momentum exchange at grid nodes whose bodies approach, and overlap across a plane between points."""
 
     name = "nairn"
     Detection = Logistic

@@ -9,11 +9,9 @@ whose spheres overlap push each other along the line of their centres by
     f_n = m_p m_q / ((m_p + m_q) Δt²) (R_p + R_q − |x_p − x_q|),
 
 which takes two free points to the distance at which they touch. Friction is μ f_n against the tangential
-velocity of the moment, also where it turns the slip round. Forces act on the points, and go to the nodes with
-their weights. The law has no stiffness, no limit of the step, and no energy.
+velocity of the moment, also where it turns the slip round. The law has no stiffness, step limit or energy.
 
-Assumed here. The tangential velocity is that of the points' place on the grid after the other forces of
-the step.
+Assumed here. The tangential velocity is that of the points' place on the grid after the step's other forces.
 """
 
 from __future__ import annotations

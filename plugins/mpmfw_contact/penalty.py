@@ -7,10 +7,9 @@ At the depth d = rest − g > 0 a row has the normal force
 and a dashpot that never pulls. A is the part of its area that lies across the normal. The rest is 0 for a
 node that came in by the face; :mod:`mpmfw_contact._springs` says how springs change without gain of energy.
 
-Source: [H17], F. Hamad, S. Giridharan, C. Moormann (2017), in the form that measurements led to;
-``docs/guide/methods.md`` says what departs from it and why, :mod:`mpmfw_contact.hamad2017` has its own
-form. The nearest relative is E. G. Kakouris, M. N. Chatzis, S. P. Triantafyllou (2024), arXiv 2403.13534:
-penalty forces on discretised boundaries as well, with extended B-splines as shape functions.
+Source: [H17], F. Hamad, S. Giridharan, C. Moormann (2017), in the form that measurements led to
+(``docs/guide/methods.md``); :mod:`mpmfw_contact.hamad2017` has its own form. The nearest relative is E. G.
+Kakouris, M. N. Chatzis, S. P. Triantafyllou (2024), arXiv 2403.13534, with extended B-splines.
 """
 
 from __future__ import annotations
@@ -49,8 +48,7 @@ def spring_forces(
     rows: Rows, count: int, own: ChangingSprings, old: Rows, tangential_ratio: float, dashpot: float,
     linear_to: float, records: Records,
 ) -> None:  # fmt: skip
-    """N of every row that overlaps: a spring from the depth below its rest, and a dashpot; of the step in
-    which a row first overlaps the part ``entered`` counts for friction."""
+    """N of every row that overlaps, by a spring and a dashpot; and the part of its first step."""
     for c in range(count):
         gap, p, k, o = rows.gap[c], rows.pair[c], own.k[c], rows.previous[c]
         if gap >= 0.0:

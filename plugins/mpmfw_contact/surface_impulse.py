@@ -7,9 +7,6 @@ from mpmfw_contact.impulse import Impulse
 
 
 class SurfaceImpulse(Impulse):
-    """What approaches at a surface node is stopped, with Coulomb friction; what overlaps is not pushed apart.
-
-    Detection is that of ``penalty``, the impulses are those of ``bardenhagen``: of the two it has one each.
-    """
+    """Approach at surface nodes is stopped, with Coulomb friction; overlaps are not pushed apart."""
 
     Detection = Surfaces

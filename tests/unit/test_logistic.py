@@ -13,7 +13,8 @@ from interpreted import interpreted
 from mpmfw.contact import shared_nodes as shared
 from mpmfw.contact.rows import ContactRows
 from mpmfw.kernels import struct
-from mpmfw_contact import logistic as regression
+from mpmfw_contact import _regression as regression
+from mpmfw_contact.logistic import write_regressed_rows
 from mpmfw_contact.surface_impulse import SurfaceImpulse
 
 H = 0.5
@@ -106,7 +107,7 @@ def detected(normal, gap=0.0, *, seed=0, turn=1e-5, strain=None):
     points = struct(position=position, deformation_gradient=deformation)
     rows = ContactRows(dim, couples=False, own=SurfaceImpulse().row_arrays(friction=False))
     rows.make_room(n + 1, 2 * n)
-    rows.count = regression.write_regressed_rows(
+    rows.count = write_regressed_rows(
         n, listed, pairs, grid, np.tile(place, (2, 1)), clouds, points, edges, 1e-7, turn, 0.0, 0.0, rows,
         (H,) * dim, (1.0,) * (dim + 1),
     )  # fmt: skip

@@ -148,7 +148,12 @@ class ContactLaw(ContactStrategy):
         return 0.0
 
     def list_pairs(self, state: State) -> None:
-        """Take facts of ``state.pairs`` as arrays: bodies have come near that were apart."""
+        """List facts of ``state.pairs`` as arrays, after :meth:`prepare` and whenever bodies come near."""
+        bodies, self.width = state.bodies, None
+        self.pair_friction = np.array([pair.mu for pair in state.pairs], dtype=float)
+        if state.particles.thickness is not None:  # the lesser one of both bodies
+            width = [min(bodies[p.first].thickness, bodies[p.second].thickness) for p in state.pairs]
+            self.width = np.array(width, dtype=float)
 
     def parts(self) -> list[Any]:
         """Return the parts of the detection."""
@@ -168,11 +173,13 @@ class ContactLaw(ContactStrategy):
         """Prepare records, detection and law, and make the rows of this step and the last.
 
         Raise SceneError if cohesion has no area to act on."""
-        self.state, self.friction = setup.state, setup.friction_law or FrictionLaw()
+        self.state, self.cell_size = setup.state, setup.cell_size
+        self.friction = setup.friction_law or FrictionLaw()
         self.records = PairRecords(setup, self.name)
         self.detection.prepare(setup, self.name)
         self.prepare(setup)
-        self.check_range(setup.cell_size)
+        self.list_pairs(setup.state)
+        self.check_range()
         self.detection.law_range = self.range()
         own = self.row_arrays(friction=setup.has_friction)
         self.rows, self.old = self.detection.new_rows(own), self.detection.new_rows(own)
@@ -185,12 +192,11 @@ class ContactLaw(ContactStrategy):
         if setup.has_friction and self.uses_friction:
             for rows in (self.rows, self.old):
                 rows.allocate_friction(cohesion=self.friction.cohesive)
-        self._list_facts(setup.state)
 
-    def check_range(self, cell_size: float) -> None:
-        """Refuse a law that acts across wider gaps than the detection finds, with the cell size h [m]."""
+    def check_range(self) -> None:
+        """Refuse a law that acts across wider gaps than the detection finds."""
         detection = self.detection
-        listed, needed = detection.range(cell_size), self.range()
+        listed, needed = detection.range(self.cell_size), self.range()
         if listed is None or needed <= listed or math.isclose(needed, listed):
             return
         finds, expected = f"contact '{self.name}': detection '{detection.name}'", "another detection"
@@ -210,15 +216,6 @@ class ContactLaw(ContactStrategy):
         self.detection.list_pairs(state)
         self.list_pairs(state)
         self.records.add_pairs(state)
-        self._list_facts(state)
-
-    def _list_facts(self, state: State) -> None:
-        """List μ of every pair, and the lesser thickness of its bodies; None where no body has one."""
-        bodies, self.width = state.bodies, None
-        self.pair_friction = np.array([pair.mu for pair in state.pairs], dtype=float)
-        if state.particles.thickness is not None:
-            width = [min(bodies[p.first].thickness, bodies[p.second].thickness) for p in state.pairs]
-            self.width = np.array(width, dtype=float)
 
     def find_rows(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
         """Find the rows where the bodies are now, the width over which they touch, and the limit of slip."""

@@ -149,17 +149,16 @@ class SpringLaw(ForceLaw):
                     raise SceneError(
                         "has no effect, since every pair has friction = 0", key=f"contact.{self.name}.{name}"
                     )
-        self.cell_size = setup.cell_size
         given = self.options.kappa
         self.kappa = KAPPA[setup.state.particles.dim] if given is None else given
         # tangential springs, where there are any, may be the stiffer ones
         self.stiffest = max(1.0, self.options.tangential_ratio) if setup.has_friction else 1.0
         #: Energy that springs lose as they change (pair,) [J m^(dim−3)]; (0,) where none do.
         self.change = np.zeros(0)
-        self.list_pairs(setup.state)
 
     def list_pairs(self, state: State) -> None:
-        """List κ M / h of the pairs [Pa/m]."""
+        """List also κ M / h of the pairs [Pa/m]."""
+        super().list_pairs(state)
         bodies = state.bodies
         softer = [min(bodies[p.first].p_wave_modulus, bodies[p.second].p_wave_modulus) for p in state.pairs]
         self.modulus: FloatArray = self.kappa * np.array(softer, dtype=float) / self.cell_size
