@@ -1,4 +1,4 @@
-"""Bases of laws: forces that act beside the internal ones, and impulses that correct momentum."""
+"""Bases of laws: forces beside the internal ones, and impulses that correct momentum."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class ForceLaw(ContactLaw):
-    """Base of laws of forces, which act beside the internal ones (eq. 12 of [H17]) and limit the step."""
+    """Base of laws of forces beside the internal ones (eq. 12 of [H17]), which limit the step."""
 
     gives_forces = True
     history: ClassVar[tuple[str, ...]] = ("old", "omega_squared", "law_step")
@@ -38,7 +38,7 @@ class ForceLaw(ContactLaw):
         raise NotImplementedError
 
     def longest_step(self, rows: ContactRows, grid: Grid) -> float:  # noqa: ARG002
-        """Return the step [s] that ``rows`` allow beside their stiffness, before the safety factor."""
+        """Return the step [s] that ``rows`` allow beside their stiffness."""
         return math.inf
 
     def forces(self, rows: ContactRows, old: ContactRows, dashpot: float, records: PairRecords) -> None:
@@ -61,7 +61,7 @@ class ForceLaw(ContactLaw):
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        """Return the declarations of every contact's series and of the detection's output fields."""
+        """Add the declarations of the detection's output fields."""
         return [*self.detection.fields(), *super().declare_fields()]
 
     @hookimpl
@@ -80,7 +80,7 @@ class ForceLaw(ContactLaw):
 
     @hookimpl
     def detect(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
-        """Find the rows where the bodies are now, and the highest frequency that they give the grid."""
+        """Find the rows, and the highest frequency that they give the grid."""
         rows, old = self.rows, self.old
         self.find_rows(grid, phi, particles)
         self.omega_squared, self.law_step = 0.0, math.inf
@@ -96,7 +96,7 @@ class ForceLaw(ContactLaw):
 
     @hookimpl
     def add_nodal_force(self, grid: Grid, dt: float) -> None:
-        """Add the law's forces on the rows, mapped by Bᵀ (eq. 9, 11); ``dt`` is the step's length [s]."""
+        """Add the rows' forces by Bᵀ (eq. 9, 11); ``dt`` is the step's length [s]."""
         rows, old = self.rows, self.old
         if rows.count == 0 and old.count == 0:
             return
@@ -109,20 +109,20 @@ class ForceLaw(ContactLaw):
         self.detection.note_forces(rows, dt)
 
     def work_over_last_step(self) -> float:
-        """Return the work [J/m] of this step's forces on the motion of their rows over the last one."""
+        """Return the work [J/m] of this step's forces on the last step's motion."""
         rows, n = self.rows, slice(self.rows.count)
         return float(np.vdot(rows.force[n], rows.motion[n]))
 
     @hookimpl
     def advect(self, grid: Grid, dt: float) -> None:
-        """Note the motion of every row's sides in the step of ``dt`` [s]; rows become history."""
+        """Note every row's motion in the step of ``dt`` [s]; rows become history."""
         rows = self.rows
         if "moved" in rows.own.member_names and rows.count:
             relative_motion(rows, rows.count, grid.velocity, dt, rows.own.moved, grid.spacing)
         self.rows, self.old = self.old, rows
 
     def copy_history(self, other: ContactLaw, index_map: IndexMap) -> None:
-        """Copy the history of the detection, and the rows of the last step of ``other``."""
+        """Copy the detection's history, and the rows of ``other``'s last step."""
         super().copy_history(other, index_map)
         self.old.copy_history(other.last_rows, index_map)
 
@@ -150,7 +150,7 @@ class ForceLaw(ContactLaw):
 
 
 class ImpulseLaw(ContactLaw):
-    """Base of laws of impulses, which correct the projected and the updated momentum, and MUSL's second."""
+    """Base of laws of impulses, which correct projected and updated momentum, and MUSL's second."""
 
     #: Length of the step [s], known whenever impulses are asked for.
     dt: float = 0.0
@@ -173,20 +173,20 @@ class ImpulseLaw(ContactLaw):
 
     @hookimpl
     def after_momentum_projection(self, grid: Grid, dt: float) -> None:
-        """Correct the projected momentum; ``dt`` [s] is the length of the step. Cohesion acts later."""
+        """Correct the projected momentum, without cohesion; ``dt`` is the step [s]."""
         self.dt = dt
         self.rows.cohesion[:] = 0.0
         self._correct(grid, projected=True)
 
     @hookimpl
     def after_momentum_update(self, grid: Grid, dt: float) -> None:
-        """Correct the updated momentum, at the same rows; ``dt`` [s] is the length of the step."""
+        """Correct the updated momentum, at the same rows; ``dt`` is the step [s]."""
         self.rows.cohesion[:] = dt * self.cohesion
         self._correct(grid, projected=False)
 
     @hookimpl
     def after_second_projection(self, grid: Grid) -> None:
-        """Correct MUSL's second momentum, which gives the strain; it moves no point, and is in no record."""
+        """Correct MUSL's second momentum; it moves no point, and is in no record."""
         if self.rows.count:
             self.impulses(self.rows, grid, None, projected=False)
             self.rows.add_to(grid.momentum, grid.spacing)

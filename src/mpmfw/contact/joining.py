@@ -1,4 +1,4 @@
-"""Contact strategies as classes made of a detection and a law, and the options of both."""
+"""Contact strategies made of a detection and a law, and the options of both."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ NEEDS = {
 
 
 def options_of_both(contact: type[ContactLaw]) -> type[BaseModel]:
-    """Make the model of a contact's options: those of law and detection, with its own defaults."""
+    """Make the model of a contact's options: those of law and detection."""
     models = tuple(dict.fromkeys((contact.Options, contact.Detection.Options)))
     fields: dict[str, Any] = {}
     for model in models:

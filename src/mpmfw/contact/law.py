@@ -1,4 +1,4 @@
-"""Laws of contact: a law with a detection is a contact strategy, and keeps the records of the pairs."""
+"""Laws of contact, and the records of pairs."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class PairRecords(Records):
             last.fill(0.0)
 
     def series(self, interval: float) -> dict[str, AnyArray]:
-        """Return the series; forces are means over the ``interval`` [s] since the last output."""
+        """Return the series; forces are means over the ``interval`` [s]."""
         forces = {}
         for name, last in self._last.items():
             now = getattr(self, name).copy()
@@ -84,14 +84,14 @@ class ContactLaw(ContactStrategy):
     """
 
     Detection: ClassVar[type[Detection]]  #: what lists the rows
-    #: Options of a contact whose defaults are others than those of detection and law, by name.
+    #: Defaults of options, by name, where they differ from those of detection and law.
     defaults: ClassVar[dict[str, Any]] = {}
     #: What it needs of the rows: ``gap`` for a signed gap, ``steady gap`` for one that does not jump as rows
     #: come and go, ``facets``, ``nodes`` for nodes against facets.
     needs: ClassVar[frozenset[str]] = frozenset()
     #: Whether it gives forces, and not impulses.
     gives_forces: ClassVar[bool] = False
-    #: Its option that makes contact softer where it is smaller, for advice; None where there is none.
+    #: Its option that makes contact softer where it is smaller, for advice.
     softness_option: ClassVar[str | None] = None
     stage = "contact"
     history: ClassVar[tuple[str, ...]] = ("detection", "friction", "records")
@@ -127,7 +127,7 @@ class ContactLaw(ContactStrategy):
 
     @classmethod
     def joined_with(cls, detection: type[Any]) -> type[Any]:
-        """Return the contact strategy of a class ``detection`` and this law, called ``DETECTION+LAW``."""
+        """Return the contact ``DETECTION+LAW`` of a class ``detection``."""
         return joined(detection, cls)  # type: ignore[arg-type]  # classes are hashable
 
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:  # noqa: ARG002
@@ -138,17 +138,17 @@ class ContactLaw(ContactStrategy):
         return {}
 
     def prepare(self, setup: Setup) -> None:
-        """Take facts of the scene from ``setup``, and list arrays under the contact's name."""
+        """Take facts of the scene from ``setup``."""
 
     def measure(self, rows: ContactRows, grid: Grid, phi: Stencil, particles: Particles) -> None:
-        """Take what the law needs of the material points; ``phi`` is their table of interpolation."""
+        """Take what the law needs of the points; ``phi`` is their table."""
 
     def range(self) -> float:
-        """Return the gap up to which the law acts [m], after :meth:`prepare`: 0 where bodies must touch."""
+        """Return the gap up to which the law acts [m]: 0 where bodies must touch."""
         return 0.0
 
     def list_pairs(self, state: State) -> None:
-        """List facts of ``state.pairs`` as arrays, after :meth:`prepare` and whenever bodies come near."""
+        """List facts of ``state.pairs`` as arrays, at the start and as bodies come near."""
         bodies, self.width = state.bodies, None
         self.pair_friction = np.array([pair.mu for pair in state.pairs], dtype=float)
         if state.particles.thickness is not None:  # the lesser one of both bodies
@@ -218,7 +218,7 @@ class ContactLaw(ContactStrategy):
         self.records.add_pairs(state)
 
     def find_rows(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
-        """Find the rows where the bodies are now, the width over which they touch, and the limit of slip."""
+        """Find the rows, the width over which bodies touch, and the limit of slip."""
         rows = self.rows
         self.detection.find(grid, phi, particles, rows)
         if self.width is not None:
@@ -236,7 +236,7 @@ class ContactLaw(ContactStrategy):
         return self.rows
 
     def copy_history(self, other: ContactLaw, index_map: IndexMap) -> None:
-        """Copy the history of ``other``, renumbered by ``index_map``; records are declared arrays."""
+        """Copy the history of ``other``, renumbered by ``index_map``."""
         self.detection.copy_history(other.detection, index_map)
 
     def restart(self) -> None:

@@ -31,7 +31,7 @@ from mpmfw.state.structs import Grid, Particles, State, Stencil
 #: Share of a full cell's mass that both bodies must have at a node where a force acts.
 LEAST_MASS = 0.05
 
-#: Share of a full cell's mass that three bodies have at a node which they fill: round bodies leave pores.
+#: Share of a full cell's mass of three bodies at a node that they fill: round ones leave pores.
 FULL = 0.98
 
 #: Steps between two looks for such nodes.
@@ -110,7 +110,7 @@ class AtNodes(Detection):
         return ones, ones
 
     def list_pairs(self, state: State) -> None:
-        """List the bodies of all pairs, and which of their gradients make up the normal."""
+        """List the bodies of all pairs, and their weights."""
         first, second = np.ascontiguousarray(state.pair_bodies.T)
         weight_first, weight_second = self.weights(state)
         self.pairs = NodePairs(
@@ -118,7 +118,7 @@ class AtNodes(Detection):
         )
 
     def nodes_of(self, grid: Grid) -> GridNodes:
-        """Return the grid's arrays and those projected on it, made anew whenever its windows were."""
+        """Return the grid's arrays and those projected on it, new with its windows."""
         if self.grid is not None and self.grid.mass is grid.mass:
             return self.grid
         empty = np.zeros((0, grid.dim))
@@ -136,12 +136,12 @@ class AtNodes(Detection):
 
     @property
     def gradient(self) -> FloatArray:
-        """Volume gradients of the last detection at shared nodes, Σ V ∇φ (n_nodes, dim) [m^(dim−1)]."""
+        """Volume gradients at shared nodes, Σ V ∇φ (n_nodes, dim) [m^(dim−1)]."""
         assert self.grid is not None
         return self.grid.gradient
 
     def find(self, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> None:
-        """Find the shared nodes, project what normals and gaps are made of, and write the rows."""
+        """Find the shared nodes, project on them, and write the rows."""
         nodes, rows.count = self.nodes_of(grid), 0
         listed = find_shared_nodes(self.pairs, nodes, self.shared)
         if listed > len(self.shared.pair):
@@ -171,7 +171,7 @@ class AtNodes(Detection):
         return bool((total[np.bincount(node) > 1] > FULL).any())
 
     def remarks(self) -> list[str]:
-        """Return the warning that seams between bodies which lie flush act as steps."""
+        """Return the warning that seams of flush bodies act as steps."""
         text = (
             "three bodies fill a node of the grid: contact at nodes cannot tell which two of them lie flush; "
             "a seam brakes a body that slides over it, or throws it up; try a detection on surfaces"
@@ -183,7 +183,7 @@ class AtNodes(Detection):
         self.seams = self.seams or other.seams
 
     def write(self, listed: int, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> int:  # noqa: ARG002
-        """Write rows of ``listed`` shared nodes with a normal where bodies are near; return their number."""
+        """Write rows of ``listed`` shared nodes where bodies are near; return their number."""
         return write_rows(
             listed, self.shared, self.pairs, self.nodes_of(grid), self.given, self.cut_off, self.least_mass,
             self.state.dt, rows, grid.spacing,
@@ -191,7 +191,7 @@ class AtNodes(Detection):
 
 
 class Nodes(AtNodes):
-    """Rows where the normal of the volume gradients, or the given one, says that bodies touch."""
+    """Rows by the normal of the volume gradients, or by the given one."""
 
     name = "nodes"
     Options = NodesOptions
@@ -205,7 +205,7 @@ class Nodes(AtNodes):
         self.measures_area = self.options.normal != "specified"
 
     def configure(self, needs: frozenset[str], *, forces: bool) -> None:
-        """Measure the gap by positions where the law needs one; raise SceneError if options measure none."""
+        """Measure the gap by positions if needed; raise SceneError if options measure none."""
         self.forces = forces
         if "gap" in needs and self.options.criterion == "velocity":
             raise SceneError(
@@ -229,7 +229,7 @@ class Nodes(AtNodes):
         return 0.0 if self.by_position else None
 
     def prepare(self, setup: Setup, owner: str) -> None:
-        """Take the direction, which has a component for each axis, the cut-off, and the pairs' bodies."""
+        """Take the direction, the cut-off, and the pairs' bodies."""
         direction = self.options.direction
         if direction is not None and len(direction) != setup.dim:
             raise SceneError(
@@ -272,7 +272,7 @@ class Nodes(AtNodes):
         return [*super().remarks(), *(self.bias.remarks(self.state.pairs, advice) if self.bias else [])]
 
     def weights(self, state: State) -> tuple[FloatArray, FloatArray]:
-        """Return 1 for both, or with ``master`` for the stiffer alone; of equals 0: the larger counts."""
+        """Return 1 for both, or with ``master`` for the stiffer; 0 for equals."""
         if self.options.normal != "master":
             return super().weights(state)
         ranks, (first, second) = stiffness_ranks(state.bodies), state.pair_bodies.T

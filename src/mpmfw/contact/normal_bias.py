@@ -1,4 +1,4 @@
-"""Bias of averaged normals to one side: the reason why contact at shared nodes holds sliding back."""
+"""Bias of averaged normals to one side, which holds sliding back at shared nodes."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ class NormalBias:
             self.sums.set(**{name: state.lengthen(f"{self.owner}/{field.name}", len(state.pairs))})
 
     def add(self, rows: Rows, scale: float, gradient: FloatArray, spacing: tuple[float, ...]) -> None:
-        """Add what ``scale`` times the forces of the rows does, with the nodes' volume gradients."""
+        """Add ``scale`` times the forces of the rows, with the nodes' volume gradients."""
         add_bias(rows, rows.count, scale, gradient, self.sums, spacing)
 
     def restart(self) -> None:
@@ -93,7 +93,7 @@ class NormalBias:
         return np.asarray(np.linalg.norm(across, axis=1) / np.where(sums.total > 0.0, sums.total, 1.0))
 
     def remarks(self, pairs: Sequence[Pair], advice: str) -> list[str]:
-        """Return a warning, with ``advice``, for every pair that leans by more than :data:`LARGEST`."""
+        """Return a warning, with ``advice``, for every pair beyond :data:`LARGEST`."""
         return [
             f"{pair.label}: averaged normals lean to one side by {lean:.2g} of the normal impulse, at "
             f"corners and ahead of round bodies: this holds sliding back as friction of {lean:.2g} does, and "

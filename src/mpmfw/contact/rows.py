@@ -1,4 +1,4 @@
-"""Rows, the places where two bodies may touch, and detections, which list them; laws of friction."""
+"""Rows, where two bodies may touch; detections, which list them; friction laws."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from mpmfw.state.index_map import IndexMap
 
 
-#: Which arrays have a vector in every row, which are of integers, and which have rows for the entries of B.
+#: Arrays of vectors, of integers, and with rows for the entries of B.
 _VECTORS = ("normal", "motion", "force", "couple", "tilt")
 _INTEGERS = ("pair", "identity", "previous", "start", "dof")
 _OF_ENTRIES = ("dof", "weight", "couple", "tilt")
@@ -83,7 +83,7 @@ class ContactRows(Rows):
         self.own = struct(**{name: np.zeros(shape) for name, shape in own.items()})
 
     def copy_history(self, other: ContactRows, index_map: IndexMap) -> None:
-        """Copy the rows of ``other``'s last step but B, renumbered by ``index_map``, over the same pairs'."""
+        """Copy the rows of ``other`` but B, renumbered by ``index_map``, over the same pairs'."""
         kept = np.flatnonzero(~np.isin(self.pair[: self.count], index_map.pair))
         taken = np.flatnonzero(index_map.pair[other.pair[: other.count]] >= 0)
         ours = {name: array[kept].copy() for name, array in self.of_rows().items() if len(array)}
@@ -100,7 +100,7 @@ class ContactRows(Rows):
 
     @property
     def kept(self) -> dict[str, AnyArray]:
-        """All arrays of the rows but B, as long as there are rows: what the next step may need."""
+        """All arrays of the rows but B, as long as there are rows."""
         return {name: array[: self.count] for name, array in self.of_rows().items() if len(array)}
 
     @kept.setter
@@ -213,14 +213,14 @@ class Detection(PlugIn):
         """Forget accumulated sums at time zero, after settling."""
 
     def copy_history(self, other: Any, index_map: IndexMap) -> None:
-        """Copy the history of ``other``, of the same class, renumbered by ``index_map``; none by default."""
+        """Copy the history of ``other``, of the same class, renumbered by ``index_map``."""
 
     def outputs(self, rows: ContactRows) -> dict[str, AnyArray]:  # noqa: ARG002
         """Return values of the declared output fields from the ``rows`` of the last step."""
         return {}
 
     def remarks(self) -> list[str]:
-        """Return warnings for a reader of the results, a sentence each, after the last step."""
+        """Return warnings for a reader of the results, after the last step."""
         return []
 
 

@@ -12,7 +12,7 @@ from mpmfw.kernels.types import Flags, Float, Floats, Ints, Points, Table
 
 
 class NodePairs(Struct):
-    """Bodies of every pair, and the weights of their volume gradients; with 0 and 0 the larger counts."""
+    """Bodies of every pair, and weights of their volume gradients; of 0 and 0 the larger counts."""
 
     first: Ints  #: (pair,)
     second: Ints  #: (pair,)
@@ -79,7 +79,7 @@ def find_shared_nodes(pairs: NodePairs, grid: GridNodes, shared: SharedNodes) ->
 
 @kernel
 def mark_nodes(count: int, shared: SharedNodes, grid: GridNodes) -> None:
-    """Mark the nodes of the first ``count`` that are listed, where alone things are projected."""
+    """Mark the first ``count`` listed nodes, on which alone things are projected."""
     grid.shared[:] = False
     for f in range(count):
         grid.shared[shared.first[f]] = True
@@ -182,7 +182,7 @@ def write_row(
     c: int, i: int, j: int, p: int, gap: Float, normal: Floats, pairs: NodePairs, grid: GridNodes, dt: float,
     rows: Rows, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
-    """Row c: node i of the first body's window against node j of the second's, pair p."""
+    """Write row c: node i of the first body against node j of the second, pair p."""
     dim, size = len(spacing), 1
     for d in range(dim):
         size *= grid.nodes[d]

@@ -142,7 +142,7 @@ class SpringLaw(ForceLaw):
         return {**dict.fromkeys(names, 0), "tangential": 1 if friction else None}
 
     def prepare(self, setup: Setup) -> None:
-        """List the stiffness of the pairs; refuse an option of friction where no pair has friction."""
+        """Choose κ; refuse options of friction where no pair has friction."""
         if not setup.has_friction:
             for name in ("tangential_ratio", "friction_law"):
                 if name in self.options.model_fields_set:
@@ -172,7 +172,7 @@ class SpringLaw(ForceLaw):
         return self.kappa * bulk_frequency**2
 
     def stiffness(self, rows: ContactRows, old: ContactRows) -> FloatArray:  # noqa: ARG002
-        """Write k = κ M A / h of the whole area, and return the stiffer of it and the tangential one."""
+        """Write k = κ M A / h of the whole area; return the stiffer of normal and tangential."""
         own, n = rows.own, slice(rows.count)
         own.effective_area[n] = rows.area[n]
         own.k[n] = self.modulus[rows.pair[n]] * rows.area[n]

@@ -21,13 +21,13 @@ class ContactStrategy(PlugIn):
 
     #: One velocity field for all bodies, or one per body.
     velocity_fields: ClassVar[Literal["single", "per_body"]] = "per_body"
-    #: Whether the strategy acts through tracked outlines (``state.surface``), which it then pays for.
+    #: Whether the strategy acts through tracked outlines (``state.surface``).
     needs_surface: ClassVar[bool] = False
     #: How surface nodes are mapped to the grid: ``auto`` follows the shape function.
     surface_map: Literal["auto", "plain", "mass_weighted"] = "auto"
-    #: Whether the strategy adds inertia to the nodes, which counts in a body's rotational inertia.
+    #: Whether the strategy adds inertia to the nodes.
     adds_mass: bool = False
-    #: Whether the strategy is to keep bodies apart, so that results warn of deep penetration.
+    #: Whether the strategy keeps bodies apart: results then warn of deep penetration.
     keeps_apart: ClassVar[bool] = True
     #: Whether the strategy uses the pairs' friction.
     uses_friction: ClassVar[bool] = False
@@ -36,7 +36,7 @@ class ContactStrategy(PlugIn):
     #: Whether bodies at rest may be left out for a while (``[sleep]``): its history is in declared arrays, or
     #: copied by ``copy_history``.
     leaves_bodies_out: bool = False
-    #: Dotted key of the scene that makes the strategy softer, for advice; None where nothing does.
+    #: Key of the scene that makes the strategy softer, for advice.
     softer_by: str | None = None
 
     def parts(self) -> list[Any]:
@@ -52,15 +52,15 @@ class ContactStrategy(PlugIn):
         return []
 
     def monitors(self) -> list[Any]:
-        """Return plug-ins that watch the strategy's own stability, for scenes with ``output.stability``."""
+        """Return plug-ins that watch the strategy's stability (``output.stability``)."""
         return []
 
     def restart(self) -> None:
-        """Forget accumulated work and impulse at time zero, after settling; the state of contact stays."""
+        """Forget accumulated work and impulse after settling; the state of contact stays."""
 
 
 class NoInteraction(ContactStrategy):
-    """A velocity field for each body without interaction, as a reference of checks and measurements."""
+    """A velocity field for each body without interaction, as a reference of checks."""
 
     name = "no-interaction"
     velocity_fields = "per_body"
@@ -68,7 +68,7 @@ class NoInteraction(ContactStrategy):
 
 
 def from_setup(setup: Setup) -> Acts | str:
-    """Return the contact with its parts; its velocity fields, friction and search have lines of their own."""
+    """Return the contact with its parts; velocity fields, friction and search have lines too."""
     contact, law = setup.contact, setup.friction_law
     if contact is None:
         return "one body" if len(setup.bodies) == 1 else "not named"
@@ -99,7 +99,7 @@ def _frictional(setup: Setup) -> str:
 
 
 def _search(setup: Setup, reach: float | None) -> list[Effect]:
-    """Return whether bodies are near enough to be searched at the start; nothing without a reach."""
+    """Return whether bodies are searched at the start; nothing without a reach."""
     bodies = setup.state.bodies
     if reach is None or len(bodies) < 2:
         return []
@@ -115,7 +115,7 @@ EQUAL = 1e-6
 
 
 def stiffness_ranks(bodies: Sequence[Body]) -> IntArray:
-    """Rank every body by its wave modulus (body,): 0 for the softest, the same for equally stiff ones."""
+    """Rank every body by its wave modulus (body,): 0 for the softest, equals alike."""
     return ranks_of(np.array([body.p_wave_modulus for body in bodies]))
 
 

@@ -58,7 +58,7 @@ class Records(Struct):
 
 @device
 def slip_limit(rows: Rows, c: int, normal_force: Float) -> Float:
-    """μ N + a of row c, the largest tangential force beside ``normal_force``; or impulse beside impulse."""
+    """μ N + a of row c, the largest tangential force beside ``normal_force``; or impulse."""
     bound = rows.friction[c] * normal_force if len(rows.friction) > 0 else 0.0
     return bound + (rows.cohesion[c] if len(rows.cohesion) > 0 else 0.0)
 
@@ -74,7 +74,7 @@ def acts(c: int, rows: Rows) -> bool:
 
 @kernel
 def match_rows(rows: Rows, count: int, old: Rows, old_count: int) -> None:
-    """Index of the first row of the last step with the same identity, −1 without one; both ascend."""
+    """Find the first row of the last step with the same identity; −1 without one."""
     o = 0
     for c in range(count):
         while o < old_count and old.identity[o] < rows.identity[c]:
@@ -177,7 +177,7 @@ def couplings(
 
 @kernel
 def add_records(rows: Rows, count: int, scale: float, records: Records, spacing: tuple[float, ...]) -> None:
-    """Add ``scale`` Σ f on every pair's first body, and its tangential part; count places with a force."""
+    """Add ``scale`` Σ f on each pair's first body, and its tangential part; count places."""
     dim = len(spacing)
     records.count[:] = 0.0
     last = -1
@@ -221,7 +221,7 @@ def add_turned(vector: Floats, o: int, old: Rows, c: int, rows: Rows, out: Float
 
 
 def pair_table(first: Ints, second: Ints) -> Ints:
-    """Table of the pairs' bodies (n_pairs,) for :func:`pair_index`: ascending keys, and indices of pairs."""
+    """Table of the pairs' bodies for :func:`pair_index`: ascending keys, and indices."""
     key = (np.minimum(first, second) << 32) | np.maximum(first, second)
     order = np.argsort(key)
     return np.ascontiguousarray(np.stack([key[order], order], axis=1))

@@ -88,7 +88,7 @@ def equally_close(
 
 @device
 def share_across(s: int, normal: Floats, outline: Outline, spacing: tuple[float, ...]) -> Float:
-    """Of a node's facets, the part of their measure that lies across e_n and faces it; 1 on a flat face."""
+    """The part of a node's facets that lies across e_n and faces it; 1 on a flat face."""
     area, across, whole = scratch.vector(spacing), 0.0, 0.0
     for k in range(outline.star_first[s], outline.star_first[s + 1]):
         area_of(outline.star[k], outline, area, spacing)

@@ -1,4 +1,4 @@
-"""Facets that another body lies flush on: inside of a seam there is nothing that a third body could touch."""
+"""Facets that another body lies flush on: no third body can touch the inside of a seam."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ OPPOSITE = 0.9
 #: Cosine between the normals of facets that meet in an edge, at most.
 EDGE = 0.7
 
-#: Part of a corner's distance that may lie along the facet that covers it: elastic faces lean a little.
+#: Part of a corner's distance that may lie along its covering facet: elastic faces lean.
 ASIDE = 0.3
 
 #: What rounding leaves of lengths in cells and of cosines.
@@ -38,7 +38,7 @@ def seam_box(
     a: int, b: int, partners: Partners, reach: Float, boxes: Boxes, lower: Floats, upper: Floats,
     spacing: tuple[float, ...],
 ) -> bool:  # fmt: skip
-    """Box of what two bodies' boxes have in common within ``reach`` [m] of a third body; False without."""
+    """Box that two bodies' boxes share within ``reach`` [m] of a third body; False without."""
     flush, found = FLUSH * spacing[0], False
     low, high = scratch.vector(spacing), scratch.vector(spacing)
     for k in range(partners.first[a], partners.first[a + 1]):

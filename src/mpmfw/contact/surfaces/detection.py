@@ -1,4 +1,4 @@
-"""The detection: options, roles of the bodies, and the search's steps one after the other."""
+"""The detection on surfaces: options, roles of the bodies, and the search's steps."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ class SurfacesOptions(FacetOptions):
 
 
 class OnFacets(Detection):
-    """Base of detections that search the facets of tracked surfaces near items: surface nodes, or facets."""
+    """Base of detections that search facets of surfaces near items: nodes, or facets."""
 
     options: Any
     of_facets = False  #: whether the items are facets
@@ -78,7 +78,7 @@ class OnFacets(Detection):
         return [TravelLimit(self)]
 
     def reach(self, cell_size: float) -> float:
-        """Return the search radius: bodies whose boxes are farther apart cost a comparison of boxes."""
+        """Return the search radius [m]; ``cell_size`` is h [m]."""
         return float(self.options.search_radius) * cell_size
 
     def prepare(self, setup: Setup, owner: str) -> None:
@@ -120,7 +120,7 @@ class Surfaces(OnFacets):
     Options: ClassVar[type[FacetOptions]] = SurfacesOptions
     options: FacetOptions
     provides = frozenset({"facets", "nodes", "steady gap"})
-    #: Whether a node meets every facet that it penetrates (eq. 10), and not the closest one of a body.
+    #: Whether a node meets every facet that it penetrates (eq. 10), not the closest alone.
     every_facet: bool = False
     history = ("count",)
     #: Number of candidates in the last step.
@@ -208,7 +208,7 @@ class Surfaces(OnFacets):
             write_spins(rows.count, self.law_range, self.outline, rows, rows.places, grid.spacing)
 
     def search(self) -> int:
-        """Fill the candidates, and return their number; raise SimulationError if bodies have crossed."""
+        """Fill the candidates; return their number. Raise SimulationError if bodies crossed."""
         if not self.near.update() and self.count == 0:
             return 0
         count = find_candidates(

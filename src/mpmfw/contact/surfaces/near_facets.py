@@ -40,7 +40,7 @@ def near_boxes(first: Ints, second: Ints, reach: float, outline: Outline, boxes:
     return near
 
 
-#: How far beyond the search radius facets are listed, in cells: the motion that a list outlasts.
+#: How far beyond the search radius facets are listed, in cells.
 SKIN = 0.1
 
 
@@ -58,7 +58,7 @@ def list_body(
     body: int, lower: Floats, upper: Floats, cutoff: Float, count: int, outline: Outline, blocks: Floats,
     near: NearFacets, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """Add a body's facets within ``cutoff`` [m] of a box; return the number of entries, stored or not."""
+    """Add a body's facets within ``cutoff`` [m]; return the number, stored or not."""
     begin, end = outline.facet_first[body], outline.facet_first[body + 1]
     low, high, limit = scratch.vector(spacing), scratch.vector(spacing), cutoff * cutoff
     for block in range((end - begin + BLOCK - 1) // BLOCK):
@@ -102,7 +102,7 @@ def list_near(
 
 @kernel
 def measure_motion(outline: Outline, position: Floats, moved: Floats) -> float:
-    """Write how far each body has ``moved`` from ``position``; return the sum of the two largest [m]."""
+    """Write how far bodies ``moved`` from ``position``; return the two largest's sum [m]."""
     most, second = 0.0, 0.0
     for b in range(len(moved)):
         square = 0.0
@@ -150,7 +150,7 @@ class VerletList:
         self.scratch = np.zeros(len(outline.covered), dtype=np.int32)
 
     def list_pairs(self, bodies: IntArray, rank: IntArray) -> None:
-        """Search items of the pairs of ``bodies`` (pair, 2), against those of no lower ``rank`` (body,)."""
+        """Search pairs of ``bodies`` (pair, 2), against those of no lower ``rank`` (body,)."""
         first, second = np.ascontiguousarray(bodies.T)
         self.first, self.second, self.pair_of = first, second, pair_table(first, second)
         self.listed = False
@@ -158,7 +158,7 @@ class VerletList:
         self.neighbours = partners_of(first, second, np.zeros_like(rank))
 
     def update(self) -> bool:
-        """Return true if two bodies are within the radius of each other; list anew if they have moved far."""
+        """Return true if two bodies are near; list anew if they have moved far."""
         near = near_boxes(self.first, self.second, self.radius, self.outline, self.boxes)
         if len(self.scratch):
             find_covered(
@@ -189,7 +189,7 @@ class VerletList:
         self.listed = True
 
 
-#: Share of the search radius that bodies near each other may travel in a step, before the safety factor.
+#: Share of the search radius that near bodies may travel in a step.
 SHARE = 0.5
 
 
@@ -217,7 +217,7 @@ def fewest_steps(
 
 
 class TravelLimit:
-    """Limit of the step by speed alone: no node passes the band in which the ``detection`` searches."""
+    """Limit of the step by speed alone: no node passes the band of the search."""
 
     name = "surface_travel"
     stage = "contact"

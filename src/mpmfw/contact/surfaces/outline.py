@@ -1,4 +1,4 @@
-"""Tracked surfaces, the bodies searched against each other, and candidates, as arguments of kernels."""
+"""Tracked surfaces, partners and candidates, as arguments of kernels."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def outline_of(surface: Surface) -> Outline:
 
 
 def node_error(state: State, surface: Surface, node: int, text: str, *, advice: str) -> SimulationError:
-    """Return what ends a run because of a surface ``node``: its body, index and place, with ``text``."""
+    """Return the error of a surface ``node``: body, index, place and ``text``."""
     body = state.bodies[int(surface.body[node])]
     return SimulationError(
         text,
@@ -90,7 +90,7 @@ LEAST_COSINE = 0.02
 
 @device
 def opposition(outward: Floats, m: int, outline: Outline, spacing: tuple[float, ...]) -> Float:
-    """Cosine between the reversed normal of a slave node or facet, ``outward``, and the normal of facet m."""
+    """Cosine between the reversed ``outward`` normal of a node or facet and that of facet m."""
     area = scratch.vector(spacing)
     area_of(m, outline, area, spacing)
     return -dot(outward, area, spacing) / (length_of(outward, spacing) * length_of(area, spacing))
@@ -105,7 +105,7 @@ def opposes(outward: Floats, m: int, outline: Outline, spacing: tuple[float, ...
 
 @device
 def node_outward(s: int, other: int, outline: Outline, outward: Floats, spacing: tuple[float, ...]) -> None:
-    """Normal of surface node s for body ``other``, without the facets that a third body covers."""
+    """Normal of surface node s for body ``other``, without covered facets."""
     for d in range(len(spacing)):
         outward[d] = 0.0
     for k in range(outline.star_first[s], outline.star_first[s + 1]):
@@ -130,7 +130,7 @@ def partners_of(first: IntArray, second: IntArray, rank: IntArray) -> Partners:
 
 
 class Candidates(Struct):
-    """Facets of other bodies that every surface node may touch; until the search those of the last step."""
+    """Facets that every surface node may touch; until the search those of the last step."""
 
     facet: Ints  #: (n_s, slots) −1 if none is near
     gap: Floats  #: (n_s, slots) g_n [m], infinite if none is near

@@ -102,7 +102,7 @@ SLOTS = (0.0,) * 3
 
 @device
 def slot_for(s: int, other: int, outline: Outline, candidates: Candidates) -> int:
-    """Slot of node s that has a facet of body ``other``, else a free one, else that of the farthest facet."""
+    """Slot of node s with a facet of body ``other``, else free, else with the farthest."""
     facet, gap, slot = candidates.facet, candidates.gap, 0
     for j in range(facet.shape[1]):
         m = facet[s, j]
@@ -140,7 +140,7 @@ def search_node(
     s: int, radius: Float, outline: Outline, near: NearFacets, candidates: Candidates,
     spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
-    """Find the closest facets of node s; those of the last step first, which rule out most others."""
+    """Find the closest facets of node s; those of the last step rule out most others."""
     last, slots = scratch.integers(SLOTS), candidates.facet.shape[1]
     for j in range(slots):
         last[j] = candidates.facet[s, j]

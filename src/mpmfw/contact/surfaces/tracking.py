@@ -1,4 +1,4 @@
-"""Nodes inside other bodies, followed until they are seen to come out, however deep and fast."""
+"""Nodes inside other bodies, followed until they come out, however deep and fast."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from mpmfw.kernels.types import Float, Floats
 #: through it: one that leaves as it came, or round a corner, has 90° or more, or little less.
 THROUGH = 0.7
 
-#: How far beyond the far side of a body, in cells, a node may be before the bodies count as crossed.
+#: How far beyond the far side of a body, in cells, a node may be: then they have crossed.
 CROSSED = 1.0
 
 #: Motion in a step, in search radii, below which no node can pass the middle of a body unseen.
@@ -47,7 +47,7 @@ def nearest_facet(s: int, first: int, last: int, outline: Outline, spacing: tupl
 
 @device
 def walk(s: int, m: int, outward: Floats, outline: Outline, spacing: tuple[float, ...]) -> int:
-    """Return the facet locally nearest to node s, from m along facets that face it, else face it more."""
+    """Walk from facet m to the locally nearest one that faces node s, or faces it more."""
     least = square_of(s, m, outline, spacing)
     for _ in range(len(outline.facets)):
         bound = min(opposition(outward, m, outline, spacing), LEAST_COSINE)
@@ -67,7 +67,7 @@ def walk(s: int, m: int, outward: Floats, outline: Outline, spacing: tuple[float
 
 @device
 def slot_for_lost(s: int, other: int, outline: Outline, candidates: Candidates) -> int:
-    """Slot of node s for a facet of body ``other``: that of the widest gap; −1 if one has such a facet."""
+    """Slot of node s with the widest gap; −1 if one has a facet of body ``other``."""
     facet, gap, slot = candidates.facet, candidates.gap, 0
     for j in range(facet.shape[1]):
         if facet[s, j] >= 0 and body_of(facet[s, j], outline) == other:
@@ -123,7 +123,7 @@ def keep_inside(
 def foot_then(
     s: int, m: int, back: Float, outline: Outline, share: Floats, spacing: tuple[float, ...]
 ) -> Float:
-    """Gap [m] of node s from facet m, and its foot's coordinates, the part ``back`` of the last step ago."""
+    """Gap [m] of node s from facet m, and its foot, the part ``back`` of a step ago."""
     dim, moved = len(spacing), outline.displacement
     x, corners, normal = scratch.vector(spacing), scratch.matrix(spacing, spacing), scratch.vector(spacing)
     for d in range(dim):
@@ -136,7 +136,7 @@ def foot_then(
 
 @device
 def crosses(s: int, m: int, outline: Outline, spacing: tuple[float, ...]) -> bool:
-    """Return true if node s came through facet m from its front in the last step; both moved evenly."""
+    """Return true if node s came through facet m from its front in the last step."""
     share = scratch.vector(spacing)
     now = foot_then(s, m, 0.0, outline, share, spacing)
     if now >= 0.0:
@@ -165,7 +165,7 @@ def farthest_motion(outline: Outline) -> Float:
 def add_crossings(
     s: int, outline: Outline, near: NearFacets, candidates: Candidates, spacing: tuple[float, ...]
 ) -> None:
-    """Add facets through which node s came into a body in the last step, if the search missed it."""
+    """Add facets through which node s came in the last step, if the search missed it."""
     for k in range(near.first[s], near.first[s + 1]):
         m = near.facet[k]
         if hidden(m, outline.body[s], outline) or not crosses(s, m, outline, spacing):

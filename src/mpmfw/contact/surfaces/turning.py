@@ -1,4 +1,4 @@
-"""How far surfaces turn about the normal between them: a stored tangential force turns with them."""
+"""How far surfaces turn about their normal: a stored tangential force turns with them."""
 
 from __future__ import annotations
 
