@@ -58,7 +58,7 @@ class Records(Struct):
 
 @device
 def slip_limit(rows: Rows, c: int, normal_force: Float) -> Float:
-    """μ N + a of row c, the largest tangential force beside ``normal_force``; or impulse."""
+    """μ N + a of row c, the largest tangential force beside ``normal_force``; or impulse beside impulse."""
     bound = rows.friction[c] * normal_force if len(rows.friction) > 0 else 0.0
     return bound + (rows.cohesion[c] if len(rows.cohesion) > 0 else 0.0)
 
@@ -74,7 +74,7 @@ def acts(c: int, rows: Rows) -> bool:
 
 @kernel
 def match_rows(rows: Rows, count: int, old: Rows, old_count: int) -> None:
-    """Find the first row of the last step with the same identity; −1 without one."""
+    """Index of the first row of the last step with the same identity, −1 without one; both ascend."""
     o = 0
     for c in range(count):
         while o < old_count and old.identity[o] < rows.identity[c]:
@@ -84,7 +84,8 @@ def match_rows(rows: Rows, count: int, old: Rows, old_count: int) -> None:
 
 @device
 def row_velocity(c: int, rows: Rows, velocity: Floats, out: Floats, spacing: tuple[float, ...]) -> None:
-    """(B v)_c = Σ w v + Σ c (n·v) of row c with the nodes' ``velocity`` (n_nodes, dim), into ``out``."""
+    """(B v)_c = Σ w v + Σ c (n·v) of row c with the nodes' ``velocity`` (n_nodes, dim) [m/s], into
+    ``out``."""
     dim = len(spacing)
     for d in range(dim):
         out[d] = 0.0
@@ -152,9 +153,10 @@ def couplings(
     rows: Rows, count: int, stiffness: Floats, node_mass: Floats, node_sum: Floats, out: Floats
 ) -> float:
     """Row sums Σ_i |b_ci| (Σ_d k_d |b_di|) / m_i of B M⁻¹ Bᵀ K into ``out`` (n,), and the largest, which
-    bounds λ_max (Gershgorin). ``node_sum`` is scratch, zero on entry and on return.
+    bounds λ_max (Gershgorin).
 
-    With k = 1 and 0 it is the inverse of a row's mass where others share its nodes.
+    With k = 1 and 0 it is the inverse of a row's mass where others share its nodes. ``node_sum`` is
+    scratch, zero on entry and on return; nodes without mass do not count.
     """
     for c in range(count):
         if stiffness[c] != 0.0:
@@ -177,7 +179,8 @@ def couplings(
 
 @kernel
 def add_records(rows: Rows, count: int, scale: float, records: Records, spacing: tuple[float, ...]) -> None:
-    """Add ``scale`` Σ f on each pair's first body, and its tangential part; count places."""
+    """Add ``scale`` Σ f on every pair's first body and its tangential part to the impulses; count the
+    places with a force."""
     dim = len(spacing)
     records.count[:] = 0.0
     last = -1
@@ -199,8 +202,9 @@ def add_turned(vector: Floats, o: int, old: Rows, c: int, rows: Rows, out: Float
     """Turn ``vector[o]`` (n, dim) of row o of the last step into the tangent plane of row c, and add it to
     ``out[c]``.
 
-    The turn is the least that takes the old normal into the new, f − (f·n) / (1 + n·n_old) (n + n_old), and
-    with a ``spin`` in space that of the surfaces about the new one, f cos θ + n × f sin θ.
+    The turn is the least that takes the old normal into the new: f − (f·n) / (1 + n·n_old) (n + n_old),
+    and in space, if rows have a ``spin``, about the new normal as far as the surfaces turned: f cos θ + n
+    × f sin θ.
     """
     cosine, along = 0.0, 0.0
     for d in range(out.shape[1]):
@@ -221,7 +225,8 @@ def add_turned(vector: Floats, o: int, old: Rows, c: int, rows: Rows, out: Float
 
 
 def pair_table(first: Ints, second: Ints) -> Ints:
-    """Table of the pairs' bodies for :func:`pair_index`: ascending keys, and indices."""
+    """Table that :func:`pair_index` reads of the pairs' bodies (n_pairs,): keys that ascend, and the
+    pairs' indices."""
     key = (np.minimum(first, second) << 32) | np.maximum(first, second)
     order = np.argsort(key)
     return np.ascontiguousarray(np.stack([key[order], order], axis=1))
