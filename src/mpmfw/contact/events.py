@@ -34,8 +34,8 @@ def follow_contacts(
 ) -> None:
     """Count the steps of every place's contact; note the least at its end, and the largest −g_n, by pair.
 
-    ``age`` and ``old_age`` are the steps that contacts have lasted, of this step's and the last one's rows;
-    the first row of an identity has it. The last step's is used up; ``old_pair`` are its rows' pairs.
+    ``age`` and ``old_age`` are the steps that contacts lasted, of this step's rows and the last one's, which
+    is used up; the first row of an identity has it. ``old_pair`` are the last rows' pairs.
     """
     last = -1
     for c in range(count):

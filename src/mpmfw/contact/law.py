@@ -76,11 +76,10 @@ class PairRecords(Records):
 
 
 class ContactLaw(ContactStrategy):
-    """Base of laws, announced as entry points of the group ``mpmfw.law``: a law is a :class:`ForceLaw` or
-    an :class:`ImpulseLaw`.
+    """Base of laws, entry points of the group ``mpmfw.law``: a :class:`ForceLaw` or an :class:`ImpulseLaw`.
 
-    A class that names its ``Detection`` is a contact strategy, and its options are those of both. The other
-    classes are laws for any detection, ``DETECTION+LAW``.
+    A class that names its ``Detection`` is a contact strategy with the options of both. Other classes are
+    laws for any detection, ``DETECTION+LAW``.
     """
 
     Detection: ClassVar[type[Detection]]  #: what lists the rows

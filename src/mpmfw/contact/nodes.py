@@ -28,13 +28,13 @@ from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import FloatArray
 from mpmfw.state.structs import Grid, Particles, State, Stencil
 
-#: Share of a full cell's mass that both bodies must have at a node where a force acts.
+#: Share of a full cell's mass that both bodies must have where a force acts: less only accelerates.
 LEAST_MASS = 0.05
 
 #: Share of a full cell's mass of three bodies at a node that they fill: round ones leave pores.
 FULL = 0.98
 
-#: Steps between two looks for such nodes.
+#: Steps between two searches for such nodes, which are a warning alone.
 SEAMS_EVERY = 50
 
 

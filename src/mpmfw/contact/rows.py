@@ -149,8 +149,8 @@ class ContactRows(Rows):
 
 
 class Detection(PlugIn):
-    """Base of detections, announced as entry points of the group ``mpmfw.detection``: it fills the rows of
-    a step from where the bodies are, after the projection and before the step's length is chosen."""
+    """Base of detections, entry points of the group ``mpmfw.detection``: it fills the rows of a step after
+    the projection, before the step's length is chosen."""
 
     #: What laws may need of its rows: ``facets`` where they lie on facets of surfaces, which are then
     #: tracked, ``nodes`` where a node meets each, ``steady gap`` where gaps do not jump as rows come and go.
@@ -225,8 +225,7 @@ class Detection(PlugIn):
 
 
 class FrictionLaw(PlugIn):
-    """Base of friction laws, announced as entry points of the group ``mpmfw.friction``; itself it is
-    Coulomb's.
+    """Base of friction laws, entry points of the group ``mpmfw.friction``; itself it is Coulomb's.
 
     The tangential force on a row is at most T = μ N + a, with N the normal one. A friction law gives μ and
     a once a step, by the slip of the step before. A contact law obeys it with

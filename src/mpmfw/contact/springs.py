@@ -180,8 +180,8 @@ class SpringLaw(ForceLaw):
         return own.limit_k  # type: ignore[no-any-return]
 
     def normal_forces(self, rows: ContactRows, old: ContactRows, records: PairRecords) -> None:
-        """Write N and k_t of every row on which the law acts, and add to the pairs' energies. N, k_t and pull
-        are 0 before, entered is 1, and the dashpot is an attribute."""
+        """Write N and k_t of the rows on which the law acts, and add to the pairs' energies. N, k_t and pull
+        are 0 before, entered is 1."""
         raise NotImplementedError
 
     def forces(self, rows: ContactRows, old: ContactRows, dashpot: float, records: PairRecords) -> None:

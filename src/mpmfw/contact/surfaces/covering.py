@@ -134,8 +134,8 @@ def find_covered(
     first: Ints, second: Ints, reach: float, outline: Outline, boxes: Boxes, partners: Partners,
     listed: Indices, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
-    """Write the body that covers each facet within ``reach`` [m] of a third body into ``outline.covered``,
-    else −1, of the pairs of bodies ``first`` and ``second``; ``listed`` (n_f,) is scratch."""
+    """Write the body that covers each facet within ``reach`` [m] of a third one, of the pairs of bodies, else
+    −1; ``listed`` (n_f,) is scratch."""
     lower, upper = scratch.vector(spacing), scratch.vector(spacing)
     outline.covered[:] = -1
     for c in range(len(first)):

@@ -112,8 +112,8 @@ class Surfaces(OnFacets):
     """Every node of a surface against the closest facet of each other body that faces it ([H17], section
     3.2).
 
-    Gap, barycentric coordinates ξ_a and normal are those of the closest point; a node inside another body
-    is followed until it comes out. A row's weights are N_i(x_s) of the slave and −ξ_a N_i(x_a) of the master.
+    Gap, coordinates ξ_a and normal are those of the closest point; a node inside another body is followed
+    until it comes out. Weights are N_i(x_s) of the slave and −ξ_a N_i(x_a) of the master.
     """
 
     name = "surfaces"

@@ -197,8 +197,8 @@ SHARE = 0.5
 def fewest_steps(
     first: Ints, second: Ints, outline: Outline, begins: bool, boxes: Boxes, motions: Boxes, band: float
 ) -> float:
-    """Least (distance of the boxes + ``band``) / relative motion over all pairs: steps like the last that are
-    left to them. ``motions``, bounds of the last displacements [m], are filled unless the run ``begins``."""
+    """Least (distance of the boxes + ``band``) / relative motion of all pairs: steps that are left to them.
+    ``motions``, bounds of the last displacements [m], are filled unless the run ``begins``."""
     lower, upper, slowest, fastest = boxes.lower, boxes.upper, motions.lower, motions.upper
     bounding_boxes(outline.body_first, outline.position, lower, upper)
     if not begins:
@@ -234,8 +234,8 @@ class TravelLimit:
 
     @hookimpl
     def stable_timestep(self, state: State) -> tuple[float, str]:
-        """Return the time in which a pair of bodies comes nearer by its distance and half of the search
-        radius, as it moved last, at first by its material points; infinite if nothing moves."""
+        """Return the time in which two bodies come nearer by their distance and half of the search radius, as
+        they moved last, at first by their points."""
         near, unit, begins = self.detection.near, state.dt, state.steps == 0
         if begins:
             unit = 1.0

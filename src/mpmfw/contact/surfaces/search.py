@@ -119,8 +119,8 @@ def keep_nearest(
     s: int, m: int, least: Float, radius: Float, outline: Outline, candidates: Candidates,
     spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
-    """Keep facet m, at least ``least`` [m] away, if no other of its body is as close to node s, nor farther
-    than ``radius``. The first of equals is kept, and the nearest bodies: the order does not matter."""
+    """Keep facet m, at least ``least`` [m] away, if no other of its body is as close to node s. The first of
+    equals is kept, and the nearest bodies: the order does not matter."""
     j = slot_for(s, body_of(m, outline), outline, candidates)
     kept, distance = candidates.facet[s, j], abs(candidates.gap[s, j])
     reach = min(distance * ROUNDING + (ROUNDING - 1.0) * radius, radius)
