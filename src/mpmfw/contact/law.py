@@ -93,7 +93,7 @@ class ContactLaw(ContactStrategy):
     #: Its option that makes contact softer where it is smaller, for advice.
     softness_option: ClassVar[str | None] = None
     stage = "contact"
-    history: ClassVar[tuple[str, ...]] = ("detection", "friction", "records")
+    history: ClassVar[tuple[str, ...]] = ("detection", "friction_law", "records")
 
     def __init__(self, **options: Any) -> None:
         if not hasattr(self, "Detection"):
@@ -173,7 +173,7 @@ class ContactLaw(ContactStrategy):
 
         Raise SceneError if cohesion has no area to act on."""
         self.state, self.cell_size = setup.state, setup.cell_size
-        self.friction = setup.friction_law or FrictionLaw()
+        self.friction_law = setup.friction_law or FrictionLaw()
         self.records = PairRecords(setup, self.name)
         self.detection.prepare(setup, self.name)
         self.prepare(setup)
@@ -182,15 +182,15 @@ class ContactLaw(ContactStrategy):
         self.detection.law_range = self.range()
         own = self.row_arrays(friction=setup.has_friction)
         self.rows, self.old = self.detection.new_rows(own), self.detection.new_rows(own)
-        if self.friction.cohesive and not self.detection.measures_area:
+        if self.friction_law.cohesive and not self.detection.measures_area:
             raise SceneError(
-                f"'{self.friction.name}' has cohesion, which acts on an area; detection "
+                f"'{self.friction_law.name}' has cohesion, which acts on an area; detection "
                 f"'{self.detection.name}' measures none with its options",
                 key="contact.friction_law",
             )
         if setup.has_friction and self.uses_friction:
             for rows in (self.rows, self.old):
-                rows.allocate_friction(cohesion=self.friction.cohesive)
+                rows.allocate_friction(cohesion=self.friction_law.cohesive)
 
     def check_range(self) -> None:
         """Refuse a law that acts across wider gaps than the detection finds."""
@@ -227,7 +227,7 @@ class ContactLaw(ContactStrategy):
         if rows.count:
             self.measure(rows, grid, phi, particles)
             if len(rows.friction):
-                self.friction.slip_limit(rows, self.pair_friction, self.state.dt)
+                self.friction_law.slip_limit(rows, self.pair_friction, self.state.dt)
 
     @property
     def last_rows(self) -> ContactRows:

@@ -179,7 +179,7 @@ def _theory(point: Combination) -> tuple[float, float]:
         raise located(error, point.scene) from error
     bulk, bodies = simulation.limits()[0][0], simulation.state.bodies
     named = getattr(getattr(simulation.contact, "options", None), "kappa", 0.0)
-    kappa = getattr(getattr(simulation.contact, "law", None), "kappa", named)
+    kappa = getattr(simulation.contact, "kappa", named)
     # ω² = 2 κ M (1/ρ_1 + 1/ρ_2) / h², ω_bulk = 2 c / h
     first, second = bodies[0], bodies[min(1, len(bodies) - 1)]
     modulus = min(first.p_wave_modulus, second.p_wave_modulus)
