@@ -1,6 +1,6 @@
-"""Inertia and spin of bodies in space, and how far a correction of rotation reaches.
+"""Inertia and spin of bodies, and how far a correction of rotation reaches.
 
-A disc in the plane is judged by the validation case ``spinning-disc``: spin, energy, radius and inertia."""
+A spinning disc is judged by the validation case ``spinning-disc``: spin, energy, radius and inertia."""
 
 import numpy as np
 import pytest
@@ -20,6 +20,15 @@ def brick_answer(shape, rotation):
     impulse, spin = turn_under(Simulation(scene), Torque([5.0, 8.0, -6.0]), 0.03)
     inertia = DENSITY * EDGES.prod() / 12.0 * ((EDGES**2).sum() - EDGES**2)
     return np.asarray(spin[-1] * inertia / impulse[-1])
+
+
+@pytest.mark.parametrize("rotation", ["exact", "spin"])
+def test_the_inertia_in_the_plane_is_the_material_s(rotation):
+    plate = {"type": "rectangle", "lower": BRICK["lower"][:2], "upper": BRICK["upper"][:2]}
+    scene = one_body(plate, size=0.125, bodies__solid__rotation=rotation)
+    impulse, spin = turn_under(Simulation(scene), Torque(5.0), 0.03)
+    inertia = DENSITY * EDGES[:2].prod() / 12.0 * (EDGES[:2] ** 2).sum()
+    assert spin[-1] * inertia / impulse[-1] == pytest.approx(1.0, abs=0.005 if rotation == "exact" else 0.025)
 
 
 @pytest.mark.parametrize("shape", ["cpdi", "bspline"])
