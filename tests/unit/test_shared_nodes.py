@@ -11,6 +11,7 @@ import pytest
 from contact_kernels import no_records
 from mpmfw.contact import shared_nodes as shared
 from mpmfw.contact.rows import ContactRows
+from mpmfw.kernels import struct
 from mpmfw.kernels.contact import add_records
 from mpmfw_contact.surface_impulse import SurfaceImpulse
 
@@ -198,3 +199,34 @@ def test_correction_agrees_with_numpy_and_keeps_momentum(fields):
     np.testing.assert_array_equal(records.count, touching)
     np.testing.assert_allclose(f.momentum.sum(axis=0), before.sum(axis=0), atol=1e-11)
     assert (records.frictional_work >= 0.0).all()
+
+
+def test_projections_agree_with_numpy_at_shared_nodes_and_are_zero_elsewhere(fields):
+    f = fields
+    c, count = find(f)
+    n_nodes, dim = len(f.mass), f.dim
+    nodes = nodes_of(f, np.ones((n_nodes, dim)), np.ones((n_nodes, dim)))
+    shared.mark_nodes(count, c, nodes)
+    at_both = np.zeros(n_nodes, dtype=bool)
+    at_both[[index for pair in expected_nodes(f) for index in pair[1:]]] = True
+    assert 0 < at_both.sum() < n_nodes
+    np.testing.assert_array_equal(nodes.shared, at_both)
+    points, width = 4 * n_nodes, 5
+    row, index = width * np.arange(points + 1), f.rng.integers(0, n_nodes, width * points).astype(np.int32)
+    weight, gradient = f.rng.random(len(index)), f.rng.normal(size=(len(index), dim))
+    mass, volume, position = f.rng.random(points), f.rng.random(points), f.rng.normal(size=(points, dim))
+    of, expected, moments = (
+        np.repeat(np.arange(points), width),
+        np.zeros((n_nodes, dim)),
+        np.zeros((n_nodes, dim)),
+    )
+    table = struct(row=row, nodes=index, weight=weight, gradient=gradient)
+    of_points = struct(mass=mass, volume=volume, position=position)
+    shared.project_volume_gradient(table, of_points, nodes, f.spacing)
+    np.add.at(expected, index, volume[of, None] * gradient)
+    np.testing.assert_allclose(nodes.gradient, np.where(at_both[:, None], expected, 0.0), atol=1e-13)
+    shared.project_position(table, of_points, nodes, f.spacing)
+    np.add.at(moments, index, (mass[of] * weight)[:, None] * position[of])
+    expected = moments[at_both] / f.mass[at_both, None]
+    np.testing.assert_allclose(nodes.mean[at_both], expected, rtol=1e-12, atol=1e-13)
+    assert (nodes.mean[~at_both] == 0.0).all()
