@@ -8,12 +8,9 @@ The bodies are the colliding rings, or a sphere that slips down a plane, with ce
 contact's. Samples of all methods alternate; a figure is the least of a method's samples over the least of
 ``none``. Surfaces that only the gap is measured with do not count."""
 
-from __future__ import annotations
-
 import argparse
 import tomllib
 from importlib.resources import files
-from typing import Any
 
 from mpmfw.runs.simulation import Simulation
 from mpmfw.state.fields import STEP_STAGES
@@ -26,7 +23,7 @@ RINGS_BEFORE, SPHERE_BEFORE, RINGS_SAMPLE, SPHERE_SAMPLE = 270, 60, 10, 40
 SPEED = 3.0
 
 
-def sphere(cell_size: float, radius: float) -> dict[str, Any]:
+def sphere(cell_size, radius):
     """The sphere with slip, on its way, and without the ledger of its energies, which has a cost of its
     own.
     """
@@ -40,13 +37,13 @@ def sphere(cell_size: float, radius: float) -> dict[str, Any]:
     return scene
 
 
-def spent(sim: Simulation) -> float:
+def spent(sim):
     """CPU time of the steps so far, without the gap's diagnostic and output [s]."""
     sim.clock.flush()
     return sum(sim.clock.cpu[stage] for stage in STEP_STAGES)
 
 
-def measure(scene: Any, before: int, sample: int, shape: str, repeats: int) -> tuple[int, dict[str, float]]:
+def measure(scene, before, sample, shape, repeats):
     """Number of points, and least CPU time of a step by method, over the points [ns]."""
     sims = {method: Simulation(scene, contact=method, shape=shape) for method in METHODS}
     for sim in sims.values():

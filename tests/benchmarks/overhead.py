@@ -6,14 +6,10 @@ Both run in one process on the same arrays, from the same state, which is restor
 of the two comes first alternates. The overhead is the median of the pairs' ratios; its interval is that of
 the bootstrap."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -22,18 +18,17 @@ sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1])]  # a
 from written_out import OneBody, TwoApart  # noqa: E402
 
 from mpmfw.runs.simulation import Simulation  # noqa: E402
-from mpmfw.state.fields import AnyArray  # noqa: E402
 from scenes_for_tests import SOFT  # noqa: E402
 
 POINTS, PAIRS, STEPS, WARM_UP = 20_000, 200, 3, 20
 
 
-def scene(gap: float | None, friction: float, points: int) -> dict[str, Any]:
+def scene(gap, friction, points):
     """One square of a metre, or two of half the points that approach at 1 m/s."""
     bodies = 1 if gap is None else 2
     edge = round((points / bodies) ** 0.5)
     h = 2.0 / edge
-    made: dict[str, Any] = {
+    made = {
         "grid": {"cell_size": h, "lower": [-3.0, -1.0], "upper": [3.0, 2.0]},
         "time": {"end": 1.0, "output_interval": 1.0},
         "shape": {"method": "cpdi"},
@@ -56,7 +51,7 @@ def scene(gap: float | None, friction: float, points: int) -> dict[str, Any]:
     return made
 
 
-SCENES: dict[str, tuple[type[OneBody], float | None, float]] = {
+SCENES = {
     "one body": (OneBody, None, 0.0),
     "two bodies apart": (TwoApart, 1.0, 0.3),
     "frictionless": (TwoApart, 0.0, 0.0),
@@ -64,7 +59,7 @@ SCENES: dict[str, tuple[type[OneBody], float | None, float]] = {
 }
 
 
-def reached(simulation: Simulation) -> list[Any]:
+def reached(simulation):
     """The points and what contact did to them, copied."""
     p, contact = simulation.state.particles, simulation.contact
     arrays = [p.position, p.velocity, p.deformation_gradient, p.stress]
@@ -72,7 +67,7 @@ def reached(simulation: Simulation) -> list[Any]:
     return [array.copy() for array in arrays]
 
 
-def prepared(name: str, points: int) -> tuple[Simulation, OneBody, dict[str, AnyArray]]:
+def prepared(name, points):
     """A scene after some steps, its reference step, and its state, from which both must reach the same."""
     reference, gap, friction = SCENES[name]
     simulation = Simulation(scene(gap, friction, points))
@@ -89,9 +84,7 @@ def prepared(name: str, points: int) -> tuple[Simulation, OneBody, dict[str, Any
     return simulation, written, snapshot
 
 
-def sample(
-    step: Callable[[], None], simulation: Simulation, snapshot: dict[str, AnyArray], steps: int
-) -> float:
+def sample(step, simulation, snapshot, steps):
     """CPU seconds of some steps from the snapshot on."""
     simulation.restore(snapshot)
     begin = time.process_time()
@@ -100,13 +93,13 @@ def sample(
     return time.process_time() - begin
 
 
-def measure(name: str, points: int = POINTS, pairs: int = PAIRS) -> dict[str, float]:
+def measure(name, points=POINTS, pairs=PAIRS):
     """Nanoseconds per point and step of both, their difference a step, the median ratio with its interval of
     95 %.
     """
     simulation, written, snapshot = prepared(name, points)
 
-    def own() -> None:
+    def own():
         simulation.step()
 
     times = np.zeros((pairs, 2))
@@ -130,7 +123,7 @@ def measure(name: str, points: int = POINTS, pairs: int = PAIRS) -> dict[str, fl
     }
 
 
-def main() -> None:
+def main():
     """Print a row a scene."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--points", type=int, default=POINTS)

@@ -5,13 +5,10 @@
 Prints CPU time of a step of the block alone, of all blocks while the others sleep, and of all awake, each the
 least of rounds that are taken by turns, and their ratios."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 import time
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -26,14 +23,14 @@ MOVING, RESTING, PITCH = 24, 8, 20
 BEFORE, STEPS = 200, 100
 
 
-def block(centre: tuple[float, float], edge: float, **more: Any) -> dict[str, Any]:
+def block(centre, edge, **more):
     """A square of ``edge`` cells of a metre."""
     lower, upper = ([x + side * 0.5 * edge for x in centre] for side in (-1.0, 1.0))
     geometry = {"type": "rectangle", "lower": lower, "upper": upper}
     return {"material": "soft", "geometry": geometry, "particles": {"layout": "lattice", "size": 0.5}, **more}
 
 
-def scene(blocks: int, contact: str, **more: Any) -> dict[str, Any]:
+def scene(blocks, contact, **more):
     """So many blocks at rest on a lattice, and one that moves beside them."""
     side = int(np.ceil(np.sqrt(max(blocks, 1))))
     bodies = {"moving": block((0.0, -40.0), MOVING, velocity=[2.0, -0.5], angular_velocity=0.05)}
@@ -51,7 +48,7 @@ def scene(blocks: int, contact: str, **more: Any) -> dict[str, Any]:
     return found | ({"contact": {"method": contact}} if blocks else {})
 
 
-def cost(simulation: Simulation) -> float:
+def cost(simulation):
     """CPU time of a step [s]."""
     start = time.process_time()
     for _ in range(STEPS):

@@ -9,14 +9,10 @@ The points are those of a block, slightly irregular, or with --rings those of th
 step has an affine transfer, update stress last, neo-Hookean material and no contact. The plain loop is the
 fastest of g++'s and clang++'s, with an interpolation table and without."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -25,14 +21,14 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from mpmfw.benchmark import quartiles, stage_times
 from mpmfw.campaigns.work import Load, processor
 from mpmfw.cli.tables import print_table
-from yardstick.block import Block, make_block, make_rings
+from yardstick.block import make_block, make_rings
 from yardstick.plain import ENTRIES, STAGES, PlainLoop, compiler_version, compilers
 
 #: One sample steps so often that it moves at least this many points: a timer's noise does not count.
 POINTS_PER_SAMPLE = 20_000
 
 
-def measure(shape: str, block: Block, repeats: int) -> dict[str, Any]:
+def measure(shape, block, repeats):
     """Return the least CPU time of a step [ns per point], its stages, that of the fastest plain loop, and the
     median of the pairs' ratios with its quartiles.
 
@@ -66,16 +62,16 @@ def measure(shape: str, block: Block, repeats: int) -> dict[str, Any]:
     }
 
 
-def _plain_steps(shape: str, block: Block) -> dict[str, Callable[[], object]]:
+def _plain_steps(shape, block):
     """A step of every plain loop that there is, by what it is; there must be a C++ compiler."""
-    found: dict[str, Callable[[], object]] = {}
+    found = {}
     for path in compilers():
         loop = PlainLoop(shape, block, compiler=path)
         found |= {f"{loop.language}, table": loop.step, f"{loop.language}, no table": loop.whole}
     return found
 
 
-def _sample_block(block: Block, steps: int) -> tuple[float, list[float]]:
+def _sample_block(block, steps):
     """CPU seconds of so many steps, and wall seconds by stage."""
     block.clock.restart()
     for _ in range(steps):
@@ -85,7 +81,7 @@ def _sample_block(block: Block, steps: int) -> tuple[float, list[float]]:
     return sum(block.clock.cpu.values()), [block.clock.wall[stage] for stage in STAGES]
 
 
-def _sample_plain(step: Callable[[], object], steps: int) -> float:
+def _sample_plain(step, steps):
     """CPU seconds of so many steps of a plain loop."""
     begin = time.process_time()
     for _ in range(steps):

@@ -5,14 +5,9 @@ No hook, no plan, no clock, no structure for what the scene does not have. They 
 simulation in place, so that both run on the very same memory.
 """
 
-from __future__ import annotations
-
-from typing import Any
-
 from mpmfw.effects.surface import move_points, weigh_plain
 from mpmfw.kernels import particle_grid
 from mpmfw.kernels.stencil import fill_linear
-from mpmfw.runs.simulation import Simulation
 from mpmfw_material.neo_hookean import neo_hookean_split
 from mpmfw_shape.cpdi import fill_cpdi
 
@@ -20,7 +15,7 @@ from mpmfw_shape.cpdi import fill_cpdi
 class OneBody:
     """CPDI, affine FLIP, neo-Hookean, update stress last; one body, no loads."""
 
-    def __init__(self, simulation: Simulation) -> None:
+    def __init__(self, simulation):
         self.p, self.g = simulation.state.particles, simulation.state.grid
         self.half_edges, self.phi = simulation.shape.half_edges, simulation.shape.table
         body = simulation.state.bodies[0]
@@ -28,7 +23,7 @@ class OneBody:
         self.limit = self.g.cell_size / max(body.wave_speed for body in simulation.state.bodies)
         self.safety = simulation.scene.time.safety
 
-    def step(self) -> None:
+    def step(self):
         """One step of the stable length."""
         dt = self.safety * self.limit
         self.interpolate()
@@ -36,14 +31,14 @@ class OneBody:
         particle_grid.add_internal_force(self.p, None, self.phi, self.g, self.g.spacing)
         self.move(dt)
 
-    def interpolate(self) -> None:
+    def interpolate(self):
         """φ_ip and ∇φ_ip."""
         p, g, phi = self.p, self.g, self.phi
         points = (p.first, p.position, p.deformation_gradient, self.half_edges)
         outside = fill_cpdi(*points, g, 0, phi.room, phi, g.spacing)
         assert outside < 0
 
-    def project(self) -> None:
+    def project(self):
         """m_i, (m v)_i and v_i⁰."""
         p, g, phi = self.p, self.g, self.phi
         g.mass.fill(0.0)
@@ -52,7 +47,7 @@ class OneBody:
         particle_grid.project(p, p.position, p.affine, phi, g, g.mass, g.spacing)
         particle_grid.velocity_of_momentum(g.mass, g.momentum, g.start_velocity, g.spacing)
 
-    def move(self, dt: float) -> None:
+    def move(self, dt):
         """Everything after the forces."""
         p, g, phi = self.p, self.g, self.phi
         particle_grid.integrate_momentum(g.mass, g.momentum, g.force, dt, g.spacing)
@@ -64,33 +59,33 @@ class OneBody:
         assert inverted < 0
         neo_hookean_split(0, p.count, p.deformation_gradient, p.stress, self.bulk, self.shear, g.spacing)
 
-    def advect(self, dt: float) -> None:
+    def advect(self, dt):
         """No surface."""
 
 
 class TwoApart(OneBody):
     """Two bodies of one material with outlines, whose boxes are compared and found apart."""
 
-    def __init__(self, simulation: Simulation) -> None:
+    def __init__(self, simulation):
         super().__init__(simulation)
         self.s, self.contact = simulation.state.surface, simulation.contact
-        surface: Any = simulation.shape._surface
+        surface = simulation.shape._surface
         self.n_s, self.cell_mass = surface, simulation.state.arrays["surface/cell_mass"]
         self.state, self.travel = simulation.state, simulation.manager.get_plugin("surface_travel")
 
-    def interpolate(self) -> None:
+    def interpolate(self):
         """φ_ip, ∇φ_ip and N_i(x_s)."""
         super().interpolate()
         g, s, table = self.g, self.s, self.n_s
         outside = fill_linear(s.position, s.first, g, table, g.spacing)
         assert outside < 0
 
-    def project(self) -> None:
+    def project(self):
         """As for one body; then the surface's weights."""
         super().project()
         weigh_plain(self.n_s.row, self.n_s.nodes, self.n_s.weight, self.cell_mass, self.g.mass)
 
-    def step(self) -> None:
+    def step(self):
         """One step of the stable length; springs that are near limit it."""
         self.interpolate()
         self.project()
@@ -102,7 +97,7 @@ class TwoApart(OneBody):
         self.contact.add_nodal_force(self.g, dt)
         self.move(dt)
 
-    def advect(self, dt: float) -> None:
+    def advect(self, dt):
         """Outlines move with the grid, and contacts become history."""
         s, t = self.s, self.n_s
         self.contact.advect(self.g, dt)

@@ -1,7 +1,5 @@
 """The energy ledger: every term against what it must be, and the end of runs whose energy grows."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

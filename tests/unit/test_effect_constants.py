@@ -1,10 +1,7 @@
 """What each constant of the effects is for: which way it fails where it is smaller or larger."""
 
-from __future__ import annotations
-
 import contextlib
 import math
-from typing import Any
 
 import numpy as np
 import pytest
@@ -22,21 +19,21 @@ from scenes_for_tests import block
 
 
 # -- the map of the surface
-def weighed(kernel: Any, share: float, masses: list[float], **constants: float) -> np.ndarray:
+def weighed(kernel, share, masses, **constants):
     """Weights of a surface node between two nodes of these masses, ``share`` from the first."""
     weight = np.array([1.0 - share, share])
     interpreted(kernel, **constants)(np.array([0, 2]), np.array([0, 1]), weight, np.ones(1), np.array(masses))
     return weight
 
 
-def test_a_node_that_points_have_barely_reached_gets_no_force() -> None:
+def test_a_node_that_points_have_barely_reached_gets_no_force():
     """Without the share a force of 1 N/m would accelerate it by 3e8 m/s²."""
     barely = [1.0, 1e-9]
     assert weighed(weigh_plain, 0.3, barely, LIGHT=LIGHT)[1] == 0.0
     assert weighed(weigh_plain, 0.3, barely, LIGHT=0.0)[1] / barely[1] == pytest.approx(3e8)
 
 
-def test_a_larger_critical_mass_ties_the_surface_to_the_inner_node() -> None:
+def test_a_larger_critical_mass_ties_the_surface_to_the_inner_node():
     """Half a cell out it is read from this much farther inside [cells]."""
     boundary = [1.0, 0.125]
     near, far = (weighed(weigh_by_mass, 0.5, boundary, CRITICAL_MASS=m)[1] for m in (CRITICAL_MASS, 10.0))
@@ -45,7 +42,7 @@ def test_a_larger_critical_mass_ties_the_surface_to_the_inner_node() -> None:
 
 
 # -- prescribed sides
-def upper_side(place: float) -> PlaneSides:
+def upper_side(place):
     """The side y = ``place`` of a body below it, in a column of 8 nodes."""
     wide = np.full((1, 2), np.inf)
     return PlaneSides(
@@ -64,7 +61,7 @@ def upper_side(place: float) -> PlaneSides:
     )
 
 
-def rows_at(place: float, mass: list[float], **constants: float) -> list[tuple[float, dict[int, float]]]:
+def rows_at(place, mass, **constants):
     """Target and weights of every row of the side y = ``place``, in one column of 8 nodes."""
     position = np.column_stack([np.zeros(8), np.arange(8.0)])
     whole = {name: np.zeros(20, dtype=np.int64) for name in ("row", "side")}
@@ -86,12 +83,12 @@ def rows_at(place: float, mass: list[float], **constants: float) -> list[tuple[f
     ]
 
 
-def impulse_on(node: int, weights: dict[int, float], mass: list[float]) -> float:
+def impulse_on(node, weights, mass):
     """Change of a node's velocity [m/s] by which a row is met that misses 1 m/s."""
     return weights.get(node, 0.0) / mass[node] / sum(w**2 / mass[k] for k, w in weights.items())
 
 
-def test_an_empty_node_does_not_take_the_side_s_impulse() -> None:
+def test_an_empty_node_does_not_take_the_side_s_impulse():
     """Without a share that counts as empty it runs away at five times the missing velocity."""
     barely = [0.5, 1, 1, 1, 0.68, 1e-4, 0, 0]
     (_, weights) = rows_at(4.2, barely, LIGHT=side_rows.LIGHT)[-1]
@@ -100,7 +97,7 @@ def test_an_empty_node_does_not_take_the_side_s_impulse() -> None:
     assert impulse_on(5, weights, barely) > 4.9
 
 
-def test_of_a_body_that_reaches_a_cell_by_next_to_nothing_that_node_is_held_in_line() -> None:
+def test_of_a_body_that_reaches_a_cell_by_next_to_nothing_that_node_is_held_in_line():
     """With a larger least weight an ordinary side is read from inside as well."""
     thin, straight = [0.5, 1, 1, 1, 0.5, 1e-3, 0, 0], [0.5, 1, 1, 1, 0.82, 0.08, 0, 0]
     in_line = (0.0, {5: 1.0, 4: -2.0, 3: 1.0})
@@ -110,11 +107,11 @@ def test_of_a_body_that_reaches_a_cell_by_next_to_nothing_that_node_is_held_in_l
     assert in_line in rows_at(4.4, straight, THIN=0.5)
 
 
-def test_an_oblique_side_has_points_enough_for_its_weights(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_oblique_side_has_points_enough_for_its_weights(monkeypatch):
     """More change them by less than 1e-3; of two a cell they would be off by up to 3 % of a node."""
     normal = np.array([math.sin(0.6), math.cos(0.6)])
 
-    def weights(points: int) -> np.ndarray:
+    def weights(points):
         monkeypatch.setattr(side_rows, "QUADRATURE", points)
         shift, share = quadrature(normal, 1, 1)
         found = []
@@ -131,10 +128,10 @@ def test_an_oblique_side_has_points_enough_for_its_weights(monkeypatch: pytest.M
     assert np.abs(weights(2) - exact).max() > 0.01
 
 
-def test_facets_of_a_turned_side_lie_on_it_but_for_rounding(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_facets_of_a_turned_side_lie_on_it_but_for_rounding(monkeypatch):
     """Without an allowance some are lost; with a large one some round the corner are taken too."""
 
-    def loaded(flat: float) -> int:
+    def loaded(flat):
         monkeypatch.setattr(side_loads, "FLAT", flat)
         turned = block(
             bodies__solid__geometry__angle=0.3, bodies__solid__sides=[{"side": "top", "pressure": 1.0}]
@@ -148,7 +145,7 @@ def test_facets_of_a_turned_side_lie_on_it_but_for_rounding(monkeypatch: pytest.
     assert loaded(0.0) < 16
 
 
-def missed(simulation: Simulation) -> float:
+def missed(simulation):
     """Largest velocity by which rows of prescribed sides are not met after a step [m/s]."""
     held, grid = simulation.manager.get_plugin("constraint"), simulation.state.grid
     table, worst = held.table, 0.0
@@ -162,7 +159,7 @@ def missed(simulation: Simulation) -> float:
     return worst
 
 
-def with_sides() -> Simulation:
+def with_sides():
     """A block of B-splines that moves, whose left side and top share nodes and are fixed."""
     return Simulation(
         block(
@@ -175,7 +172,7 @@ def with_sides() -> Simulation:
     )
 
 
-def passes_and_miss(monkeypatch: pytest.MonkeyPatch, **constants: float) -> tuple[int, float]:
+def passes_and_miss(monkeypatch, **constants):
     """Passes of the first step, and what they miss [m/s]."""
     for name, value in constants.items():
         monkeypatch.setattr(constraint, name, value)
@@ -184,7 +181,7 @@ def passes_and_miss(monkeypatch: pytest.MonkeyPatch, **constants: float) -> tupl
     return simulation.manager.get_plugin("constraint").passes, missed(simulation)
 
 
-def test_sides_that_share_nodes_are_met_together(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_sides_that_share_nodes_are_met_together(monkeypatch):
     """Fewer passes, or a coarser agreement, leave the corner with a velocity of its own."""
     passes, miss = passes_and_miss(monkeypatch, PASSES=PASSES, AGREED=AGREED)
     assert 3 <= passes < PASSES // 10
@@ -194,11 +191,11 @@ def test_sides_that_share_nodes_are_met_together(monkeypatch: pytest.MonkeyPatch
 
 
 # -- what watches a run, and local inertia
-def test_rounding_is_no_growth_of_energy_and_a_slow_impact_s_is(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_rounding_is_no_growth_of_energy_and_a_slow_impact_s_is(monkeypatch):
     """Energies over stiffness and volume: 1e-24 of strains of rounding, 1e-8 of a strain of 1e-4."""
     state = Simulation(block()).state
 
-    def stops(energy: float) -> bool:
+    def stops(energy):
         body = state.bodies[0]
         stiffness = float(state.particles.volume.sum()) * (body.bulk_modulus + body.shear_modulus)
         return EnergyGuard(energies.negligible_energy(state), {}).grown(energy * stiffness)
@@ -212,10 +209,10 @@ def test_rounding_is_no_growth_of_energy_and_a_slow_impact_s_is(monkeypatch: pyt
 
 
 # -- linear functions, whose least share keeps nodes at the edge
-def test_a_point_on_a_grid_line_reaches_the_next_node_by_next_to_nothing() -> None:
+def test_a_point_on_a_grid_line_reaches_the_next_node_by_next_to_nothing():
     """Without a share the node has a gradient and no mass; a larger one would move the point."""
 
-    def at(xi: float, least: float) -> tuple[float, float]:
+    def at(xi, least):
         base, weight, slope = np.zeros(1), np.zeros((1, 2)), np.zeros((1, 2))
         interpreted(linear_weights, LEAST_SHARE=least)(xi, 1.0, 0, base, weight, slope)
         return weight[0, 1], abs(base[0] + weight[0, 1] - xi)

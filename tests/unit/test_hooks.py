@@ -1,9 +1,6 @@
 """The hook specifications, and their binding to plain calls."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
-from typing import Any
 
 import pytest
 
@@ -14,12 +11,12 @@ from mpmfw.step import timestep as module
 from mpmfw.step.timestep import Clock
 
 
-def plugin(name: str, **hooks: Any) -> Any:
+def plugin(name, **hooks):
     """An object called ``name`` with the given hook implementations."""
     return type(name, (), {"name": name, **{key: staticmethod(value) for key, value in hooks.items()}})()
 
 
-def bound(*plugins: Any, clock: Clock | None = None) -> tuple[Any, Any]:
+def bound(*plugins, clock=None):
     """The bound hooks of some plug-ins registered in turn, and pluggy's own."""
     manager = make_manager()
     for one in plugins:
@@ -28,17 +25,17 @@ def bound(*plugins: Any, clock: Clock | None = None) -> tuple[Any, Any]:
     return BoundHooks(manager, clock or Clock()), manager.hook
 
 
-def answer(value: Any, **options: Any) -> Any:
+def answer(value, **options):
     """An implementation of ``stable_timestep`` that answers with ``value``."""
 
     @hookimpl(**options)
-    def stable_timestep() -> Any:
+    def stable_timestep():
         return value
 
     return stable_timestep
 
 
-def test_calls_come_in_the_order_of_pluggy() -> None:
+def test_calls_come_in_the_order_of_pluggy():
     hook, pluggy_hook = bound(
         plugin("a", stable_timestep=answer("a")),
         plugin("last", stable_timestep=answer("last", trylast=True)),
@@ -51,21 +48,21 @@ def test_calls_come_in_the_order_of_pluggy() -> None:
     assert found == ["first", "b", "a", "last"]
 
 
-def test_an_observer_sees_every_implementation_while_it_runs() -> None:
-    seen: list[tuple[str, str, Any]] = []
+def test_an_observer_sees_every_implementation_while_it_runs():
+    seen = []
 
     class Look(Observer):
         name = "look"
         observes = ("add_nodal_force",)
 
-        def before(self, hook: str, plugin: Any, grid: Any, dt: float) -> None:  # noqa: ARG002
+        def before(self, hook, plugin, grid, dt):  # noqa: ARG002
             seen.append(("before", hook, getattr(plugin, "name", None)))
 
-        def after(self, hook: str, plugin: Any, grid: Any, dt: float) -> None:  # noqa: ARG002
+        def after(self, hook, plugin, grid, dt):  # noqa: ARG002
             seen.append(("after", hook, getattr(plugin, "name", None)))
 
     @hookimpl
-    def add_nodal_force() -> None:
+    def add_nodal_force():
         seen.append(("acts", "add_nodal_force", "load"))
 
     look = Look()
@@ -80,12 +77,12 @@ def test_an_observer_sees_every_implementation_while_it_runs() -> None:
     ]  # fmt: skip
 
 
-def test_first_result_stops_at_the_first_answer() -> None:
+def test_first_result_stops_at_the_first_answer():
     called = []
 
-    def reach(name: str, value: Any) -> Any:
+    def reach(name, value):
         @hookimpl
-        def particle_reach(particles: Any) -> Any:  # noqa: ARG001
+        def particle_reach(particles):  # noqa: ARG001
             called.append(name)
             return value
 
@@ -101,15 +98,15 @@ def test_first_result_stops_at_the_first_answer() -> None:
     assert pluggy_hook.particle_reach(particles=None) == 2
 
 
-def test_time_goes_to_the_stage_of_the_plug_in_and_back() -> None:
+def test_time_goes_to_the_stage_of_the_plug_in_and_back():
     clock, stages = Clock(), []
 
     @hookimpl
-    def advect() -> None:
+    def advect():
         stages.append(clock("contact"))
 
     @hookimpl
-    def end_step() -> None:
+    def end_step():
         raise ValueError("in a plug-in")
 
     staged = plugin("a", advect=advect, end_step=end_step)
@@ -126,12 +123,12 @@ def test_time_goes_to_the_stage_of_the_plug_in_and_back() -> None:
 
 @pytest.mark.parametrize("fails", [False, True])
 @pytest.mark.parametrize("catches", [False, True])
-def test_bound_wrappers_do_what_pluggy_does(catches: bool, fails: bool) -> None:
+def test_bound_wrappers_do_what_pluggy_does(catches, fails):
     """Two wrappers round one implementation: same order, same result, same errors."""
 
-    def wrapping(name: str, seen: list[str]) -> Any:
+    def wrapping(name, seen):
         @hookimpl(wrapper=True)
-        def stable_timestep() -> Any:
+        def stable_timestep():
             seen.append(f"before {name}")
             try:
                 result = yield
@@ -145,11 +142,11 @@ def test_bound_wrappers_do_what_pluggy_does(catches: bool, fails: bool) -> None:
         return plugin(name, stable_timestep=stable_timestep)
 
     @hookimpl
-    def stable_timestep() -> float:
+    def stable_timestep():
         return 1.0 / 0.0 if fails else 2.0
 
-    def outcome(ours: bool) -> tuple[Any, list[str]]:
-        seen: list[str] = []
+    def outcome(ours):
+        seen = []
         limiting = plugin("limiting", stable_timestep=stable_timestep)
         hook, pluggy_hook = bound(limiting, wrapping("outer", seen), wrapping("inner", seen))
         try:
@@ -161,7 +158,7 @@ def test_bound_wrappers_do_what_pluggy_does(catches: bool, fails: bool) -> None:
 
 
 @pytest.fixture
-def now(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
+def now(monkeypatch):
     """Wall and CPU seconds that the test sets."""
     now = SimpleNamespace(wall=100.0, cpu=10.0)
     fake = SimpleNamespace(perf_counter=lambda: now.wall, process_time=lambda: now.cpu)
@@ -169,7 +166,7 @@ def now(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
     return now
 
 
-def test_cpu_time_is_shared_out_by_wall_time(now: SimpleNamespace) -> None:
+def test_cpu_time_is_shared_out_by_wall_time(now):
     clock = Clock()
     clock("shape")
     now.wall += 1.0
@@ -179,7 +176,7 @@ def test_cpu_time_is_shared_out_by_wall_time(now: SimpleNamespace) -> None:
     assert (clock.cpu["shape"], clock.cpu["force"]) == (2.0, 6.0)
 
 
-def test_seconds_of_compilation_count_in_no_stage(now: SimpleNamespace) -> None:
+def test_seconds_of_compilation_count_in_no_stage(now):
     clock = Clock()
     clock("shape")
     now.wall, now.cpu = now.wall + 1.0, now.cpu + 1.0

@@ -1,7 +1,5 @@
 """Figures of fields and histories, side by side, and what a notebook asks for."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr
