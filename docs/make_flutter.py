@@ -27,7 +27,13 @@ from slider_fem.motion import RAMP, slide  # noqa: E402
 FRICTIONS = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
 ABOVE, BELOW = 1.06, 0.999  # tan θ over μ
 TIMES = (0.6, 1.5)  # [s]
-METHODS = {"penalty": {}, "penalty, 5 % PIC": {"stepping.transfer": "flip", "stepping.pic_fraction": 0.05}}
+#: Of critical at c_s / 4 H, the lowest frequency of the block in shear.
+DAMPING = {"critical": 0.16, "frequency": 64.5}
+METHODS = {
+    "penalty": {},
+    "penalty, 5 % PIC": {"stepping.transfer": "flip", "stepping.pic_fraction": 0.05},
+    "penalty, damped": {f"materials.{name}.damping": DAMPING for name in ("block", "plane")},
+}
 
 
 def rigid_way(friction: float, tilt: float) -> np.ndarray:

@@ -1,10 +1,11 @@
 """Print the table of docs/guide/choosing.md on the stiffness of springs: ``python docs/make_stiffness.py``.
 
 Two discs meet head-on. Half of the impulse has passed at 50.2 ms, the limit of small cells and stiff springs.
-A minute."""
+A minute. ``python docs/make_stiffness.py "0.17 ms"`` gives the discs that damping, of bulk and shear."""
 
 from __future__ import annotations
 
+import sys
 import warnings
 from typing import Any
 
@@ -28,7 +29,14 @@ def discs(cells: int) -> dict[str, Any]:
         }
         for name, side in (("left", -1.0), ("right", 1.0))
     }
-    solid = {"model": "linear_elastic", "density": 1000, "youngs_modulus": 1e6, "poissons_ratio": 0.3}
+    solid: dict[str, Any] = {
+        "model": "linear_elastic",
+        "density": 1000,
+        "youngs_modulus": 1e6,
+        "poissons_ratio": 0.3,
+    }
+    if len(sys.argv) > 1:
+        solid["damping"] = {"bulk": sys.argv[1], "shear": sys.argv[1]}
     return {
         "grid": {"cell_size": 0.5 / cells, "lower": [-1.6, -0.9], "upper": [1.6, 0.9]},
         "time": {"end": 0.11, "output_interval": 0.0005, "outputs": "nearest"},

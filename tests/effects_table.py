@@ -86,6 +86,9 @@ EFFECTS = {
     "prescribed sides": brings("constraint", modules=".constraint .side_rows"),
     "settling": brings(modules=".settling"),
     "pressure": brings("pressure on solid top", modules=".side_loads"),
+    "damping": brings(
+        "material_damping", arrays="material_damping", modules=".damping", series="viscous_dissipation"
+    ),
     "load": brings("body_force field", modules="load.body_force"),
     "thickness": brings(arrays="particles/thickness"),
     "surfaces": brings("surface", arrays="surface", modules=".surface"),
@@ -209,6 +212,7 @@ CASES = {
         with_changes(ONE, bodies__solid__sides=[{"side": "top", "pressure": 1e3}]), ("pressure", "surfaces")
     ),
     "load": Case(with_changes(ONE, loads={"field": {"model": "body_force", "force": [0, -9]}}), ("load",)),
+    "damping": Case(with_changes(ONE, materials__soft__damping={"bulk": 1e-3}), ("damping",)),
     "thickness": Case(with_changes(ONE, bodies__solid__thickness=0.1), ("thickness",)),
     "exact rotation": Case(with_changes(ONE, bodies__solid__rotation="exact"), ("exact rotation",)),
     "local spin": Case(with_changes(ONE, bodies__solid__rotation="spin"), ("local spin",)),

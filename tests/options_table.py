@@ -122,6 +122,9 @@ GRAVITIES = [
     ("table", {"table": [[0, 0, -9], [1, 0, -9]]}, {"table": [[0, 0, -9], [0.01, 0, 9]]}),
 ]
 LOADS = [("pressure", 1e3, 2e3), ("traction", [1e3, 0], [2e3, 0]), ("force", [1e3, 0], [2e3, 0])]
+DAMPINGS: list[tuple[str, dict[str, float]]] = [
+    *(("bulk", {}), ("shear", {}), ("critical", {"frequency": 1.0}), ("frequency", {"critical": 1e-6}))
+]
 OTHER_MATERIAL = {**SOFT, "shear_modulus": 1e6}
 FIELD = {"model": "body_force", "force": [9.0, 0.0]}
 #: Scene, key and its two values; the key is the option's, with two underscores for the dot, where it is "".
@@ -159,6 +162,11 @@ ROWS: dict[str, tuple[dict[str, Any], str, Any, Any]] = {
     "PairFriction.friction": (pair(), "contact__pairs", [STICKY], [{**STICKY, "friction": 0.1}]),
     "Material.model": (held(), "materials__soft__model", "neo_hookean", "linear_elastic"),
     "Material.density": (body(), "materials__soft__density", 1000.0, 1200.0),
+    "Material.damping": (body(), "materials__soft__damping", {"bulk": 1e-3}, {"shear": 1e-3}),
+    **{
+        f"Damping.{key}": (body(), "materials__soft__damping", {**beside, key: 1e-3}, {**beside, key: 2e-3})
+        for key, beside in DAMPINGS
+    },
     "Body.material": (held(materials__other=OTHER_MATERIAL), f"{SOLID}__material", "soft", "other"),
     "Body.geometry": (body(), f"{SOLID}__geometry__upper", [0.5, 0.5], [0.4, 0.5]),
     "Body.particles": (body(), f"{SOLID}__particles__size", 0.25, 0.125),

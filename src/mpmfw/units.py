@@ -170,6 +170,7 @@ Angle = quantity("rad")
 Pressure = quantity("Pa")
 Force = quantity("N")
 Density = quantity("kg/m^3")
+Frequency = quantity("Hz")
 Number = quantity("1")
 
 

@@ -93,6 +93,7 @@ class EnergyLedger(Observer):
     def __init__(self, setup: Setup, terms: list[str]) -> None:
         contact: Any = setup.contact
         self.strain: StrainEnergies = setup.plugin("body_series").strain
+        self.damping: Any = setup.plugin("material_damping")
         self.state, self.terms = setup.state, terms
         self.strategy, self.contact = contact, "" if contact is None else str(contact.name)
         self.accounted, self.half_steps = "spring_work" in setup.contact_fields, setup.scheme == "usl"
@@ -129,9 +130,14 @@ class EnergyLedger(Observer):
         self._forget()
         self.motion = motion_energy(state)
         self.start = self.motion + float(self.strain.of(state).sum())
-        self.lost = float(self.strain.dissipated(state).sum()) if self.strain.dissipates else 0.0
+        self.lost = self._lost_by_materials(state)
         if self.guard is not None:
             self.guard.restart(self.start)
+
+    def _lost_by_materials(self, state: State) -> float:
+        """Return what plastic flow and damping have taken so far [J/m]."""
+        flow = float(self.strain.dissipated(state).sum()) if self.strain.dissipates else 0.0
+        return flow if self.damping is None else flow + float(self.damping.dissipated(state).sum())
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
@@ -237,7 +243,7 @@ class EnergyLedger(Observer):
         motion = motion_energy(state)
         self.dissipated = self.motion + self.gained - motion
         energy = motion + float(self.strain.of(state).sum())
-        lost = float(self.strain.dissipated(state).sum()) - self.lost if self.strain.dissipates else 0.0
+        lost = self._lost_by_materials(state) - self.lost
         residual = energy - self.start - sum(self.work.values()) + self.dissipated + lost
         if self.guard is not None and self.guard.grown(energy):
             found = {**self.work, "transfer": -self.dissipated, "strain": residual}

@@ -20,7 +20,9 @@ _RESIDUALS = (
 )
 
 #: Series of energies and of their accounted losses.
-_BY_BODY = ("kinetic_energy", "affine_energy", "strain_energy", "material_dissipation")
+_BY_BODY = (
+    "kinetic_energy", "affine_energy", "strain_energy", "material_dissipation", "viscous_dissipation",
+)  # fmt: skip
 _BY_PAIR = ("contact_energy", "frictional_work")
 
 
@@ -42,7 +44,7 @@ def energy_put_in(run: xr.DataTree | xr.Dataset, scene: Scene) -> float:
 
 
 def dissipation(run: xr.DataTree | xr.Dataset, scene: Scene) -> float:
-    """Return the share of the energy put in that is lost: neither kinetic, strain, friction nor plastic work.
+    """Return the share of the energy put in that is lost, beside what friction and materials take.
 
     The transfer, the strain's integration, impulses and dashpots take it; it is negative where a run gains
     energy. NaN of a run that did not end, and without a ledger under gravity, loads or moving sides.

@@ -36,6 +36,7 @@ def _free_or_value(value: Any) -> str:
 
 
 PositiveTime = Annotated[Time, Field(gt=0)]
+NonNegativeTime = Annotated[Time, Field(ge=0)]
 PositiveNumber = Annotated[Number, Field(gt=0)]
 Friction = Annotated[Number, Field(ge=0)]
 Axis: TypeAlias = Literal["x", "y", "z"]

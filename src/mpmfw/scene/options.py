@@ -19,7 +19,7 @@ from mpmfw.scene.wording import shown, unknown_key, unknown_name, with_options
 CORE_KEYS: dict[str, tuple[str, ...]] = {
     "shape": ("method",),
     "contact": ("method", "detection", "law", "friction", "friction_law", "pairs"),
-    "materials": ("model", "density"),
+    "materials": ("model", "density", "damping"),
     **dict.fromkeys(("loads", "boundaries", "outputs"), ("model", "bodies")),
 }
 

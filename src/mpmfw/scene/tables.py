@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, Field, Strict
+from pydantic import BaseModel, Field, Strict, model_validator
 from pydantic.json_schema import SkipJsonSchema
 
 from mpmfw.geometry import Geometry, Particles
@@ -18,6 +18,7 @@ from mpmfw.scene.base import (
     Friction,
     GravityRow,
     MomentPoint,
+    NonNegativeTime,
     Position,
     PositiveNumber,
     PositiveTime,
@@ -29,7 +30,7 @@ from mpmfw.scene.base import (
     Table,
     VelocityVector,
 )
-from mpmfw.units import Acceleration, Angle, Density, Number
+from mpmfw.units import Acceleration, Angle, Density, Frequency, Number
 
 #: Options of the chosen plug-in, an instance of its own model; scenes write them in a table of its name.
 Options = SkipJsonSchema[BaseModel | None]
@@ -106,11 +107,37 @@ class Contact(Table):
     tables: SkipJsonSchema[tuple[str, ...]] = Field(default=(), exclude=True)
 
 
+class Damping(Table):
+    """Viscous stress by the stiffness: times [s], or a share of critical damping at a frequency [Hz]."""
+
+    bulk: NonNegativeTime = 0.0
+    shear: NonNegativeTime = 0.0
+    critical: PositiveNumber | None = None
+    frequency: Annotated[Frequency, Field(gt=0)] | None = None
+
+    @model_validator(mode="after")
+    def _one_form(self) -> Self:
+        """Refuse a mixture of both forms, half of one, and no damping at all."""
+        by_share = (self.critical is not None) + (self.frequency is not None)
+        if by_share == 1 or (by_share > 0) == (self.bulk + self.shear > 0.0):
+            raise ValueError("expected bulk, shear or both, or critical and frequency")
+        return self
+
+    @property
+    def times(self) -> tuple[float, float]:
+        """Times of bulk and shear [s]: the share ξ of critical at a frequency f is that of ξ / (π f)."""
+        if self.critical is None or self.frequency is None:
+            return self.bulk, self.shear
+        time = self.critical / (math.pi * self.frequency)
+        return time, time
+
+
 class Material(Table):
-    """A material model, its reference density [kg/m^3] and its options."""
+    """A material model, its reference density [kg/m^3], its damping and its options."""
 
     model: str
     density: Annotated[Density, Field(gt=0)]
+    damping: Damping | None = None
     options: Options = Field(default=None, exclude=True)
 
 

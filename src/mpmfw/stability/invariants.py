@@ -199,7 +199,13 @@ class Record:
             kinetic = self._kinetic()
             affine, given = (0.5 * (a + b) for a, b in zip(self.halves, halves, strict=True))
             stored = kinetic + self.at_positions + affine + _total(series, ("contact_energy",))
-            works = ("frictional_work", "damping_work", "spring_work", "material_dissipation")
+            works = (
+                "frictional_work",
+                "damping_work",
+                "spring_work",
+                "material_dissipation",
+                "viscous_dissipation",
+            )
             self._weigh(stored, _total(series, works), given)
         self.length = self.state.dt
         self.velocity, self.at_positions, self.halves = particles.velocity.copy(), at_positions, halves

@@ -37,6 +37,16 @@ def stable_length(cell_size: float, width: float) -> float:
     return math.sqrt(cell_size * width) if thin else cell_size
 
 
+def damped_frequency(frequency: float, time: float) -> float:
+    """Return ω' = ω (ξ + √(1 + ξ²)), ξ = τ ω / 2: 2 / ω' is the longest stable step of a damped oscillator.
+
+    ``frequency`` is ω [1/s], ``time`` τ [s] that of a viscous stress τ times the rate of the elastic one. Its
+    velocity is half a step behind (Belytschko, Liu & Moran, Nonlinear finite elements, section 6.2).
+    """
+    ratio = 0.5 * time * frequency
+    return frequency * (ratio + math.sqrt(1.0 + ratio * ratio))
+
+
 class TimeStep:
     """Chooses the length of every step.
 
@@ -49,7 +59,8 @@ class TimeStep:
         thinner = (1.0 - 1e-9) * setup.cell_size
         thin = all(self.bulk_limit < thinner / body.wave_speed for body in setup.bodies)
         length, courant = "√(h w)" if thin else "h", setup.shape_function.courant
-        self._bulk = (self.bulk_limit, f"bulk wave speed ({length} / c)")
+        damped = ", with damping" if setup.plugin("material_damping") is not None else ""
+        self._bulk = (self.bulk_limit, f"bulk wave speed ({length} / c){damped}")
         self._least_refused = (courant * self.bulk_limit, f"the bulk ({courant:g} {length} / c)")
         self._safety, self._fixed = setup.scene.time.safety, setup.scene.time.step
         # A share of the least limit of at most that is below all of them.
