@@ -79,7 +79,7 @@ def scene_of(run: xr.DataTree) -> dict[str, Any]:
 
 
 def placed_well(runs: Sequence[CaseRun]) -> float:
-    """Return how many of these runs, at all places and with all cells, keep every limit."""
+    """Return how many of these runs keep every limit."""
     return float(sum(not run.broken for run in runs))
 
 
