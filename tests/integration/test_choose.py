@@ -2,6 +2,7 @@
 
 import copy
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,8 +11,10 @@ from typer.testing import CliRunner
 import mpmfw
 from mpmfw.cli import app
 from mpmfw.errors import SceneError
+from mpmfw.plugin.measure import Measured
 from mpmfw.scene.toml_text import toml_text
 from mpmfw.studies.conclusion import advice, method_rows
+from mpmfw.studies.ladder import Ladder
 from studies_for_tests import SLIDING
 
 pytestmark = pytest.mark.filterwarnings("default::mpmfw.errors.ResultsWarning")
@@ -147,3 +150,28 @@ def test_the_command_prints_a_table_and_the_answer_and_rows_for_other_programs(t
     assert {row["contact"] for row in rows} == {"penalty", "separate"}
     assert sum(row["answer"] for row in rows) <= 1
     assert (tmp_path / "c.nc.runs").is_dir()
+
+
+def test_two_laws_that_meet_by_chance_are_no_limit():
+    contacts, sizes = ["a", "b", "c", "d"], [0.4, 0.2, 0.1]
+    runs = SimpleNamespace(
+        grid=SimpleNamespace(coords={"contact": contacts, "shape": ["s"], "cell_size": sizes})
+    )
+    ladder = Ladder(runs, SimpleNamespace(is_exact=False), 0.01)
+    # The first two hardly converge, and lie 10 % off; the others converge to 1 with second order
+    ends = {0: [0.900, 0.901, 0.902], 1: [0.905, 0.904, 0.903], 2: [1.16, 1.04, 1.01], 3: [0.84, 0.96, 0.99]}
+    found = {
+        (i, 0, k): Measured(np.array([end]), np.empty(0))
+        for i, every in ends.items()
+        for k, end in enumerate(every)
+    }
+    limit = ladder._agreed(found)
+    assert limit is not None
+    assert len(limit.laws) == 3
+    assert limit.uncertainty > 0.04
+    found |= {(1, 0, k): Measured(np.array([1.0 - 0.1 * size]), np.empty(0)) for k, size in enumerate(sizes)}
+    limit = ladder._agreed(found)
+    assert limit is not None
+    assert limit.motion.values[0] == pytest.approx(1.0, abs=0.01)
+    assert limit.uncertainty < 0.03
+    assert "a, s" not in limit.laws

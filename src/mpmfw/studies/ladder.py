@@ -1,9 +1,8 @@
-"""The runs of a choice: coarse to fine, cheapest first, until two laws agree within the target."""
+"""The runs of a choice: coarse to fine, until most laws agree within the target."""
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +16,8 @@ from mpmfw.state.fields import FloatArray
 
 #: A method: indices of its contact and its shape function.
 Method = tuple[int, int]
+#: A motion at cells of size zero, and its half width.
+Extrapolated = tuple[FloatArray, FloatArray]
 
 #: Orders of convergence between which an error is taken to fall with the cell size.
 ORDERS = (1.0, 2.0)
@@ -26,11 +27,11 @@ BEST_ORDER = 3.0
 
 @dataclass(frozen=True)
 class Limit:
-    """A motion at cells of size zero, extrapolated from two laws."""
+    """A motion at cells of size zero, about which most laws agree."""
 
-    motion: Measured  #: mean of the two laws' extrapolations
-    uncertainty: float  #: relative: half their distance, and what the order of convergence leaves open
-    laws: tuple[str, str]  #: labels of the two methods
+    motion: Measured  #: the extrapolation of one method
+    uncertainty: float  #: relative: largest distance and half width of the laws that agree
+    laws: tuple[str, ...]  #: labels of a method of each law that agrees
 
 
 class Ladder:
@@ -84,9 +85,15 @@ class Ladder:
             for index in before
             if index in self.asked
             and status[index] == "ok"
-            and (not self.judge.is_exact or self.errors.get(index, np.inf) <= most)
+            and (self._error(index) <= most or self.slack > self.target)
         ]
-        return [index[:2] for index in sorted(worth, key=lambda index: float(costs[index]))]
+        # Without an exact motion the promising ones come first, since these also narrow the limit
+        close = 0.0 if self.judge.is_exact else 2.0 * min(map(self._error, worth), default=0.0)
+        worth.sort(key=lambda index: (self._error(index) > close > 0.0, float(costs[index])))
+        return [index[:2] for index in worth]
+
+    def _error(self, index: Index) -> float:
+        return self.errors.get(index, np.inf)
 
     def _ask(self, points: Collection[Index]) -> None:
         self.runs.complete(points)
@@ -97,7 +104,7 @@ class Ladder:
             judged = self.judge.judge(self.runs.results, succeeded)
         else:
             found = self.judge.measured(self.runs.results, succeeded)
-            self.limit = min(self._limits(found), key=lambda one: one.uncertainty, default=None)
+            self.limit = self._agreed(found)
             if self.limit is None:
                 return
             motion = self.limit.motion
@@ -105,21 +112,48 @@ class Ladder:
         self.errors = {i: judged[i].error for i in sorted(self.asked) if i in judged}
         self.errors = {i: error for i, error in self.errors.items() if np.isfinite(error)}
 
-    def _limits(self, found: dict[Index, Measured]) -> Iterator[Limit]:
-        for k in range(len(self.sizes) - 1, 0, -1):
-            ran = [m for m in self.methods if (*m, k) in found and (*m, k - 1) in found]
-            ratio = self.sizes[k - 1] / self.sizes[k]
-            pairs = [(a, b) for a, b in itertools.combinations(ran, 2) if self._laws[a] != self._laws[b]]
-            for pair in pairs:
-                at = found[*pair[0], k]
-                first, second = (extrapolated(found[*m, k - 1], found[*m, k], ratio, at) for m in pair)
-                yield joined(at.time, first, second, (self._labels[pair[0]], self._labels[pair[1]]))
-            if pairs:
-                return
+    def _agreed(self, found: dict[Index, Measured]) -> Limit | None:
+        """Return the extrapolation that more than half of all laws agree with best; two laws at least.
+
+        Two laws that converge slowly may meet by chance, far from the limit. Most laws do so less easily."""
+        needed = max(2, len({*self._laws.values()}) // 2 + 1)
+        finest = {}
+        for method in self.methods:
+            sizes = [k for k in range(1, len(self.sizes)) if {(*method, k - 1), (*method, k)} <= found.keys()]
+            if sizes:
+                finest[method] = sizes[-1]
+        if len({self._laws[method] for method in finest}) < needed:
+            return None
+        at = found[max(((*method, k) for method, k in finest.items()), key=lambda index: index[-1])]
+        tend = {method: self._extrapolated(found, method, k, at) for method, k in finest.items()}
+        agreed = (self._around(method, tend, needed, at.time) for method in tend)
+        return min(agreed, key=lambda one: one.uncertainty)
+
+    def _extrapolated(
+        self, found: dict[Index, Measured], method: Method, k: int, at: Measured
+    ) -> Extrapolated:
+        ratio = self.sizes[k - 1] / self.sizes[k]
+        return extrapolated(found[*method, k - 1], found[*method, k], ratio, at)
+
+    def _around(
+        self, centre: Method, tend: dict[Method, Extrapolated], count: int, time: FloatArray
+    ) -> Limit:
+        """Return one method's extrapolation, as uncertain as the ``count`` nearest laws are far from it."""
+        middle = tend[centre][0]
+        size = np.max(np.abs(middle))
+        nearest: dict[str, tuple[float, str]] = {}
+        for method, (other, width) in tend.items():
+            away = float(np.max(np.abs(other - middle) + width) / size)
+            law = self._laws[method]
+            nearest[law] = min(nearest.get(law, (np.inf, "")), (away, self._labels[method]))
+        close = sorted(nearest.values())[:count]
+        uncertainty = close[-1][0]
+        labels = tuple(label for _, label in close)
+        return Limit(Measured(middle, time), uncertainty if np.isfinite(uncertainty) else np.inf, labels)
 
     def meets(self, index: Index) -> bool:
         """Return True if a run is below the target with its uncertainty."""
-        return self.errors.get(index, np.inf) + self.slack <= self.target
+        return self._error(index) + self.slack <= self.target
 
     def answer(self) -> Index | None:
         """Return the cheapest run that meets the target, or None."""
@@ -141,26 +175,11 @@ class Ladder:
         return f"the limit at cells of size zero that {' and '.join(self.limit.laws)} tend to"
 
 
-def extrapolated(
-    coarse: Measured, fine: Measured, ratio: float, at: Measured
-) -> tuple[FloatArray, FloatArray]:
-    """Return what two runs of a method tend to, and the half width that the order of convergence leaves open.
+def extrapolated(coarse: Measured, fine: Measured, ratio: float, at: Measured) -> Extrapolated:
+    """Return the limit of two runs of a method, and the half width that the order of convergence leaves open.
 
     Their cell sizes have the ``ratio``; the times are those of the run ``at``."""
     end = interpolated(fine, at)
     step = end - interpolated(coarse, at)
     farthest, nearest = (1.0 / (ratio**order - 1.0) for order in ORDERS)
     return end + 0.5 * (farthest + nearest) * step, 0.5 * (farthest - nearest) * np.abs(step)
-
-
-def joined(
-    time: FloatArray,
-    first: tuple[FloatArray, FloatArray],
-    second: tuple[FloatArray, FloatArray],
-    laws: tuple[str, str],
-) -> Limit:
-    """Return the limit of two laws."""
-    middle = 0.5 * (first[0] + second[0])
-    width = 0.5 * np.abs(first[0] - second[0]) + np.maximum(first[1], second[1])
-    uncertainty = float(np.max(width) / np.max(np.abs(middle)))
-    return Limit(Measured(middle, time), uncertainty if np.isfinite(uncertainty) else np.inf, laws)
