@@ -89,6 +89,7 @@ EFFECTS = {
     "damping": brings(
         "material_damping", arrays="material_damping", modules=".damping", series="viscous_dissipation"
     ),
+    "averaged volume": brings("averaged_volume", modules=".averaged_volume"),
     "load": brings("body_force field", modules="load.body_force"),
     "thickness": brings(arrays="particles/thickness"),
     "surfaces": brings("surface", arrays="surface", modules=".surface"),
@@ -213,6 +214,7 @@ CASES = {
     ),
     "load": Case(with_changes(ONE, loads={"field": {"model": "body_force", "force": [0, -9]}}), ("load",)),
     "damping": Case(with_changes(ONE, materials__soft__damping={"bulk": 1e-3}), ("damping",)),
+    "averaged volume": Case(with_changes(ONE, bodies__solid__volumetric="averaged"), ("averaged volume",)),
     "thickness": Case(with_changes(ONE, bodies__solid__thickness=0.1), ("thickness",)),
     "exact rotation": Case(with_changes(ONE, bodies__solid__rotation="exact"), ("exact rotation",)),
     "local spin": Case(with_changes(ONE, bodies__solid__rotation="spin"), ("local spin",)),

@@ -177,6 +177,7 @@ ROWS: dict[str, tuple[dict[str, Any], str, Any, Any]] = {
         *(body(gravity={"vector": [0, -1]}, **{SIDES: [{"side": "top", "pressure": 1e4}]}),),
         *(f"{SOLID}__rotation", "exact", "lumped"),
     ),
+    "Body.volumetric": (held(), f"{SOLID}__volumetric", "pointwise", "averaged"),
     "Body.sides": (held(), SIDES, HELD, [{"side": "left", "fixed": True}]),
     "Body.thickness": (body(), f"{SOLID}__thickness", 1.0, 0.1),
     "Side.side": (held(), SIDES, HELD, [{"side": "right", "fixed": True}]),

@@ -115,6 +115,14 @@ class HookSpecs:
         """Step 5: move what rides on ``grid.velocity``, such as surface nodes. May change that."""
 
     @hookspec
+    def after_velocity_gradient(self, particles: Particles, grid: Grid, phi: Stencil, dt: float) -> None:
+        """Before F of step 6: L_p of every point is complete.
+
+        With MUSL and USF it is that of the second projection, or of the first. May change
+        ``particles.velocity_gradient``.
+        """
+
+    @hookspec
     def update_particle_domains(self, particles: Particles, grid: Grid, dt: float) -> None:
         """Step 6: GIMP lengths or CPDI corners follow F. May change these."""
 

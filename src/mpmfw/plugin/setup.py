@@ -140,6 +140,11 @@ class Setup:
         return named or body in [held for held, _ in self.held_sides]
 
     @property
+    def averaged(self) -> list[Body]:
+        """Bodies whose change of volume is averaged."""
+        return [body for body in self.bodies if self.scene.bodies[body.name].volumetric == "averaged"]
+
+    @property
     def named_plugins(self) -> list[NamedPlugIn]:
         """Loads, boundary conditions and outputs."""
         return [plugin for group in self.named.values() for plugin in group.values()]

@@ -280,6 +280,8 @@ def _effects(setup: Setup) -> list[tuple[str, str, object, str]]:
         ("surfaces", "effects.surface:SurfaceTracker.from_setup", setup.surface_users,
          "nothing needs outlines"),
         ("material damping", "effects.damping:Damping.from_setup", damped, "no material has damping"),
+        ("averaged volume", "effects.averaged_volume:AveragedVolume.from_setup", setup.averaged,
+         "no body has volumetric = 'averaged'"),
         ("gravity", "effects.gravity:Gravity.from_setup", gravity, "no [gravity]"),
         ("settling", "effects.settling:from_setup", scene.settle, "no [settle]"),
         ("prescribed sides", "effects.constraint:Constraint.from_setup", setup.held_sides,

@@ -40,6 +40,7 @@ def usl(state: State, hook: Any, transfer: Transfer, clock: Clock, length: Lengt
     hook.advect(grid=g, dt=dt)
 
     clock("material")
+    hook.after_velocity_gradient(particles=p, grid=g, phi=phi, dt=dt)
     update_deformation(state, dt)  # 6
     hook.update_particle_domains(particles=p, grid=g, dt=dt)
     hook.update_stress(particles=p, dt=dt)
@@ -80,6 +81,7 @@ def musl(state: State, hook: Any, transfer: Transfer, clock: Clock, length: Leng
     transport_affine(p, transfer, g, dt)
 
     clock("material")
+    hook.after_velocity_gradient(particles=p, grid=g, phi=phi, dt=dt)
     update_deformation(state, dt)  # 7
     hook.update_stress(particles=p, dt=dt)
     hook.end_step(state=state)
@@ -103,6 +105,7 @@ def usf(state: State, hook: Any, transfer: Transfer, clock: Clock, length: Lengt
 
     clock("material")
     gather_velocity_gradient(p, phi, g)  # 3
+    hook.after_velocity_gradient(particles=p, grid=g, phi=phi, dt=dt)
     update_deformation(state, dt)
     hook.update_stress(particles=p, dt=dt)
 

@@ -1,0 +1,152 @@
+"""Change of volume and pressure averaged over each cell, against locking of bodies that keep their volume.
+
+Every point of a nearly incompressible body wants its own volume kept. That is more than the nodes' motion can
+meet, and the body is too stiff. Here only each cell wants its volume kept,
+
+    j̄_c = Σ_p V_p j_p / Σ_p V_p,    1 + Δt L̄ = (j̄ / j)^(1/dim) (1 + Δt L),
+
+with the change of volume in the step, j = det(1 + Δt L), and the sums over a body's points in the cell c. L̄
+replaces L, so that F, the stress, the energy and the ledger are of one deformation: F-bar (de Souza Neto et
+al. 1996), by increments, so that nothing jumps where a point enters another cell. The pressure is averaged
+alike: Σ V p̄ tr L = Σ V p tr L̄, so that the internal forces do the work that the points store. A mean raises
+no frequency."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from mpmfw.kernels import device, kernel, scratch
+from mpmfw.kernels.arithmetic import determinant
+from mpmfw.kernels.stencil import read_window
+from mpmfw.kernels.types import Float, Floats, Ints, Nodes, Points
+from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.plugin.setup import Acts, Setup
+from mpmfw.state.structs import Body, Grid, Particles
+
+
+@device
+def change_of_volume(p: int, points: Points, dt: float, spacing: tuple[float, ...]) -> Float:
+    """Return det(1 + Δt L) of a point."""
+    motion = scratch.matrix(spacing, spacing)
+    for d in range(len(spacing)):
+        for e in range(len(spacing)):
+            motion[d, e] = dt * points.velocity_gradient[p, d, e] + (1.0 if d == e else 0.0)
+    return determinant(motion, spacing)
+
+
+@kernel
+def average_volume(
+    first: int, last: int, points: Points, grid: Nodes, field: int, dt: float, cell: Ints, before: Floats,
+    after: Floats, spacing: tuple[float, ...],
+) -> None:  # fmt: skip
+    """Replace L by L̄ of a body's points, and note the ``cell`` (n,) of each, by its lowest node.
+
+    ``before`` and ``after`` (N,) [m^dim] become the volumes of its points in each cell. A point that has left
+    the window counts to the last cell.
+    """
+    dim, inverse_h = len(spacing), 1.0 / spacing[0]
+    origin, shape = scratch.vector(spacing), scratch.integers(spacing)
+    read_window(grid, field, origin, shape, spacing)
+    for i in range(grid.offset[field], grid.offset[field + 1]):
+        before[i] = after[i] = 0.0
+    for p in range(first, last):
+        c = 0
+        for d in range(dim):
+            c = c * shape[d] + min(max(int((points.position[p, d] - origin[d]) * inverse_h), 0), shape[d] - 1)
+        c += grid.offset[field]
+        cell[p] = c
+        before[c] += points.volume[p]
+        after[c] += points.volume[p] * change_of_volume(p, points, dt, spacing)
+    for p in range(first, last):
+        ratio = after[cell[p]] / (before[cell[p]] * change_of_volume(p, points, dt, spacing))
+        factor = math.sqrt(ratio) if dim == 2 else ratio ** (1.0 / 3.0)
+        for d in range(dim):
+            for e in range(dim):
+                points.velocity_gradient[p, d, e] *= factor
+            points.velocity_gradient[p, d, d] += (factor - 1.0) / dt
+
+
+@kernel
+def average_pressure(
+    first: int, last: int, points: Points, first_node: int, last_node: int, cell: Ints, volume: Floats,
+    total: Floats, spacing: tuple[float, ...],
+) -> None:  # fmt: skip
+    """σ += (p̄ − p) 1 of a body's points, p = tr σ / dim.
+
+    ``volume`` (N,) is that of the points in each cell, ``total`` (N,) scratch.
+    """
+    dim = len(spacing)
+    for i in range(first_node, last_node):
+        total[i] = 0.0
+    for p in range(first, last):
+        trace = 0.0
+        for d in range(dim):
+            trace += points.stress[p, d, d]
+        total[cell[p]] += points.volume[p] * trace
+    for p in range(first, last):
+        excess = total[cell[p]] / volume[cell[p]]
+        for d in range(dim):
+            excess -= points.stress[p, d, d]
+        for d in range(dim):
+            points.stress[p, d, d] += excess / dim
+
+
+class AveragedVolume:
+    """The means of every body in ``bodies``; ``apart``: each has nodes of its own."""
+
+    name = "averaged_volume"
+
+    def __init__(self, bodies: list[Body], *, apart: bool) -> None:
+        self.bodies, self.apart = bodies, apart
+        self.frame = -1
+
+    @classmethod
+    def from_setup(cls, setup: Setup) -> Acts:
+        """Return the means of the bodies that name them."""
+        names = ", ".join(body.name for body in setup.averaged)
+        return Acts(f"given for {names}", [cls(setup.averaged, apart=setup.field_per_body)])
+
+    @hookimpl
+    def after_velocity_gradient(self, particles: Particles, grid: Grid, dt: float) -> None:
+        """Average the change of volume."""
+        if self.frame != grid.frame:  # the windows were laid anew
+            self.frame, self.grid = grid.frame, grid
+            self.cell = np.zeros(particles.count, dtype=np.int64)
+            self.before, self.after = np.zeros((2, len(grid.mass)))
+        self._each(particles, lambda body: self._average_volume(body, particles, dt))
+
+    @hookimpl
+    def update_stress(self, particles: Particles) -> None:
+        """Average the pressure, that of damping included."""
+        self._each(particles, lambda body: self._average_pressure(body, particles))
+
+    def _each(self, particles: Particles, average: Callable[[Body], None]) -> None:
+        """Average body by body; threads share out bodies that have nodes of their own."""
+        threads = particles.threads
+        count = 1 if threads is None or not self.apart else threads.count
+
+        def some(t: int) -> None:
+            for body in self.bodies[t::count]:
+                average(body)
+
+        if count == 1:
+            some(0)
+        else:
+            threads.each(some)
+
+    def _average_volume(self, body: Body, particles: Particles, dt: float) -> None:
+        grid, own = self.grid, body.particles
+        average_volume(
+            own.start, own.stop, particles, grid, body.field, dt, self.cell, self.before, self.after,
+            grid.spacing
+        )  # fmt: skip
+
+    def _average_pressure(self, body: Body, particles: Particles) -> None:
+        nodes, own = self.grid.field_nodes(body.field), body.particles
+        average_pressure(
+            own.start, own.stop, particles, nodes.start, nodes.stop, self.cell, self.after, self.before,
+            self.grid.spacing
+        )  # fmt: skip

@@ -1,0 +1,137 @@
+"""Averaged change of volume: what its means keep, that bodies no longer lock, and that energy is kept."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import mpmfw
+from mpmfw.effects.averaged_volume import average_pressure, average_volume
+from mpmfw.runs.simulation import Simulation
+from mpmfw.state.windows import make_grid, set_windows
+from mpmfw_testing.bench import points_at_rest
+from scenes_for_tests import ball, disc, two_blocks, with_changes
+
+AVERAGED = {"bodies__solid__volumetric": "averaged"}
+STIFF = {"model": "neo_hookean", "density": 1000.0, "youngs_modulus": 1e6, "poissons_ratio": 0.499}
+
+
+@settings(max_examples=40, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1), dim=st.sampled_from([2, 3]))
+def test_means_keep_volume_and_work_and_leave_a_common_motion(seed: int, dim: int) -> None:
+    """Σ V j, the deviator, and Σ V p̄ tr L = Σ V p tr L̄ for small steps; a rigid turn and a swelling stay."""
+    rng, n, dt = np.random.default_rng(seed), 20, 1e-7
+    spacing = (0.5,) * dim
+    grid = make_grid(0.5, np.zeros(dim), np.full(dim, 2.0), 1)
+    set_windows(grid, np.zeros((1, dim), np.int64), grid.nodes[None].copy(), 10**6)
+    points = points_at_rest(rng.uniform(0.0, 2.0, (n, dim)), rng.lognormal(size=n), [0, n])
+    before = points.velocity_gradient[:] = rng.normal(size=(n, dim, dim))
+    points.stress[:] = rng.normal(size=(n, dim, dim))
+    pressure, volume = np.trace(points.stress, axis1=1, axis2=2) / dim, points.volume
+    rate = np.trace(before, axis1=1, axis2=2)
+    cell, first, second = np.zeros(n, np.int64), np.zeros(len(grid.mass)), np.zeros(len(grid.mass))
+    change = np.linalg.det(np.eye(dim) + dt * before)
+    average_volume(0, n, points, grid, 0, dt, cell, first, second, spacing)
+    after = points.velocity_gradient
+    averaged = np.linalg.det(np.eye(dim) + dt * after)
+    assert volume @ averaged == pytest.approx(volume @ change, rel=1e-12)
+    for c in set(cell.tolist()):
+        assert np.ptp(averaged[cell == c]) < 1e-13
+    points.volume *= averaged
+    average_pressure(0, n, points, 0, len(first), cell, second, first, spacing)
+    mean = np.trace(points.stress, axis1=1, axis2=2) / dim
+    work = volume @ (pressure * np.trace(after, axis1=1, axis2=2))
+    assert volume @ (mean * rate) == pytest.approx(work, abs=1e-5 * n * np.abs(volume).max())
+    common = rng.normal(size=(dim, dim))
+    points.velocity_gradient[:] = common
+    average_volume(0, n, points, grid, 0, dt, cell, first, second, spacing)
+    assert np.allclose(points.velocity_gradient, common, atol=1e-8)
+
+
+def head_on(how: str, **changes: Any) -> dict[str, Any]:
+    """Two discs of ν = 0.499 that meet at 1 m/s each, four cells to the radius."""
+    bodies = {
+        name: {
+            "material": "m",
+            "geometry": {"type": "disc", "centre": [side * 0.5005 + 0.0137, 0.0071], "radius": 0.5},
+            "particles": {"size": "0.5 cells", "layout": "fitted"},
+            "velocity": [-side, 0.0],
+            "volumetric": how,
+        }
+        for name, side in (("left", -1.0), ("right", 1.0))
+    }
+    scene = {
+        "grid": {"cell_size": 0.125, "lower": [-1.6, -0.9], "upper": [1.6, 0.9]},
+        "time": {"end": 0.11, "output_interval": 0.0005, "outputs": "nearest"},
+        "shape": {"method": "cpdi"},
+        "contact": {"method": "lcp"},
+        "materials": {"m": STIFF},
+        "bodies": bodies,
+        "output": {"ledger": True, "particles": False, "surface": False},
+    }
+    return with_changes(scene, **changes)
+
+
+def half_of_impulse(scene: dict[str, Any]) -> tuple[float, float]:
+    """Time at which half of the impulse has passed [s], and the largest error of the ledger over E_0."""
+    series = mpmfw.run(scene)["series"].to_dataset()
+    time, force = series["time"].values, -series["contact_force"].values[:, 0, 0]
+    passed = np.cumsum(force * np.gradient(time))
+    residual = series["energy_residual"] - series["half_step_work"]
+    start = float(series["kinetic_energy"].isel(time=0).sum())
+    return float(np.interp(0.5, passed / passed[-1], time)), float(np.abs(residual).max()) / start
+
+
+@pytest.mark.filterwarnings("ignore::mpmfw.errors.ResultsWarning")
+def test_discs_do_not_lock_and_the_ledger_closes() -> None:
+    """The limit of small cells is 44.5 ms."""
+    locked, _ = half_of_impulse(head_on("pointwise"))
+    free, residual = half_of_impulse(head_on("averaged"))
+    assert locked < 0.78 * 0.0445
+    assert free == pytest.approx(0.0445, rel=0.07)
+    assert residual < 1e-3
+
+
+@pytest.mark.parametrize("scheme", ["usl", "musl", "usf"])
+def test_a_spinning_disc_keeps_its_spin_and_volume(scheme: str) -> None:
+    scene = disc(
+        materials__soft=STIFF, bodies__solid__angular_velocity=1.0, stepping__scheme=scheme,
+        output={"particles": False}, **AVERAGED,
+    )  # fmt: skip
+    plain = with_changes(scene, bodies__solid__volumetric="pointwise")
+    spins = [mpmfw.run(each)["series"]["angular_momentum"].values[-1, 0, 0] for each in (scene, plain)]
+    assert spins[0] == pytest.approx(spins[1], rel=1e-3)
+
+
+def test_a_ball_is_pressed_alike_by_any_number_of_threads_and_goes_on() -> None:
+    scene = ball(materials__soft=STIFF, bodies__solid__velocity=[0.0, 0.0, 1.0], **AVERAGED)
+    scene["bodies"]["solid"]["sides"] = []
+    first, second, third = Simulation(scene), Simulation(scene, threads=2), Simulation(scene)
+    first.advance(4)
+    third.restore(first.snapshot())
+    first.advance(3)
+    second.advance(7)
+    third.advance(3)
+    for name in ("position", "stress", "deformation_gradient"):
+        expected = getattr(first.state.particles, name)
+        assert np.array_equal(getattr(second.state.particles, name), expected), name
+        assert np.array_equal(getattr(third.state.particles, name), expected), name
+
+
+@pytest.mark.parametrize("method", ["none", "penalty"])
+def test_bodies_at_one_node_are_averaged_apart(method: str) -> None:
+    """One body of two has a mean: the other's points move as without it, until they feel each other."""
+    scene = two_blocks(method, bodies__left__volumetric="averaged")
+    simulation = Simulation(scene)
+    simulation.start()
+    p = simulation.state.particles
+    left, right = (body.particles for body in simulation.state.bodies)
+    p.velocity_gradient[:] = np.random.default_rng(1).normal(size=p.velocity_gradient.shape)
+    before = p.velocity_gradient.copy()
+    simulation.hook.after_velocity_gradient(particles=p, grid=simulation.state.grid, phi=None, dt=1e-4)
+    assert np.array_equal(p.velocity_gradient[right], before[right])
+    assert not np.array_equal(p.velocity_gradient[left], before[left])
