@@ -121,6 +121,10 @@ EFFECTS = {
     ),
     "ledger of gravity": brings(series="gravity_work"),
     "ledger of contact": brings(series="contact_work contact_residual inertia_work"),
+    "rigid bodies": brings(
+        "rigid", modules=".rigid .reaction .contact_moment", series="reaction reaction_moment reaction_work"
+    ),
+    "reaction": brings("reaction"),
     "moment": brings("contact_moment", modules=".contact_moment", series="contact_moment"),
     "stability": brings(
         "time_step_series",
@@ -170,6 +174,7 @@ ELASTIC = {"model": "linear_elastic", "density": 1e3, "bulk_modulus": 1e6, "shea
 YIELDS = {"model": "j2", "yield_stress": 1e4}
 SOIL = {"friction_angle": 0.5, "cohesion": 1e4}
 GRAVITY = {"vector": [0, -10]}
+_RIGHT = {"type": "rectangle", "lower": [0.005, -0.25], "upper": [0.505, 0.25]}
 HELD = [{"side": "bottom", "fixed": True}]
 FRICTIONLESS = ("penalty", "travel", "surfaces", "local spin")
 TOUCHED = (*FRICTIONLESS, "flutter")
@@ -180,6 +185,10 @@ CASES = {
     "two bodies apart": Case(_apart(_two("penalty")), TOUCHED),
     "frictionless": Case(_two("penalty", contact__friction=0), FRICTIONLESS),
     "frictional": Case(_two("penalty"), TOUCHED),
+    "rigid": Case(
+        _two("penalty", bodies__right={"geometry": _RIGHT, "rigid": True}),
+        (*TOUCHED, "rigid bodies", "reaction"),
+    ),
     "contact with a layer": Case(
         _two("penalty", contact__penalty={"interface_thickness": 0.01}),
         (*(name for name in TOUCHED if name != "local spin"), "interface layer"),

@@ -20,6 +20,10 @@ NO_OPTIONS = {
 }
 
 
+#: Keys that a rigid body refuses by name.
+REFUSED_BY_RIGID = {f"RigidBody.{key}" for key in ("material", "particles", "rotation", "sides")}
+
+
 def models_of(annotation):
     """All models that an annotation names, however deep."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):

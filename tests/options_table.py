@@ -127,6 +127,15 @@ DAMPINGS: list[tuple[str, dict[str, float]]] = [
 ]
 OTHER_MATERIAL = {**SOFT, "shear_modulus": 1e6}
 FIELD = {"model": "body_force", "force": [9.0, 0.0]}
+RIGID = {"type": "rectangle", "lower": [0.005, -0.25], "upper": [0.505, 0.25]}
+NUDGED = {"velocity": [-1.0, 0.0], "angular_velocity": 2.0, "about": [0.2, 0.0]}
+
+
+def against(rigid: Any, **own: Any) -> dict[str, Any]:
+    """A square that meets a rigid one."""
+    return pair(bodies__right={"geometry": RIGID, "rigid": rigid, **own})
+
+
 #: Scene, key and its two values; the key is the option's, with two underscores for the dot, where it is "".
 ROWS: dict[str, tuple[dict[str, Any], str, Any, Any]] = {
     "Tables.title": (body(), "title", "one", "another"),
@@ -180,6 +189,39 @@ ROWS: dict[str, tuple[dict[str, Any], str, Any, Any]] = {
     "Body.volumetric": (held(), f"{SOLID}__volumetric", "pointwise", "averaged"),
     "Body.sides": (held(), SIDES, HELD, [{"side": "left", "fixed": True}]),
     "Body.thickness": (body(), f"{SOLID}__thickness", 1.0, 0.1),
+    "RigidBody.rigid": (against(True), "bodies__right__rigid", True, {"density": 1e3}),
+    "RigidBody.geometry": (against(True), "bodies__right__geometry__upper", [0.505, 0.25], [0.505, 0.0]),
+    "RigidBody.segment": (against(True), "bodies__right__segment", 0.0625, 0.125),
+    "RigidBody.velocity": (against({"density": 1e3}), "bodies__right__velocity", [-1.0, 0.0], [-2.0, 0.0]),
+    "RigidBody.angular_velocity": (against({"density": 1e3}), "bodies__right__angular_velocity", 1.0, 2.0),
+    "RigidBody.thickness": (
+        against({"density": 1e3}, velocity=[-1.0, 0.0]),
+        "bodies__right__thickness",
+        1.0,
+        0.1,
+    ),
+    "Rigid.motion": (against({"motion": NUDGED}), "bodies__right__rigid__motion__velocity", [-1, 0], [0, 1]),
+    "Rigid.density": (
+        against({"density": 1e3}, velocity=[-1.0, 0.0]),
+        "bodies__right__rigid__density",
+        1e3,
+        2e3,
+    ),
+    **{
+        f"Rigid.{key}": (
+            *(against({"mass": 100.0, "inertia": 10.0}, angular_velocity=1.0),),
+            *(f"bodies__right__rigid__{key}", 100.0, 50.0),
+        )
+        for key in ("mass", "inertia")
+    },
+    **{
+        f"Motion.{key}": (against({"motion": NUDGED}), f"bodies__right__rigid__motion__{key}", one, other)
+        for key, one, other in (
+            ("velocity", [-1.0, 0.0], [[0.0, -1.0, 0.0], [3e-3, 0.0, 0.0]]),
+            ("angular_velocity", 2.0, [[0.0, 2.0], [3e-3, 0.0]]),
+            ("about", [0.2, 0.0], [0.0, 0.0]),
+        )
+    },
     "Side.side": (held(), SIDES, HELD, [{"side": "right", "fixed": True}]),
     "Side.fixed": (held(), SIDES, HELD, [{"side": "bottom", "fixed": ["x"]}]),
     "Side.velocity": (

@@ -105,7 +105,7 @@ def add_velocity(
     """Add ``sign`` times the velocity of surface node p to ``out``: Σ N_i(x_p) (m v)_i / m_i."""
     for k in range(table.row[p], table.row[p + 1]):
         i = table.nodes[k]
-        if mass[i] > 0.0:
+        if mass[i] != 0.0:
             for d in range(len(spacing)):
                 out[d] += sign * table.weight[k] * (momentum[i, d] / mass[i])
 

@@ -40,7 +40,7 @@ def state_problem(
     for k in range(rows.start[count]):
         i = rows.dof[k]
         for d in range(dim):
-            velocity[i, d] = momentum[i, d] / mass[i] if mass[i] > 0.0 else 0.0
+            velocity[i, d] = momentum[i, d] / mass[i] if mass[i] != 0.0 else 0.0
             fastest = max(fastest, abs(velocity[i, d]))
     for c in range(count):
         own.compliance[c] = 0.0

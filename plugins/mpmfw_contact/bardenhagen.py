@@ -51,7 +51,8 @@ def mark_compressed(
     """Write 1 into ``compressed`` (n,) where n·(σ_a + σ_b)·n < 0 with the nodal ``stress``, else 0."""
     dim = len(spacing)
     for c in range(count):
-        i, j, traction = rows.dof[2 * c], rows.dof[2 * c + 1], 0.0
+        k, traction = rows.start[c], 0.0
+        i, j = rows.dof[k], rows.dof[k + 1]  # of a rigid body no stress is projected
         for d in range(dim):
             for e in range(dim):
                 traction += rows.normal[c, d] * (stress[i, d, e] + stress[j, d, e]) * rows.normal[c, e]
@@ -121,6 +122,6 @@ class Bardenhagen(Impulse):
         if self.options.largest_strain is None:
             return super().limit(rows, grid)
         largest = self.options.largest_strain * self.cell_size / self.dt
-        first, second = grid.mass[rows.dof[: 2 * rows.count].reshape(-1, 2)].T
-        limits: FloatArray = largest * np.minimum(first, second)
-        return limits
+        mass = grid.mass[rows.dof[: rows.start[rows.count]]]
+        lighter = np.minimum.reduceat(np.where(mass > 0.0, mass, np.inf), rows.start[: rows.count])
+        return np.asarray(largest * lighter)

@@ -15,6 +15,7 @@ ellipse along it, in Uintah as its corners. Each pair of bodies has planes of it
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
@@ -80,6 +81,21 @@ def write_regressed_rows(
     return c
 
 
+@kernel
+def take_reach(
+    rows: Rows, begin: int, count: int, clouds: Clouds, points: Points, half_edges: Floats, node: Floats,
+    spacing: tuple[float, ...],
+) -> None:  # fmt: skip
+    """Take from the gaps of the rows from ``begin`` on, those of a ``node`` from a rigid surface, how far its
+    points' domains reach beyond it."""
+    n, origin = scratch.vector(spacing), scratch.vector(spacing)
+    for c in range(begin, count):
+        i = rows.dof[rows.start[c]]
+        read_point(i, node, origin, spacing)
+        read_point(c, rows.normal, n, spacing)
+        rows.gap[c] -= outermost(i, clouds, points, half_edges, origin, n, -1.0)
+
+
 class LogisticOptions(BaseModel):
     """Settings of the regression, and where bodies touch."""
 
@@ -128,6 +144,14 @@ class Logistic(AtNodes):
             self.options.slope_penalty, self.options.turn, self.cut_off, self.state.dt, rows, grid.spacing,
             self.wide,
         )  # fmt: skip
+
+    def write_rigid(self, near: Any, grid: Grid, particles: Particles, rows: ContactRows) -> None:
+        """Append rows of nodes near a rigid body; the gap is that of the points' domains."""
+        begin = rows.count
+        self.rigid.write(near, grid, rows, grid.position, self.cut_off, self.area_across)
+        take_reach(
+            rows, begin, rows.count, self.clouds, particles, self.half_edges, grid.position, grid.spacing
+        )
 
 
 class Nairn(Impulse):

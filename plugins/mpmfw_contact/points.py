@@ -75,6 +75,7 @@ class PointSpheres(Detection):
 
     name = "points"
     provides = frozenset({"steady gap"})
+    finds_rigid = False
     #: Whether forces act on the centres, and not at the place between two points.
     at_centres = False
 

@@ -92,12 +92,14 @@ class Rectangles:
         centre, corners = corners_of_centres(surface)
         faces = np.zeros(len(centre), dtype=bool)
         for body in range(len(surface.first) - 1):
+            if particles.first[body] == particles.first[body + 1]:
+                continue
             of_body = (centre >= surface.first[body]) & (centre < surface.first[body + 1])
             points = slice(particles.first[body], particles.first[body + 1])
             rectangles = surface.position[corners[of_body]]
             faces[of_body] = are_faces(rectangles, particles.position[points], half_edges[points])
         centre, self.corners = centre[faces], corners[faces]
-        count = len(surface.position)
+        count = surface.on_grid
         self.index = np.full(count, -1)
         self.index[centre] = np.arange(len(centre))
         room = 2**3 * (count + 3 * len(centre))

@@ -171,6 +171,8 @@ Pressure = quantity("Pa")
 Force = quantity("N")
 Density = quantity("kg/m^3")
 Frequency = quantity("Hz")
+Mass = quantity("kg")
+Inertia = quantity("kg m^2")
 Number = quantity("1")
 
 

@@ -34,7 +34,9 @@ COARSE = {
         "time.output_interval": 0.001,
     },
     "rolling-cylinder-no-slip": _ROLLS,
+    "rolling-cylinder-no-slip-rigid": _ROLLS,
     "rolling-cylinder-slip": {**_ROLLS, "output.ledger": True},
+    "rolling-cylinder-slip-rigid": _ROLLS,
     "rolling-sphere-no-slip": _ROLLS,
     "rolling-sphere-slip": _ROLLS,
     "sliding-block": {

@@ -48,7 +48,7 @@ def test_boxes_that_overlap_are_those_that_brute_force_finds(seed, n, dim, kind)
 
 def moving(rng, n):
     """A state of windows alone, whose bodies move at random."""
-    grid = SimpleNamespace(dim=2, n_fields=n, frame=0, window_lower=None, window_shape=None)
+    grid = SimpleNamespace(dim=2, n_fields=n, rigid_fields=0, frame=0, window_lower=None, window_shape=None)
     return (
         SimpleNamespace(grid=grid, pairs=(), near=None),
         rng.uniform(0.0, 60.0, (n, 2)),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from mpmfw.errors import SceneError
@@ -98,6 +98,8 @@ def overrides_of(bodies: Iterable[str], dim: int, key: str, value: Any) -> dict[
     if "*" not in full or full == OWN_OPTION:
         return {full: value}
     head, tail = parse_path(full.partition(".*.")[0]), parse_path(full.partition(".*.")[2])
+    if isinstance(bodies, Mapping) and tail[0] == "particles":
+        bodies = [name for name, body in bodies.items() if body.particles is not None]  # not the rigid ones
     return {dotted((*head, body, *tail)): value for body in bodies}
 
 

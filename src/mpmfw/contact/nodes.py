@@ -6,7 +6,7 @@ Multiple velocity fields: Bardenhagen, Brackbill & Sulsky (2000), Bardenhagen et
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -25,8 +25,11 @@ from mpmfw.contact.shared_nodes import (
 from mpmfw.contact.strategy import stiffness_ranks
 from mpmfw.errors import SceneError
 from mpmfw.plugin.setup import Setup
-from mpmfw.state.fields import FloatArray
+from mpmfw.state.fields import FloatArray, IntArray
 from mpmfw.state.structs import Grid, Particles, State, Stencil
+
+if TYPE_CHECKING:
+    from mpmfw.contact.rigid_nodes import NearRigid
 
 #: Share of a full cell's mass that both bodies must have where a force acts: less only accelerates.
 LEAST_MASS = 0.05
@@ -87,6 +90,10 @@ class AtNodes(Detection):
     projects_mean = False
     #: Separation of the mean positions below which bodies touch [m].
     cut_off: float = np.inf
+    #: Surfaces of rigid bodies; None without any.
+    rigid: Any = None
+    #: Rows of nodes that two bodies share, the first ones; those against rigid bodies follow.
+    shared_rows = 0
 
     def prepare(self, setup: Setup, owner: str) -> None:
         """Take the bodies of the pairs, and the least mass of a node."""
@@ -98,6 +105,10 @@ class AtNodes(Detection):
         self.make_room(64)
         self.grid: GridNodes | None = None
         self.list_pairs(setup.state)
+        if setup.state.rigid is not None:
+            from mpmfw.contact.rigid_nodes import RigidSurfaces
+
+            self.rigid = RigidSurfaces(setup.state)
 
     def make_room(self, nodes: int) -> None:
         """Make room for so many shared nodes."""
@@ -112,6 +123,12 @@ class AtNodes(Detection):
     def list_pairs(self, state: State) -> None:
         """List the bodies of all pairs, and their weights."""
         first, second = np.ascontiguousarray(state.pair_bodies.T)
+        for pair in state.pairs:
+            if state.bodies[pair.first].rigid:
+                raise SceneError(
+                    f"detection '{self.name}' finds no contact between rigid bodies, as {pair.label} are: "
+                    "they have no nodes; expected one on surfaces, and lcp or impulse"
+                )
         weight_first, weight_second = self.weights(state)
         self.pairs = NodePairs(
             first=first, second=second, weight_first=weight_first, weight_second=weight_second
@@ -147,18 +164,34 @@ class AtNodes(Detection):
         if listed > len(self.shared.pair):
             self.make_room(2 * listed)
             find_shared_nodes(self.pairs, nodes, self.shared)
-        if listed == 0:
+        near = [] if self.rigid is None else self.rigid.find(grid, self.least_mass)
+        if listed == 0 and not near:
             return
-        if not self.seams and len(self.full_mass) > 2 and self.state.steps % SEAMS_EVERY == 0:
+        if listed and not self.seams and len(self.full_mass) > 2 and self.state.steps % SEAMS_EVERY == 0:
             self.seams = self._fill_a_node(listed, grid)
         mark_nodes(listed, self.shared, nodes)
+        for each in near:
+            nodes.shared[each.nodes] = True
         if len(nodes.gradient):
             project_volume_gradient(phi, particles, nodes, grid.spacing)
         if len(nodes.mean):
             project_position(phi, particles, nodes, grid.spacing)
-        if len(rows.pair) < listed:
-            rows.make_room(2 * listed, 4 * listed)
-        rows.count = self.write(listed, grid, phi, particles, rows)
+        more = sum(len(each.nodes) for each in near)
+        if len(rows.pair) < listed + more or len(rows.dof) < 2 * listed + (grid.dim + 2) * more:
+            rows.make_room(2 * (listed + more), 2 * (2 * listed + (grid.dim + 2) * more))
+        rows.count = self.shared_rows = self.write(listed, grid, phi, particles, rows)
+        for each in near:
+            self.write_rigid(each, grid, particles, rows)
+
+    def write_rigid(self, near: NearRigid, grid: Grid, particles: Particles, rows: ContactRows) -> None:  # noqa: ARG002
+        """Append rows of nodes near a rigid body; where gaps are measured, those of their mean positions."""
+        self.rigid.write(near, grid, rows, self.nodes_of(grid).mean, 0.5 * self.cut_off, self.area_across)
+
+    def area_across(self, nodes: IntArray, normal: FloatArray) -> FloatArray:
+        """Area of the body of ``nodes`` (n,) across the ``normal`` (n, dim) of another body [m^(dim−1)]."""
+        if not self.projects_gradient:
+            return np.zeros(len(nodes))
+        return np.asarray(np.maximum(-np.einsum("nd,nd->n", self.gradient[nodes], normal), 0.0))
 
     def _fill_a_node(self, listed: int, grid: Grid) -> bool:
         """Return whether three bodies fill one of the ``listed`` shared nodes."""
@@ -256,8 +289,8 @@ class Nodes(AtNodes):
 
     def note_forces(self, rows: ContactRows, scale: float) -> None:
         """Add to the bias of averaged normals."""
-        if self.bias and rows.count:
-            self.bias.add(rows, scale, self.gradient, self.state.grid.spacing)
+        if self.bias and self.shared_rows:
+            self.bias.add(rows, self.shared_rows, scale, self.gradient, self.state.grid.spacing)
 
     def restart(self) -> None:
         """Forget the bias of the settling."""

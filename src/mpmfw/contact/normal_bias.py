@@ -75,9 +75,11 @@ class NormalBias:
         for name, field in _DECLARED.items():
             self.sums.set(**{name: state.lengthen(f"{self.owner}/{field.name}", len(state.pairs))})
 
-    def add(self, rows: Rows, scale: float, gradient: FloatArray, spacing: tuple[float, ...]) -> None:
-        """Add ``scale`` times the forces of the rows, with the nodes' volume gradients."""
-        add_bias(rows, rows.count, scale, gradient, self.sums, spacing)
+    def add(
+        self, rows: Rows, count: int, scale: float, gradient: FloatArray, spacing: tuple[float, ...]
+    ) -> None:
+        """Add what ``scale`` times the forces of ``count`` rows does, with the nodes' volume gradients."""
+        add_bias(rows, count, scale, gradient, self.sums, spacing)
 
     def restart(self) -> None:
         """Forget the settling."""

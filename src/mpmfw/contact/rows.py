@@ -155,6 +155,8 @@ class Detection(PlugIn):
     #: What laws may need of its rows: ``facets`` where they lie on facets of surfaces, which are then
     #: tracked, ``nodes`` where a node meets each, ``steady gap`` where gaps do not jump as rows come and go.
     provides: ClassVar[frozenset[str]] = frozenset()
+    #: Whether it finds rigid bodies, which have a surface and no material points.
+    finds_rigid: bool = True
     #: How surface nodes are mapped to the grid: ``auto`` follows the shape function.
     surface_map: Literal["auto", "plain", "mass_weighted"] = "auto"
     #: Whether a part of it adds inertia to the nodes.

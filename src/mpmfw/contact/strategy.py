@@ -114,9 +114,13 @@ def _search(setup: Setup, reach: float | None) -> list[Effect]:
 EQUAL = 1e-6
 
 
+#: What a rigid body counts for, whose modulus is infinite [Pa].
+STIFFEST = 1e300
+
+
 def stiffness_ranks(bodies: Sequence[Body]) -> IntArray:
     """Rank every body by its wave modulus (body,): 0 for the softest, equals alike."""
-    return ranks_of(np.array([body.p_wave_modulus for body in bodies]))
+    return ranks_of(np.array([min(body.p_wave_modulus, STIFFEST) for body in bodies]))
 
 
 def ranks_of(values: FloatArray) -> IntArray:

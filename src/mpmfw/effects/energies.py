@@ -47,14 +47,21 @@ def motion_energy(state: State) -> float:
     p, affine = state.particles, np.zeros(1)
     if p.affine is not None:
         sum_affine_energy(np.array([0, p.count]), p, p.affine, affine, state.grid.spacing)
-    return float(kinetic_energy(p.mass, p.velocity) + affine[0])
+    return kinetic_energy_of(state) + float(affine[0])
+
+
+def kinetic_energy_of(state: State) -> float:
+    """Return the kinetic energy of the material points and of free rigid bodies [J/m]."""
+    p = state.particles
+    of_points = float(kinetic_energy(p.mass, p.velocity))
+    return of_points if state.rigid is None else of_points + float(state.rigid.kinetic_energy.sum())
 
 
 def negligible_energy(state: State) -> float:
     """Return the energy that counts as zero, a share of stiffness [J/m]."""
     volume = state.particles.times_thickness(state.particles.initial_volume)
-    volumes = [volume[body.particles].sum() for body in state.bodies]
-    stiffness = [body.bulk_modulus + body.shear_modulus for body in state.bodies]
+    volumes = [volume[body.particles].sum() for body in state.soft_bodies]
+    stiffness = [body.bulk_modulus + body.shear_modulus for body in state.soft_bodies]
     return NOTHING * float(np.dot(volumes, stiffness))
 
 
@@ -92,10 +99,12 @@ class StrainEnergies:
         particles, values = state.particles, np.empty(state.particles.count)
         for own, material in made_of(self.materials):
             values[own] = of_points(density, material, state, own)
-        return np.add.reduceat(
+        sums, soft = np.zeros(len(state.bodies)), state.soft_bodies
+        sums[: len(soft)] = np.add.reduceat(
             values * particles.times_thickness(particles.initial_volume),
-            [body.particles.start for body in state.bodies],
+            [body.particles.start for body in soft],
         )
+        return sums
 
 
 class EnergyGuard:

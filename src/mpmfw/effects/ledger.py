@@ -84,7 +84,7 @@ class EnergyLedger(Observer):
     observes = tuple(TERMS)
     history = (
         "running", "work", "gained", "dissipated", "contact_before", "loaded", "motion", "start", "lost",
-        "half_step", "guard",
+        "half_step", "guard", "driven",
     )  # fmt: skip
     force: FloatArray  #: (n_nodes, dim) [N/m], as it was at the last look
     internal: FloatArray  #: (n_nodes, dim) [N/m], the internal forces
@@ -95,6 +95,7 @@ class EnergyLedger(Observer):
         self.strain: StrainEnergies = setup.plugin("body_series").strain
         self.damping: Any = setup.plugin("material_damping")
         self.state, self.terms = setup.state, terms
+        self.reaction: Any = setup.plugin("reaction")  #: None without rigid bodies
         self.strategy, self.contact = contact, "" if contact is None else str(contact.name)
         self.accounted, self.half_steps = "spring_work" in setup.contact_fields, setup.scheme == "usl"
         self.tells_motion = self.half_steps and self.accounted and hasattr(contact, "work_over_last_step")
@@ -122,6 +123,7 @@ class EnergyLedger(Observer):
         self.work = dict.fromkeys(("gravity", "external", "contact", "inertia"), 0.0)
         self.half_step = HalfStep() if self.half_steps else None
         self.gained = self.dissipated = self.contact_before = 0.0
+        self.driven = 0.0 if self.reaction is None else float(self.reaction.work)
         #: energy of the contact springs at the start; None until a step has told
         self.loaded: float | None = None
 
@@ -176,7 +178,9 @@ class EnergyLedger(Observer):
     def _count(self, hook: str, plugin: Any, grid: Grid) -> None:
         """Add the change since the last look to its term, (n_nodes, dim) [N s/m]."""
         term = TERMS[hook]
-        if hook == "add_nodal_force":
+        if plugin is self.state.rigid:  # a projection to rigid motion does no work
+            self.momentum = grid.momentum.copy()
+        elif hook == "add_nodal_force":
             term = getattr(plugin, "ledger_term", (term,))[0]
             impulse, known = self.dt * (grid.force - self.force), self.impulse.get(term)
             self.impulse[term] = impulse if known is None else known + impulse
@@ -198,6 +202,10 @@ class EnergyLedger(Observer):
             self.half_step.add(grid, self.state.particles, self.dt, self.internal)
         for term, impulse in self.impulse.items():
             self.work[term] += impulse_work(impulse, grid.mass, grid.start_velocity, grid.momentum)
+        if self.reaction is not None:  # prescribed bodies take what contact does to them, and give it
+            driven, self.driven = self.reaction.work - self.driven, self.reaction.work
+            self.work["contact"] -= driven
+            self.work["external"] += driven
 
     @hookimpl
     def end_step(self, state: State) -> None:

@@ -60,10 +60,10 @@ def impulse_work(impulse: Floats, mass: Floats, start_velocity: Floats, momentum
 
 @kernel
 def power_at_start(force: Floats, mass: Floats, start_velocity: Floats) -> float:
-    """Σ f_i·v_i⁰ over nodes with mass."""
+    """Σ f_i·v_i⁰ over nodes with mass, and those whose motion is prescribed."""
     total = 0.0
     for i in range(len(mass)):
-        if mass[i] > 0.0:
+        if mass[i] != 0.0:
             for d in range(force.shape[1]):
                 total += force[i, d] * start_velocity[i, d]
     return total

@@ -13,7 +13,7 @@ def from_setup(setup: Setup) -> Acts:
     """Return the corrections, and import those that a body has."""
     treated: dict[str, list[Body]] = {"spin": [], "exact": [], "lumped": []}
     plugins, lines = list[Any](), []
-    for body in setup.bodies:
+    for body in setup.state.soft_bodies:
         how, reason = _choice(setup, body)
         lines.append(Effect(f"rotation of {body.name}: {how}", how != "lumped", reason))
         setup.rotations[body.name] = how

@@ -52,15 +52,20 @@ class BodySeries:
     def diagnostics(self, state: State) -> dict[str, AnyArray]:
         """All series, (body, …)."""
         p, count, dim = state.particles, len(state.bodies), state.grid.dim
-        first = np.array([0, *(body.particles.stop for body in state.bodies)], dtype=np.int64)
+        first = np.array([0, *(body.particles.stop for body in state.soft_bodies)], dtype=np.int64)
         total, kinetic = np.empty(count), np.empty(count)
         centre, mean, second = np.empty((count, dim)), np.empty((count, dim)), np.empty((count, dim, dim))
         spin = np.empty((count, 1 if dim == 2 else 3))
         sum_motion(first, p, total, centre, mean, spin, second, kinetic, state.grid.spacing)
+        if state.rigid is not None:
+            state.rigid.write_sums(total, centre, mean, spin, second, kinetic)
+        turning = np.array([_solve_inertia(*each) for each in zip(second, spin, strict=True)])
+        if state.rigid is not None:
+            turning[len(first) - 1 :] = state.rigid.angular_velocity
         series = {
             "centre_of_mass": centre,
             "mean_velocity": mean,
-            "angular_velocity": np.array([_solve_inertia(*each) for each in zip(second, spin, strict=True)]),
+            "angular_velocity": turning,
             "linear_momentum": total[:, None] * mean,
             "angular_momentum": spin,
         }
@@ -72,7 +77,7 @@ class BodySeries:
         strain = self.strain.of(state)
         series = {"kinetic_energy": kinetic, "strain_energy": strain, "total_energy": kinetic + strain}
         if self.affine and p.affine is not None:
-            series["affine_energy"] = np.empty_like(kinetic)
+            series["affine_energy"] = np.zeros_like(kinetic)
             sum_affine_energy(first, p, p.affine, series["affine_energy"], state.grid.spacing)
         if self.strain.dissipates:
             series["material_dissipation"] = self.strain.dissipated(state)

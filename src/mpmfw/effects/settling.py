@@ -71,6 +71,7 @@ def is_settled_for_good(scene: Scene) -> bool:
         and (scene.settle.gravity is None and constant and not scene.loads)
         and all(body.velocity is None and body.angular_velocity is None for body in bodies)
         and all(side.is_constant for body in bodies for side in body.sides)
+        and all(getattr(body, "rigid", True) is True for body in bodies)
     )
 
 

@@ -126,16 +126,18 @@ class SurfaceTracker:
     def detect(self, grid: Grid) -> None:
         """Fit N_i(x_s) to the nodal masses, before any contact."""
         phi = self.surface.table
+        row = phi.row[: self.surface.on_grid + 1]
         if self.map == "plain":
-            weigh_plain(phi.row, phi.nodes, phi.weight, self.cell_mass, grid.mass)
+            weigh_plain(row, phi.nodes, phi.weight, self.cell_mass, grid.mass)
         else:
-            weigh_by_mass(phi.row, phi.nodes, phi.weight, self.cell_mass, grid.mass)
+            weigh_by_mass(row, phi.nodes, phi.weight, self.cell_mass, grid.mass)
 
     @hookimpl
     def advect(self, grid: Grid, dt: float) -> None:
         """Move the nodes with their body's grid velocity."""
-        surface, velocity = self.surface, grid.velocity
-        move_points(surface.table, velocity, surface.position, surface.displacement, dt, grid.spacing)
+        surface, n = self.surface, self.surface.on_grid
+        position, displacement = surface.position[:n], surface.displacement[:n]
+        move_points(surface.table, grid.velocity, position, displacement, dt, grid.spacing)
 
 
 class GapDiagnostic:

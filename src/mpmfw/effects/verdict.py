@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.effects.energies import StrainEnergies, kinetic_energy, negligible_energy
+from mpmfw.effects.energies import StrainEnergies, kinetic_energy_of, negligible_energy
 from mpmfw.kernels import Facets
 from mpmfw.kernels.sides import fastest_approach, find_inside, least_own_gaps, node_normals
 from mpmfw.plugin.hookspecs import hookimpl
@@ -88,17 +88,17 @@ class Verdict:
         """Take the energy of time zero."""
         self.running, self.inside[:] = True, -1
         self.next_energy = self.next_sides = self.next_own = 0
-        p, self.nothing = state.particles, negligible_energy(state)
-        self.start = kinetic_energy(p.mass, p.velocity) + float(self.strain.of(state).sum())
+        self.nothing = negligible_energy(state)
+        self.start = kinetic_energy_of(state) + float(self.strain.of(state).sum())
         self.loaded = None if isinstance(self, VerdictOfSteps) else 0.0
         self.first_work = float(sum(plugin.work for plugin in self.working))
         self.gravity_work = self.most = self.released = 0.0
-        self.moment = p.mass @ p.position
+        self.moment = _moment(state)
         self.pull = 0.0 * self.pull if self.gravity is None else self.gravity.at(state.time)
 
     def _add_gravity_work(self, state: State, share: float) -> None:
         """Add the work of ``share`` of gravity now, and else of then."""
-        moment, pull = state.particles.mass @ state.particles.position, self.gravity.at(state.time)
+        moment, pull = _moment(state), self.gravity.at(state.time)
         self.gravity_work += float((share * pull + (1.0 - share) * self.pull) @ (moment - self.moment))
         self.moment, self.pull = moment, pull
 
@@ -133,7 +133,7 @@ class Verdict:
         p = state.particles
         power = p.times_thickness(p.volume) @ np.einsum("pij,pij->p", p.stress, p.velocity_gradient)
         strain = float(self.strain.of(state).sum()) + self.half_step * state.dt * float(power)
-        return kinetic_energy(p.mass, p.velocity) + strain
+        return kinetic_energy_of(state) + strain
 
     def _judge_energy(self, state: State) -> None:
         self.next_energy = state.steps + ENERGY_EVERY
@@ -169,6 +169,7 @@ class Verdict:
         self.next_sides = state.steps + SIDES_EVERY
         self.latest_sides = state.steps + SIDES_LATEST
         fastest = fastest_approach(state.particles.velocity)
+        fastest += 0.0 if state.rigid is None else state.rigid.fastest
         self.due = state.time + (self.stride / fastest if fastest > 0.0 else np.inf)
 
     @property
@@ -235,6 +236,12 @@ class VerdictOfSteps(Verdict):
             self._judge_sides(state)
 
 
+def _moment(state: State) -> FloatArray:
+    """Σ m x of the material points and of free rigid bodies (dim,) [kg]."""
+    moment = np.asarray(state.particles.mass @ state.particles.position)
+    return moment if state.rigid is None else moment + state.rigid.mass @ state.rigid.centre
+
+
 class Outlines:
     """Tracked surfaces, or nodes that follow the nearest point."""
 
@@ -245,7 +252,7 @@ class Outlines:
             from scipy.spatial import cKDTree
 
             self.carrier = np.zeros(self.surface.count, dtype=np.int64)  #: nearest point of the own body
-            for body in state.bodies:
+            for body in state.soft_bodies:
                 points, own = cKDTree(state.particles.position[body.particles]), self.surface.of(body.index)
                 self.carrier[own] = body.particles.start + points.query(self.surface.position[own])[1]
             self.offset = self.surface.position - state.particles.position[self.carrier]

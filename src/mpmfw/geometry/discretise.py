@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import (
     BaseModel,
     ConfigDict,
@@ -22,7 +23,7 @@ from mpmfw.errors import SceneError
 from mpmfw.geometry.base import BodyGeometry, LengthInCells
 from mpmfw.geometry.disc import Disc, Ring
 from mpmfw.geometry.extrusion import Cylinder, Extrusion, Revolution, Torus
-from mpmfw.geometry.layout import Layout
+from mpmfw.geometry.layout import Layout, layout_of_boxes
 from mpmfw.geometry.mesh_file import MeshFile
 from mpmfw.geometry.polygon import Polygon, Rectangle
 from mpmfw.geometry.solids import Ball, Box
@@ -125,15 +126,18 @@ Geometry = Annotated[
 ]
 
 
-def discretise(geometry: Geometry, particles: Particles, segment: float | None) -> Layout:
+def discretise(geometry: Geometry, particles: Particles | None, segment: float | None) -> Layout:
     """Divide a body into material points, and its surface into facets.
 
-    Sides of facets are at most ``segment`` [m] long; without it there are none. A ValueError refuses a layout
+    Sides of facets are at most ``segment`` [m] long; without it there are none. Without ``particles`` there
+    are no points. A ValueError refuses a layout
     that the geometry does not have, and a segment that is not positive.
     """
     if segment is not None and segment <= 0:
         raise ValueError(f"the segment length must be positive, not {segment} m")
-    if particles.layout == "fitted":
+    if particles is None:
+        layout = layout_of_boxes(np.zeros((0, geometry.dim)), np.zeros((0, geometry.dim)))
+    elif particles.layout == "fitted":
         layout = geometry.fitted(particles.size)
     else:
         layout = geometry.lattice(particles.size, particles.offset_in(geometry.dim))

@@ -118,10 +118,10 @@ def affine_from_moment(
 def velocity_of_momentum(
     mass: Floats, momentum: Floats, velocity: Floats, spacing: tuple[float, ...]
 ) -> None:
-    """v_i = (m v)_i / m_i where there is mass, else 0."""
+    """v_i = (m v)_i / m_i where there is mass, else 0; a mass of −1 tells that no force moves the node."""
     dim = len(spacing)
     for i in range(len(mass)):
-        inverse = 1.0 / mass[i] if mass[i] > 0.0 else 0.0
+        inverse = 1.0 / mass[i] if mass[i] != 0.0 else 0.0
         for d in range(dim):
             velocity[i, d] = momentum[i, d] * inverse
 

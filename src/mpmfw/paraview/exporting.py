@@ -18,7 +18,7 @@ from mpmfw.errors import MpmfwError, ResultsWarning
 from mpmfw.paraview.meshes import Mesh, mesh_library, points_mesh, skipped_fields, surface_mesh, surfaces_of
 from mpmfw.results.domains import corners_of
 from mpmfw.results.replacing import check_new, replace_bytes, replacement
-from mpmfw.results.selection import Results, bodies_of, chosen_frames, opened_run, times_of
+from mpmfw.results.selection import Results, bodies_of, chosen_frames, opened_run, rigid_bodies_of, times_of
 
 #: Root attributes of a run that go into every file.
 _ABOUT = ("title", "scene", "contact", "shape", "status", "commit", "versions")
@@ -93,8 +93,10 @@ def _export(
     kinds: dict[str, Callable[[int], Mesh]] = {
         "points": lambda frame: points_mesh(tree, indices, corners, frame)
     }
-    if set(surfaces_of(tree)) & set(chosen):
-        kinds["surfaces"] = lambda frame: surface_mesh(tree, indices, frame)
+    rigid = rigid_bodies_of(tree, selection)
+    outlined = indices | {body: len(bodies_of(tree)) + k for k, body in enumerate(rigid)}
+    if set(surfaces_of(tree)) & set(outlined):
+        kinds["surfaces"] = lambda frame: surface_mesh(tree, outlined, frame)
     times = times_of(tree).tolist()
     folders = {kind: target.with_name(f"{target.name}-{kind}") for kind in kinds}
     written = [folder.with_name(f"{folder.name}.pvd") for folder in folders.values()]
@@ -108,7 +110,7 @@ def _export(
         for earlier in sorted(folder.glob("[0-9][0-9][0-9][0-9][0-9].vtu")):
             check_new(earlier, force).unlink()
     about = {name: str(tree.attrs[name]) for name in _ABOUT if tree.attrs.get(name)}
-    about["bodies"] = json.dumps({str(index): body for body, index in indices.items()})
+    about["bodies"] = json.dumps({str(index): body for body, index in outlined.items()})
     for done, index in enumerate(frames):
         for kind, mesh_of in kinds.items():
             mesh = mesh_of(index)

@@ -17,7 +17,7 @@ from mpmfw.plots.style import on_lines
 from mpmfw.plots.units import time_scale
 from mpmfw.results.domains import Corners, corners_of, loops
 from mpmfw.results.point_fields import point_field
-from mpmfw.results.selection import bodies_of, frame_of, times_of
+from mpmfw.results.selection import bodies_of, frame_of, rigid_bodies_of, times_of
 from mpmfw.state.fields import FloatArray
 
 #: Width of a title above a panel of a journal's column, in letters.
@@ -63,7 +63,8 @@ class FieldPanel:
         self.about = point_field(points.isel(time=slice(0), missing_dims="ignore"), name).attrs
         self.corners: dict[str, Corners | None] = {body: corners_of(tree, body) for body in self.bodies}
         outlined = tree["surface"].children if "surface" in tree.children else {}
-        self.outlined = [body for body in self.bodies if body in outlined]
+        rigid = rigid_bodies_of(tree, bodies)
+        self.outlined = [*(body for body in self.bodies if body in outlined), *rigid]
         self._drawn: list[Any] = []
 
     def survey(self, frames: Iterable[int]) -> tuple[tuple[float, float], Box]:

@@ -15,7 +15,15 @@ from mpmfw.plots.style import journal_style
 from mpmfw.plots.units import in_brackets, with_prefix
 from mpmfw.results.domains import surface_in_space
 from mpmfw.results.point_fields import point_field
-from mpmfw.results.selection import Results, bodies_of, frame_at, frame_of, opened_run, times_of
+from mpmfw.results.selection import (
+    Results,
+    bodies_of,
+    frame_at,
+    frame_of,
+    opened_run,
+    rigid_bodies_of,
+    times_of,
+)
 from mpmfw.state.fields import FloatArray, IntArray
 
 #: Rounding of positions, which files have in single precision, over the bodies' extent.
@@ -59,7 +67,7 @@ def plane_cut(
             raise SceneError(f"{text}; expected {low:.4g} to {high:.4g} m")
         lines = [
             cut_lines(*surface, across, place)[:, :, shown]
-            for body in own
+            for body in (*own, *rigid_bodies_of(tree, bodies))
             if (surface := surface_in_space(tree, body, frame)) is not None
         ]
         colour = with_prefix(unit, float(np.abs(values[met]).max()))

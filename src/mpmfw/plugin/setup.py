@@ -171,6 +171,7 @@ class Setup:
             *([f"contact '{contact.name}'"] if contact is not None and contact.needs_surface else []),
             *(["loads on sides"] if self.loaded_sides else []),
             *(f"'{plugin.title}'" for plugin in self.named_plugins if plugin.needs_surface),
+            *(["rigid bodies"] if any(body.rigid for body in self.bodies) else []),
             *(["min_gap"] if self.scene.output.gap and len(self.bodies) > 1 else []),
             *(["all bodies"] if whole is not None and whole.state.surface is not None else []),
         ]

@@ -73,13 +73,15 @@ def _has(series: xr.Dataset, name: str) -> bool:
 
 def _works(scene: Scene) -> list[str]:
     sides = [side for body in scene.bodies.values() for side in body.sides]
-    loaded = bool(scene.loads) or any(side.fixed is None for side in sides)
+    driven = any(body.prescribed for body in scene.bodies.values())
+    loaded = bool(scene.loads) or driven or any(side.fixed is None for side in sides)
     return ["gravity_work"] + ["external_work"] * loaded
 
 
 def momentum_change(run: xr.DataTree, scene: Scene) -> float:
     """Return the largest change of free bodies' momentum over their own."""
-    if scene.gravity or scene.loads or any(body.sides for body in scene.bodies.values()):
+    held = any(body.sides or body.prescribed for body in scene.bodies.values())
+    if scene.gravity or scene.loads or held:
         return float("nan")
     series = run["series"]["linear_momentum"]
     whole, brought = series.sum("body"), float(np.abs(series.isel(time=0)).sum())

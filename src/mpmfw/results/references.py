@@ -209,11 +209,13 @@ def _on_incline(
 ) -> tuple[str, float, float, float]:
     """Return the free body on a plane, its friction, gravity [m/s²] and the tilt [rad]."""
     free = [
-        name for name, body in scene.bodies.items() if isinstance(body.geometry, shapes) and not body.sides
+        name
+        for name, body in scene.bodies.items()
+        if isinstance(body.geometry, shapes) and not body.sides and not body.prescribed
     ]
     planes = [name for name, body in scene.bodies.items() if _is_plane(body)]
     body = _one(free, f"free {what}")
-    _one(planes, "rectangle or box along the axes, held by fixed sides")
+    _one(planes, "rectangle or box along the axes, held by fixed sides or rigid")
     _need(len(scene.bodies) == 2, "expected two bodies")
     _need(at_rest(scene.bodies[body]), f"'{body}' moves at the start")
     _need(
@@ -330,7 +332,8 @@ def _is_plane(body: Body) -> bool:
     straight = isinstance(shape, Rectangle) and shape.angle == 0.0
     straight = straight or (isinstance(shape, Box) and not any(shape.angles))
     held = [side.fixed for side in body.sides]
-    return straight and all(held) and True in held and at_rest(body)
+    fixed = (all(held) and True in held) or getattr(body, "rigid", False) is True
+    return straight and fixed and at_rest(body)
 
 
 def at_rest(body: Body) -> bool:

@@ -88,6 +88,14 @@ def bodies_of(tree: xr.DataTree, selection: str | Sequence[str] | None = None) -
     return [name for name in present if name in names]
 
 
+def rigid_bodies_of(tree: xr.DataTree, selection: Sequence[str] | None = None) -> list[str]:
+    """Return bodies with a surface and no material points; none if a ``selection`` names others."""
+    if selection is not None:
+        return []
+    surfaces, points = (tree[n].children if n in tree.children else {} for n in ("surface", "particles"))
+    return [str(body) for body in surfaces if body not in points]
+
+
 def times_of(tree: xr.DataTree) -> FloatArray:
     """Return the times of outputs with points, else of all [s]."""
     points = tree["particles"].children.values() if "particles" in tree.children else ()

@@ -13,6 +13,7 @@ from mpmfw.errors import SceneError
 from mpmfw.geometry import Layout, discretise
 from mpmfw.plugin.checks import described, naming
 from mpmfw.runs.limits import check_box_inside
+from mpmfw.scene.tables import RigidBody
 from mpmfw.state.fields import AFFINE_FIELD, MOMENT_FIELD, PARTICLE_FIELDS, FloatArray
 from mpmfw.state.pairs import overlapping
 from mpmfw.state.structs import Body, Particles, State, Stencil
@@ -56,17 +57,18 @@ def make_bodies(
     moduli = {name: _moduli(material) for name, material in materials.items()}
     for index, (name, model) in enumerate(scene.bodies.items()):
         layout, count = layouts[index], len(layouts[index].volume)
+        rigid = isinstance(model, RigidBody)
         reach = np.abs(layout.half_edges).sum(axis=2)
         domains = [layout.position - reach, layout.position + reach]  # they bulge beyond an outline
         corners = np.concatenate(layout.outlines or domains)
-        bulk_modulus, shear_modulus = moduli[model.material]
+        bulk_modulus, shear_modulus = (np.inf, 0.0) if rigid else moduli[model.material]
         bodies.append(
             Body(
                 name=name,
                 index=index,
                 particles=slice(start, start + count),
                 field=index if per_body else 0,
-                density=scene.materials[model.material].density,
+                density=np.inf if rigid else scene.materials[model.material].density,
                 bulk_modulus=bulk_modulus,
                 shear_modulus=shear_modulus,
                 lower=tuple(corners.min(axis=0).tolist()),
@@ -74,6 +76,8 @@ def make_bodies(
                 outlines=layout.outlines,
                 facets=layout.facets,
                 thickness=1.0 if model.thickness is None else model.thickness,
+                rigid=rigid,
+                prescribed=model.prescribed,
             )
         )
         start += count
@@ -94,6 +98,8 @@ def _moduli(material: Material) -> tuple[float, float]:
 def check_bodies(scene: Scene, layouts: tuple[Layout, ...], bodies: tuple[Body, ...]) -> None:
     """Refuse bodies that leave the grid, or overlap without leave."""
     for body, layout in zip(bodies, layouts, strict=True):
+        if body.rigid:
+            continue
         low = np.minimum(layout.position.min(axis=0), body.lower)
         high = np.maximum(layout.position.max(axis=0), body.upper)
         check_box_inside(scene, body.name, low, high)
@@ -148,6 +154,8 @@ def make_particles(
     arrays["initial_volume"][:] = arrays["volume"][:] = volume
     arrays["deformation_gradient"][:] = np.eye(scene.dim)
     for body in bodies:
+        if body.rigid:
+            continue
         arrays["mass"][body.particles] = body.areal_density * volume[body.particles]
     thickness = None
     if any(body.thickness is not None for body in scene.bodies.values()):
@@ -168,7 +176,7 @@ def initial_velocity(scene: Scene, state: State, interpolate: Callable[[], Stenc
     A stored moment is B = W D with D = Σ φ q qᵀ, of the table φ that ``interpolate`` makes."""
     p = state.particles
     spread = _spread(state, interpolate()) if p.moment is not None else None
-    for body in state.bodies:
+    for body in state.soft_bodies:
         model, own = scene.bodies[body.name], body.particles
         if model.velocity is not None:
             p.velocity[own] += np.array(model.velocity)

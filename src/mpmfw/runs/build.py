@@ -69,7 +69,7 @@ def build(
     layouts = lay_out(scene)
     materials = {
         name: _plugin("material", scene.materials[name].model, scene.materials[name].options)
-        for name in dict.fromkeys(body.material for body in scene.bodies.values())
+        for name in dict.fromkeys(body.material for body in scene.bodies.values() if body.material)
     }
     return _put_together(scene, layouts, shape, contact, materials, loads or {})
 
@@ -118,14 +118,16 @@ def _put_together(
     )
     n_fields = len(bodies) if per_body else 1
     grid = make_grid(scene.grid.cell_size, np.array(scene.grid.lower), np.array(scene.grid.upper), n_fields)
+    grid.rigid_fields = sum(body.rigid for body in bodies) if per_body else 0
     particles = make_particles(scene, layouts, bodies, transfer, n_fields)
-    for body in bodies:  # neighbours become one slice, and take one call of a kernel
+    soft = [body for body in bodies if not body.rigid]
+    for body in soft:  # neighbours become one slice, and take one call of a kernel
         material, own = materials[scene.bodies[body.name].material], body.particles
         last = material.slices[-1:]
         if last and last[0].stop == own.start:
             material.slices, own = material.slices[:-1], slice(last[0].start, own.stop)
         material.slices = (*material.slices, own)
-    frequencies = [_highest_frequency(scene, body, shape.courant) for body in bodies]
+    frequencies = [_highest_frequency(scene, body, shape.courant) for body in soft]
     setup = Setup(
         State(particles, grid, bodies, ()),
         layouts,
@@ -201,11 +203,13 @@ def _add_interfaces(setup: Setup) -> None:
     by_law = None if law is None or law.is_coulomb else law.label
     near = BodyPairs(tuple(index), 0.0 if given is None else float(given.friction), mu, by_law)
     follows = hasattr(contact, "add_pairs") or not any(hasattr(contact, name) for name in HOOKS)
-    if len(index) <= FEW or not follows:
-        near.add(state, *np.triu_indices(len(index), 1))
-    else:
-        near.add(state, *ends.T)
+    pairs = np.column_stack(np.triu_indices(len(index), 1))
+    if len(index) > FEW and follows:
+        rigid = np.array([body.rigid for body in state.bodies])  # which have no window that comes near
+        pairs = np.concatenate([ends, pairs[rigid[pairs[:, 1]]]])
         state.near = near
+    prescribed = np.array([body.prescribed for body in state.bodies])
+    near.add(state, *pairs[~prescribed[pairs].all(axis=1)].T)  # nothing moves two such bodies apart
 
 
 def _plugin(kind: Any, name: str, options: Any) -> Any:
@@ -267,7 +271,7 @@ def _effects(setup: Setup) -> list[tuple[str, str, object, str]]:
     damped = any(scene.materials[name].damping for name in setup.materials)
     no_gap = "one body" if output.gap else "output.gap = false"
     loaded = "no side has a pressure, traction or force"
-    contact_moment = output.contact_moment is not None
+    contact_moment, rigid = output.contact_moment is not None, any(body.rigid for body in setup.bodies)
     by_output = (
         ("energy ledger", "effects.ledger:EnergyLedger.from_setup", "ledger"),
         ("stability series", "effects.series:TimeStepSeries.from_setup", "stability"),
@@ -275,7 +279,9 @@ def _effects(setup: Setup) -> list[tuple[str, str, object, str]]:
     )
     no_surface = "no surface is tracked" if output.surface else "output.surface = false"
     return [
+        ("rigid bodies", "effects.rigid:RigidBodies.from_setup", rigid, "no rigid body"),
         ("contact", "contact.strategy:from_setup", True, ""),
+        ("reaction", "effects.reaction:Reaction.from_setup", rigid, "no rigid body"),
         ("least gap", "effects.surface:GapDiagnostic.from_setup", output.gap and several, no_gap),
         ("surfaces", "effects.surface:SurfaceTracker.from_setup", setup.surface_users,
          "nothing needs outlines"),

@@ -14,6 +14,7 @@ import numpy as np
 
 from mpmfw.errors import SceneError
 from mpmfw.geometry.plane import PlaneGeometry
+from mpmfw.scene.tables import RigidBody
 from mpmfw.state.fields import FloatArray
 
 if TYPE_CHECKING:
@@ -39,17 +40,19 @@ _BEYOND = 10
 def largest_counts(body: Body, cell_size: float) -> FloatArray:
     """Return the most points, window nodes and surface nodes of a body, (3,)."""
     geometry, extent = body.geometry, np.subtract(*body.geometry.bounds[::-1])
+    edge = body.segment_length(cell_size)
+    if isinstance(geometry, PlaneGeometry):
+        surface = 2.0 * geometry.outline_length / edge + 8.0
+    else:
+        surface = geometry.surface_nodes(edge)
+    if isinstance(body, RigidBody):
+        return np.array([0.0, 0.0, surface])
     fitted = body.particles.layout == "fitted"
     # No edge of a fitted layout may exceed the size: where it follows a curve, most are well below it
     spare = 3.0 if fitted and geometry.type not in ("rectangle", "box") else 1.0
     points = spare * float(np.prod(np.ceil(extent / body.particles.size) + 1.0))
     if fitted and geometry.type == "mesh":
         points = float(len(geometry.elements.pieces))
-    edge = body.segment_length(cell_size)
-    if isinstance(geometry, PlaneGeometry):
-        surface = 2.0 * geometry.outline_length / edge + 8.0
-    else:
-        surface = geometry.surface_nodes(edge)
     return np.array([points, np.prod(np.ceil(extent / cell_size) + _BEYOND), surface])
 
 
@@ -65,6 +68,8 @@ def check_memory(scene: Scene) -> None:
     cell = scene.grid.cell_size
     for name, body in scene.bodies.items():
         lower, upper = body.geometry.bounds
+        if isinstance(body, RigidBody):
+            continue
         check_box_inside(scene, name, lower, upper, slack=cell)
         if not (least := float(np.subtract(upper, lower).min())) > THINNEST * cell:
             raise SceneError(
@@ -79,7 +84,8 @@ def check_memory(scene: Scene) -> None:
         name = max(amounts, key=lambda name: float(amounts[name].sum()))
         body, part = scene.bodies[name], int(np.argmax(amounts[name]))
         key, what = (
-            (f"bodies.{name}.particles.size", f"material points of {body.particles.size:g} m"),
+            (f"bodies.{name}.particles.size",
+             f"material points of {getattr(body.particles, 'size', 0.0):g} m"),
             ("grid.cell_size", f"nodes of the grid, whose cells are of {cell:g} m"),
             ("grid.cell_size" if body.segment is None else f"bodies.{name}.segment",
              f"surface nodes, {body.segment_length(cell):g} m apart"),
@@ -141,6 +147,8 @@ def coarse_bodies(scene: Scene) -> list[str]:
     """Return warnings about points or cells larger than their body."""
     texts, cell = [], scene.grid.cell_size
     for name, body in scene.bodies.items():
+        if isinstance(body, RigidBody):
+            continue
         least = (1.0 + 1e-9) * float(np.subtract(*body.geometry.bounds[::-1]).min())
         own_elements = body.geometry.type == "mesh" and body.particles.layout == "fitted"
         if (size := body.particles.size) > least and not own_elements:

@@ -80,3 +80,5 @@ SidePressure = number_in_time(Pressure)
 SideTraction = vector_in_time(Pressure)
 #: A vector, or rows (t, f_x, f_y[, f_z]).
 SideForce = vector_in_time(Force)
+#: A vector, or rows (t, v_x, v_y[, v_z]).
+VelocityInTime = vector_in_time(Velocity)

@@ -13,8 +13,9 @@ from mpmfw.plugin.discovery import REFERENCES, available, nearest
 from mpmfw.scene.locator import Path
 from mpmfw.scene.options import NAMED
 from mpmfw.scene.problem import Problem
+from mpmfw.scene.rigid import check_rigid
 from mpmfw.scene.sides import check_sides
-from mpmfw.scene.tables import Body, ConstantGravity, Side, Tables
+from mpmfw.scene.tables import Body, ConstantGravity, RigidBody, Side, Tables
 from mpmfw.scene.wording import unknown_name
 from mpmfw.units import problems_in_time, wrong_length
 
@@ -50,6 +51,10 @@ def check(scene: Tables, plugins: Mapping[Path, type[Any]], options: Mapping[Pat
     yield from _vector(scene.output.contact_moment, ("output", "contact_moment"), scene.grid.dim)
     for name, body in scene.bodies.items():
         yield from _body(scene, ("bodies", name), body)
+    if all(isinstance(body, RigidBody) for body in scene.bodies.values()):
+        yield Problem(("bodies",), "every body is rigid; expected one that deforms")
+    if scene.sleep is not None and any(isinstance(body, RigidBody) for body in scene.bodies.values()):
+        yield Problem(("sleep",), "does not go with rigid bodies: what touches one that moves cannot rest")
 
 
 def _reference(scene: Tables) -> Iterator[Problem]:
@@ -108,7 +113,7 @@ def _names(scene: Tables) -> Iterator[Problem]:
             elif kind == "bodies" and name in _DIMENSIONS:
                 yield Problem((kind, name), f"'{name}' is a dimension of the results; expected another name")
     for name, body in scene.bodies.items():
-        if body.material not in scene.materials:
+        if not isinstance(body, RigidBody) and body.material not in scene.materials:
             yield _no_such("material", ("bodies", name, "material"), body.material, scene.materials)
 
 
@@ -212,7 +217,9 @@ def _body(scene: Tables, path: Path, body: Body) -> Iterator[Problem]:
         yield Problem((*path, "geometry", "type"), message)
     if isinstance(body.geometry, SurfaceMesh):
         yield from _surface_mesh(scene, (*path, "geometry"), body.geometry)
-    if len(body.particles.offset) > dim:
+    if isinstance(body, RigidBody):
+        yield from check_rigid(body, path, dim)
+    elif len(body.particles.offset) > dim:
         yield Problem((*path, "particles", "offset"), wrong_length(len(body.particles.offset), dim))
     yield from _vector(body.velocity, (*path, "velocity"), dim)
     if body.angular_velocity is not None and isinstance(body.angular_velocity, tuple) != (dim == 3):

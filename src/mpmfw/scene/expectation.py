@@ -26,6 +26,8 @@ _QUANTITIES = {
     "rad": ("an angle", "60 deg"),
     "Pa": ("a pressure or modulus", "6 MPa"),
     "kg/m^3": ("a density", "1 g/cm^3"),
+    "kg": ("a mass", "2 kg"),
+    "kg m^2": ("a moment of inertia", "0.1 kg m^2"),
 }
 TYPES = {
     str: "a string",
@@ -81,6 +83,9 @@ def _alternatives(hint: Any, data: Any) -> Iterator[Any]:
         yield from _alternatives(hint.annotation, data)
     elif origin in (Union, types.UnionType):
         found = [inner for arg in args for inner in _alternatives(arg, data)]
+        rigid = [one for one in models_in(found) if "rigid" in one.model_fields]
+        if rigid and isinstance(data, Mapping):
+            found = rigid if "rigid" in data else [one for one in found if one not in rigid]
         if isinstance(tag, str) and any(map(tag_of, models_in(found))):
             chosen = [one for one in models_in(found) if tag_of(one) == tag]
             with suppress(SceneError):

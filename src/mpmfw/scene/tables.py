@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, Field, Strict, model_validator
+from pydantic import BaseModel, Discriminator, Field, Strict, Tag, field_validator, model_validator
 from pydantic.json_schema import SkipJsonSchema
 
 from mpmfw.geometry import Geometry, Particles
@@ -30,6 +30,7 @@ from mpmfw.scene.base import (
     Table,
     VelocityVector,
 )
+from mpmfw.scene.rigid import OfDeformable, RigidTable
 from mpmfw.units import Acceleration, Angle, Density, Frequency, Number
 
 #: Options of the chosen plug-in, an instance of its own model; scenes write them in a table of its name.
@@ -189,6 +190,37 @@ class Body(Table):
         share = 0.25 if self.geometry.dim == 2 else 0.5
         return share * cell_size if self.segment is None else float(self.segment)
 
+    @property
+    def prescribed(self) -> bool:
+        """Return True if the body is rigid and no force moves it."""
+        return False
+
+
+class RigidBody(Body):
+    """A body that does not deform: ``rigid`` says what moves it; at the start, if it is free, a velocity."""
+
+    rigid: RigidTable
+    material: SkipJsonSchema[OfDeformable] = ""
+    particles: SkipJsonSchema[OfDeformable] = None
+    rotation: SkipJsonSchema[OfDeformable] = None
+    sides: SkipJsonSchema[OfDeformable] = ()
+
+    @property
+    def prescribed(self) -> bool:
+        """Return True if no force moves the body."""
+        return self.rigid is True or self.rigid.motion is not None
+
+
+def _kind_of_body(value: Any) -> str:
+    rigid = isinstance(value, RigidBody) or (isinstance(value, Mapping) and "rigid" in value)
+    return "a rigid body" if rigid else "a deformable body"
+
+
+AnyBody = Annotated[
+    Annotated[Body, Tag("a deformable body")] | Annotated[RigidBody, Tag("a rigid body")],
+    Discriminator(_kind_of_body),
+]
+
 
 class Named(Table):
     """A plug-in by its model, the bodies that it concerns (None is all), and its options."""
@@ -306,7 +338,7 @@ class Tables(Table):
     shape: Shape
     contact: Contact | None = None
     materials: Annotated[Mapping[str, Material], Field(min_length=1)]
-    bodies: Annotated[Mapping[str, Body], Field(min_length=1)]
+    bodies: Annotated[Mapping[str, AnyBody], Field(min_length=1)]
     gravity: Gravity | None = None
     loads: Mapping[str, Load] = {}
     boundaries: Mapping[str, Boundary] = {}
@@ -320,3 +352,9 @@ class Tables(Table):
     def dim(self) -> int:
         """Number of space dimensions."""
         return self.grid.dim
+
+    @field_validator("bodies")
+    @classmethod
+    def _rigid_bodies_last(cls, bodies: Mapping[str, Body]) -> Mapping[str, Body]:
+        """Put rigid bodies after the others, as their points of mass follow the nodes of the grid."""
+        return dict(sorted(bodies.items(), key=lambda each: isinstance(each[1], RigidBody)))

@@ -95,7 +95,8 @@ class BodyPairs:
         if windows and grid.frame == self._frame:
             return False
         self._frame = grid.frame
-        boxes = (grid.window_lower, grid.window_lower + grid.window_shape - 1)
+        laid = slice(grid.n_fields - grid.rigid_fields)  # pairs with rigid bodies are listed already
+        boxes = (grid.window_lower[laid], (grid.window_lower + grid.window_shape - 1)[laid])
         return self.add(state, *overlapping(*(boxes if windows else _outlines(state))))
 
     def add(self, state: State, first: IntArray, second: IntArray) -> bool:

@@ -68,6 +68,8 @@ class Body:
     outlines: tuple[FloatArray, ...]  #: nodes (m, dim) [m] of its closed surfaces; () without surface
     facets: tuple[IntArray, ...] = ()  #: of each of them the facets' nodes (k, dim), material on the left
     thickness: float = 1.0  #: across the plane [m]; in space 1
+    rigid: bool = False  #: it has no material points; density, K and wave speed are infinite, G is 0
+    prescribed: bool = False  #: it is rigid, and no force moves it
     areal_density: float = dataclasses.field(init=False)  #: ρ times the thickness [kg/m²], in space ρ [kg/m³]
     p_wave_modulus: float = dataclasses.field(init=False)  #: M = K + 4 G / 3 [Pa]
     wave_speed: float = dataclasses.field(init=False)  #: c = sqrt(M / ρ) [m/s]
@@ -76,7 +78,8 @@ class Body:
         modulus = self.bulk_modulus + 4.0 * self.shear_modulus / 3.0
         object.__setattr__(self, "areal_density", self.density * self.thickness)
         object.__setattr__(self, "p_wave_modulus", modulus)
-        object.__setattr__(self, "wave_speed", float(np.sqrt(modulus / self.density)))
+        speed = np.inf if self.rigid else float(np.sqrt(modulus / self.density))
+        object.__setattr__(self, "wave_speed", speed)
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,6 +181,7 @@ class Grid(Struct):
     velocity: FloatArray  #: (n_nodes, dim) [m/s]
     spacing: tuple[float, ...]  #: (h, h[, h]) [m]: its length tells compiled kernels the dimension
     frame: int = 0  #: counts how often the windows were laid; node indices are valid within one frame
+    rigid_fields: int = 0  #: number of rigid bodies' fields, the last ones: dim + 1 points of mass each
 
     def __post_init__(self) -> None:
         self.set()
@@ -218,11 +222,17 @@ class Surface:
     stencil: Stencil | None = None  #: N_i(x_s) of this step
     covered: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     """(n_f,) body that lies flush on the facet near a third body, −1 for none; (0,) unless it is needed"""
+    rigid_nodes: int = 0  #: number of nodes of rigid bodies, the last ones
 
     @property
     def count(self) -> int:
         """Number of surface nodes."""
         return len(self.tributary)
+
+    @property
+    def on_grid(self) -> int:
+        """Number of nodes that move with the grid, the first ones."""
+        return self.count - self.rigid_nodes
 
     @property
     def table(self) -> Stencil:
@@ -261,6 +271,7 @@ class State:
     arrays: dict[str, AnyArray] = field(default_factory=dict)  #: plug-ins' own arrays, as ``owner/name``
     dims: dict[str, tuple[str, ...]] = field(default_factory=dict)  #: of the arrays that were declared
     near: Any = None  #: ``BodyPairs``, which list pairs as bodies come near; None where all pairs are listed
+    rigid: Any = None  #: ``RigidBodies`` and their motion; None without any
 
     @property
     def pair_bodies(self) -> IntArray:
@@ -277,9 +288,15 @@ class State:
     @property
     def centres_of_mass(self) -> FloatArray:
         """Centres of mass of all bodies, (n_bodies, dim) [m]."""
-        p, starts = self.particles, [body.particles.start for body in self.bodies]
+        p, starts = self.particles, [body.particles.start for body in self.soft_bodies]
         weighted = np.add.reduceat(p.mass[:, None] * p.position, starts)
-        return np.asarray(weighted / np.add.reduceat(p.mass, starts)[:, None])
+        centres = np.asarray(weighted / np.add.reduceat(p.mass, starts)[:, None])
+        return centres if self.rigid is None else np.concatenate([centres, self.rigid.centroid])
+
+    @property
+    def soft_bodies(self) -> tuple[Body, ...]:
+        """All bodies but the rigid ones, which are the last."""
+        return tuple(body for body in self.bodies if not body.rigid)
 
     @property
     def kept_arrays(self) -> dict[str, AnyArray]:

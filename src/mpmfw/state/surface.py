@@ -39,6 +39,7 @@ def make_surface(bodies: tuple[Body, ...], n_fields: int, stage: str) -> Surface
         body_first=body_first,
         facet_first=np.searchsorted(np.concatenate(facet_owner), index),
         stage=stage,
+        rigid_nodes=sum(len(nodes) for body in bodies if body.rigid for nodes in body.outlines),
     )
 
 

@@ -48,6 +48,9 @@ def fitted_windows(
     first, shape = np.empty_like(grid.window_lower), np.empty_like(grid.window_shape)
     for index in range(grid.n_fields):
         own = slice(int(particles.first[index]), int(particles.first[index + 1]))
+        if index >= grid.n_fields - grid.rigid_fields:  # dim + 1 points of mass, beyond all other windows
+            first[index], shape[index] = grid.nodes + 1, (grid.dim + 1, *[1] * (grid.dim - 1))
+            continue
         lower, upper = low[own].min(axis=0), high[own].max(axis=0)
         if surface is not None:
             nodes = surface.position[int(surface.first[index]) : int(surface.first[index + 1])]
@@ -71,8 +74,9 @@ def set_windows(grid: Grid, lower: IntArray, shape: IntArray, most: float = np.i
     """Lay the windows at given nodes, (n_fields, dim) each, of the background grid.
 
     Raise NotSaved if they are not within the grid, or have more than ``most`` nodes."""
+    laid = slice(grid.n_fields - grid.rigid_fields)
     within = lower.shape == shape.shape == grid.window_lower.shape and bool(
-        (lower >= 0).all() and (shape >= 1).all() and (lower <= grid.nodes - shape).all()
+        (lower >= 0).all() and (shape >= 1).all() and (lower <= grid.nodes - shape)[laid].all()
     )
     if not within or np.prod(shape, axis=1, dtype=float).sum() > most:
         raise NotSaved("the windows of the velocity fields are not within the grid")

@@ -165,10 +165,14 @@ def _fill_tables(state: State, hook: Any, clock: Clock) -> Stencil:
     if surface is not None:
         clock(surface.stage)
         position, first = surface.position, surface.first
+        if state.rigid is not None:
+            position, first = position[: surface.on_grid], first[: len(first) - grid.rigid_fields]
         try:
             surface.stencil = hook.interpolate_surface(position=position, first=first, grid=grid)
         except OutsideGrid as error:
             raise OutsideGrid(error.index, surface=True) from None
+        if state.rigid is not None:
+            surface.stencil = state.rigid.with_points(surface.stencil)
     return phi
 
 

@@ -166,11 +166,12 @@ class Surfaces(OnFacets):
         if master is not None and master not in [body.name for body in bodies]:
             names = ", ".join(body.name for body in bodies)
             raise SceneError(f"no body '{master}'; expected one of {names}", key=f"contact.{owner}.master")
-        if self.two_passes:
-            return np.zeros(len(bodies), dtype=np.int64)
-        size = np.array([surface.tributary[surface.of(body.index)].sum() for body in bodies])
-        ranks = stiffness_ranks(bodies) * len(bodies) + ranks_of(size)
-        ranks[[body.index for body in bodies if body.name == master]] = len(bodies) ** 2
+        ranks = np.zeros(len(bodies), dtype=np.int64)
+        if not self.two_passes:
+            size = np.array([surface.tributary[surface.of(body.index)].sum() for body in bodies])
+            ranks = stiffness_ranks(bodies) * len(bodies) + ranks_of(size)
+            ranks[[body.index for body in bodies if body.name == master]] = len(bodies) ** 2
+        ranks[[body.index for body in bodies if body.rigid]] = 2 * len(bodies) ** 2  # it follows no node
         return ranks
 
     def new_rows(self, own: dict[str, int | None]) -> SurfaceRows:

@@ -52,7 +52,7 @@ class InterfaceLayer:
         """Mass of every surface node."""
         surface = self.surface = setup.state.tracked_surface
         self.state, self.flip = setup.state, setup.flip
-        density = np.array([body.areal_density for body in setup.bodies])
+        density = np.array([0.0 if body.rigid else body.areal_density for body in setup.bodies])
         self.mass: FloatArray = setup.allocate(self.name, MASS)
         self.mass[:] = self.thickness * density[surface.body] * surface.tributary
         self.velocity: FloatArray = setup.allocate(self.name, VELOCITY)

@@ -241,6 +241,8 @@ class TravelLimit:
             unit = 1.0
             for body in state.bodies:
                 velocity = state.particles.velocity[body.particles]
+                if body.rigid:
+                    velocity = state.rigid.surface_velocity(body)
                 self.motions.lower[body.index] = velocity.min(axis=0)
                 self.motions.upper[body.index] = velocity.max(axis=0)
         steps = fewest_steps(

@@ -1,0 +1,112 @@
+"""Rows of grid nodes against rigid bodies: distance and normal are those of the rigid surface itself."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from mpmfw.contact.rows import ContactRows
+from mpmfw.kernels import Facets, kernel, scratch
+from mpmfw.kernels.boxes import BLOCK, block_boxes
+from mpmfw.kernels.facets import read_point
+from mpmfw.kernels.surfaces import closest_facet, signed_distance
+from mpmfw.kernels.types import Faceted, Floats
+from mpmfw.state.fields import FloatArray, IntArray
+from mpmfw.state.structs import Grid, Pair, State
+
+#: Distance from a rigid surface up to which nodes touch [cells]: of a node a cell away a body at the surface
+#: has next to nothing.
+NEAR = 1.0 - 1e-6
+
+
+@kernel
+def measure_distances(
+    points: Floats, first: int, last: int, surface: Faceted, distance: Floats, normal: Floats,
+    spacing: tuple[float, ...],
+) -> None:  # fmt: skip
+    """Signed distance of ``points`` (n, dim) from the closed surface of the facets ``first:last``, into
+    ``distance`` (n,), and its outward normal there, into ``normal`` (n, dim)."""
+    boxes = np.empty(((last - first) // BLOCK + 1, 2, len(spacing)))
+    block_boxes(first, last, 0, surface, boxes, spacing)
+    x, share, n = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
+    closest = first
+    for p in range(len(points)):
+        read_point(p, points, x, spacing)
+        closest = closest_facet(x, math.inf, closest, first, last, 0, surface, boxes, spacing)
+        distance[p] = signed_distance(x, closest, surface, share, n, spacing)
+        for d in range(len(spacing)):
+            normal[p, d] = n[d]
+
+
+class NearRigid:
+    """Nodes of one body that deforms which lie within a cell of a rigid body's surface."""
+
+    def __init__(self, pair: Pair, body: int, facets: slice, nodes: IntArray) -> None:
+        self.pair, self.body, self.facets, self.nodes = pair, body, facets, nodes
+
+
+class RigidSurfaces:
+    """The rigid bodies of a scene as nodes of the grid meet them."""
+
+    def __init__(self, state: State) -> None:
+        self.state, self.surface = state, state.tracked_surface
+        self.geometry = Facets(**{name: getattr(self.surface, name) for name in Facets.member_names})
+
+    def measure(self, points: FloatArray, facets: slice) -> tuple[FloatArray, FloatArray]:
+        """Return distance (n,) [m] and normal (n, dim) of points (n, dim) from a body's surface."""
+        distance, normal = np.empty(len(points)), np.empty_like(points)
+        measure_distances(
+            points, facets.start, facets.stop, self.geometry, distance, normal, self.state.grid.spacing
+        )
+        return distance, normal
+
+    def find(self, grid: Grid, least_mass: float) -> list[NearRigid]:
+        """Return the nodes with more mass than ``least_mass`` that are near rigid bodies, by pair."""
+        found, reach, surface = [], NEAR * grid.cell_size, self.surface
+        first_rigid = len(self.state.soft_bodies)
+        for pair in self.state.pairs:
+            if pair.first >= first_rigid or pair.second < first_rigid:
+                continue
+            own = grid.field_nodes(self.state.bodies[pair.first].field)
+            box, x = surface.position[surface.of(pair.second)], grid.position[own]
+            within = (x > box.min(axis=0) - reach) & (x < box.max(axis=0) + reach)
+            nodes = own.start + np.flatnonzero(within.all(axis=1) & (grid.mass[own] > least_mass))
+            facets = surface.facets_of(pair.second)
+            nodes = nodes[self.measure(grid.position[nodes], facets)[0] < reach]
+            if len(nodes):
+                found.append(NearRigid(pair, pair.second - first_rigid, facets, nodes))
+        return found
+
+    def write(
+        self, near: NearRigid, grid: Grid, rows: ContactRows, mean: FloatArray, beyond: float, area: Any
+    ) -> None:
+        """Append rows; gaps are those of the nodes' ``mean`` positions (n_nodes, dim), less ``beyond`` [m].
+
+        Without mean positions gaps are 0. ``area`` is a function of nodes (n,) and normals (n, dim).
+        """
+        nodes, n, c, dim = near.nodes, len(near.nodes), rows.count, grid.dim
+        distance, normal = self.measure((mean if len(mean) else grid.position)[nodes], near.facets)
+        weight, part = self.state.rigid.weights_at(near.body, grid.position[nodes]), slice(c, c + n)
+        points = self.state.rigid.own(grid.start_velocity)[near.body]
+        rows.pair[part], rows.sign[part], rows.normal[part] = near.pair.index, 1.0, normal
+        rows.identity[part] = self._identity(near, grid)
+        rows.gap[part] = distance - beyond if len(mean) else 0.0
+        rows.area[part], rows.tributary_area[part] = area(nodes, normal), grid.cell_size ** (dim - 1)
+        rows.motion[part] = self.state.dt * (grid.start_velocity[nodes] - weight @ points)
+        begin, width = int(rows.start[c]), dim + 2
+        rows.start[c : c + n + 1] = begin + width * np.arange(n + 1)
+        entries = slice(begin, begin + width * n)
+        first = len(grid.mass) - (len(self.state.rigid.bodies) - near.body) * (dim + 1)
+        dofs = np.column_stack([nodes, np.broadcast_to(first + np.arange(dim + 1), (n, dim + 1))])
+        rows.dof[entries] = dofs.ravel()
+        rows.weight[entries] = np.column_stack([np.ones(n), -weight]).ravel()
+        rows.count += n
+
+    def _identity(self, near: NearRigid, grid: Grid) -> IntArray:
+        """Return a number of pair and node of the background grid, behind those of all shared nodes."""
+        field = self.state.bodies[near.pair.first].field
+        place = np.unravel_index(near.nodes - grid.offset[field], grid.window_shape[field])
+        node = np.ravel_multi_index(tuple(np.array(place) + grid.window_lower[field, :, None]), grid.nodes)
+        return np.asarray((len(self.state.pairs) + near.pair.index) * int(np.prod(grid.nodes)) + node)

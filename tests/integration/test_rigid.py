@@ -1,0 +1,293 @@
+"""Rigid bodies: at rest, moved as prescribed, or free, under contacts on surfaces and at nodes."""
+
+import copy
+import warnings
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import mpmfw
+from mpmfw.contact import rigid_nodes, strategy
+from mpmfw.effects import rigid
+from mpmfw.errors import SceneError
+from mpmfw.results.analysis import fitted_acceleration
+from mpmfw.results.references import reference_of
+from mpmfw.runs.restart import read_snapshot, write_snapshot
+from mpmfw.runs.simulation import Simulation
+from scenes_for_tests import SOFT, with_changes
+
+BLOCK = {"type": "rectangle", "lower": [0.0, -0.5], "upper": [2.0, 0.3]}
+DISC = {"type": "disc", "centre": [1.1, 0.75], "radius": 0.4}
+FREE = {
+    "geometry": DISC, "segment": 0.05, "rigid": {"density": 1000.0},
+    "velocity": [1.0, -2.0], "angular_velocity": 3.0,
+}  # fmt: skip
+#: Contacts on surfaces and at nodes, of forces and of impulses.
+CONTACTS = {
+    "penalty": {}, "lcp": {}, "impulse": {}, "hybrid": {}, "midplane": {}, "barrier": {}, "nairn": {},
+    "bardenhagen": {"criterion": "position", "largest_strain": 0.5, "traction": True},
+}  # fmt: skip
+
+
+def drop(body, method="penalty", **changes):
+    """A rigid disc over a floating block of rubber."""
+    scene = {
+        "grid": {"cell_size": 0.1, "lower": [-1.0, -1.5], "upper": [3.0, 2.5]},
+        "time": {"end": 0.1, "output_interval": 0.01},
+        "shape": {"method": "cpdi"},
+        "contact": {"method": method, "friction": 0.3, method: CONTACTS.get(method, {})},
+        "materials": {"soft": {**SOFT, "bulk_modulus": 1e6, "shear_modulus": 5e5}},
+        "bodies": {
+            "disc": body,
+            "block": {"material": "soft", "geometry": BLOCK, "particles": {"size": 0.1}},
+        },
+        "output": {"particles": False, "surface": False},
+    }
+    return with_changes(copy.deepcopy(scene), **changes)
+
+
+def series_of(scene):
+    """Series of a run, the rigid body's by their last index."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", mpmfw.errors.ResultsWarning)
+        return mpmfw.run(scene)["series"]
+
+
+@pytest.mark.parametrize("method", CONTACTS)
+def test_a_free_disc_and_a_block_keep_their_momentum(method):
+    """And the reaction is what changes the disc's momentum, spin and energy."""
+    series = series_of(drop(FREE, method, output__contact_moment=[0.0, 0.0]))
+    p, moment = series["linear_momentum"].values, series["contact_moment"].values
+    brought = np.abs(p[:, 1] - p[0, 1]).max()
+    assert brought > 100.0
+    assert np.abs(p.sum(axis=1) - p[0].sum(axis=0)).max() < 1e-12 * brought
+    assert np.abs(moment.sum(axis=1)).max() < 1e-12 * np.abs(moment).max()
+    interval = np.diff(series["time"].values, prepend=0.0)[:, np.newaxis]
+    for name, cause in (("linear_momentum", "reaction"), ("angular_momentum", "reaction_moment")):
+        change = series[name].values[:, 1] - series[name].values[0, 1]
+        given = np.cumsum(interval * series[cause].values[:, 1], axis=0)
+        assert np.abs(given - change).max() < 1e-10 * np.abs(change).max()
+    energy = series["kinetic_energy"].values[:, 1]
+    assert series["reaction_work"].values[-1, 1] == pytest.approx(energy[-1] - energy[0], rel=1e-9)
+    assert np.isnan(series["reaction"].values[:, 0]).all()
+
+
+@pytest.mark.parametrize(("case", "within"), [("slip", 1e-3), ("no-slip", 4e-3)])
+def test_the_cylinder_on_a_rigid_plane_has_the_closed_forms_acceleration(case, within):
+    tree = mpmfw.run(f"rolling-cylinder-{case}-rigid", set={"output.particles": False})
+    series, solution = tree["series"], reference_of(tree.attrs).solution
+    way, time = series["centre_of_mass"].values[:, 0, 0], series["time"].values
+    end = solution.time_to(10.0)
+    assert fitted_acceleration(time, way, 0.2 * end, end) == pytest.approx(solution.acceleration, rel=within)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.35])
+@pytest.mark.parametrize("method", ["penalty", "lcp", "bardenhagen"])
+def test_a_block_slides_down_a_turned_incline(method, angle):
+    """Contact at nodes, too: its normal is that of the plane, and not of the cells."""
+    along, across = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
+    scene = drop({"geometry": {**BLOCK, "angle": angle}, "rigid": True}, method, contact__friction=0.2)
+    middle = np.array([1.0, -0.1]) + 0.4 * across + 0.15 * across
+    block = {
+        "type": "rectangle",
+        "lower": np.subtract(middle, [0.2, 0.15]).tolist(),
+        "upper": np.add(middle, [0.2, 0.15]).tolist(),
+    }
+    scene["bodies"]["block"] |= {"geometry": {**block, "angle": angle}, "particles": {"size": 0.05}}
+    scene["gravity"] = {"vector": (5.0 * along - 8.66 * across).tolist()}
+    scene["settle"] = {"gravity": {"vector": (-8.66 * across).tolist()}}
+    scene["materials"]["soft"] |= {"bulk_modulus": 6e6, "shear_modulus": 3e6}
+    series = series_of(with_changes(scene, time={"end": 0.2, "output_interval": 0.01}))
+    way = (series["centre_of_mass"].values[:, 0] - series["centre_of_mass"].values[0, 0]) @ along
+    found = fitted_acceleration(series["time"].values, way, 0.05, 0.2)
+    assert found == pytest.approx(5.0 - 0.2 * 8.66, rel=0.01)
+
+
+DRIVEN = {
+    "velocity": [[0.0, 0.0, 0.0], [0.05, 0.0, -0.8], [0.1, 0.4, -0.4]],
+    "angular_velocity": [[0.0, 0.0], [0.1, 3.0]],
+    "about": [1.1, 0.3],
+}
+
+
+def driven(method, **changes):
+    """A disc that is driven into the block, whose bottom is held."""
+    held = [{"side": "bottom", "fixed": True}]
+    disc = {"geometry": {**DISC, "centre": [1.1, 0.7]}, "segment": 0.05, "rigid": {"motion": DRIVEN}}
+    return drop(disc, method, bodies__block__sides=held, output__ledger=True, **changes)
+
+
+@pytest.mark.parametrize("method", ["penalty", "lcp", "bardenhagen"])
+def test_a_driven_body_moves_as_the_table_says_and_its_work_is_that_of_the_ledger(method):
+    series = series_of(driven(method))
+    centre, turn = series["centre_of_mass"].values[-1, 1], 0.15
+    about = np.array([1.11, 0.25])
+    assert centre == pytest.approx(about + 0.4 * np.array([-np.sin(turn), np.cos(turn)]), abs=1e-4)
+    assert series["mean_velocity"].values[-1, 1] == pytest.approx(
+        [0.4 - 3.0 * 0.4 * np.cos(turn), -0.4 - 3.0 * 0.4 * np.sin(turn)], abs=0.02
+    )
+    work = -float(series["reaction_work"].values[-1, 1])
+    assert work > 100.0
+    assert float(series["external_work"].values[-1]) == pytest.approx(work, rel=1e-3)
+    assert abs(float(series["energy_residual"].values[-1])) < 0.04 * work
+    if method == "penalty":
+        assert abs(float(series["contact_residual"].values[-1])) < 0.02 * work
+
+
+@pytest.mark.parametrize("scheme", ["musl", "usf"])
+def test_other_orders_of_the_step_know_them(scheme):
+    series = series_of(drop(FREE, "lcp", stepping={"scheme": scheme}))
+    p = series["linear_momentum"].values
+    assert np.abs(p.sum(axis=1) - p[0].sum(axis=0)).max() < 1e-12 * np.abs(p).max()
+
+
+@pytest.mark.parametrize("scene", [drop(FREE, "lcp"), driven("penalty"), drop(FREE, "bardenhagen")])
+def test_a_run_that_was_saved_goes_on_to_the_bit(scene, tmp_path):
+    def run(simulation, save_at=0):
+        frames = []
+
+        def after_step():
+            if simulation.state.steps == save_at - 1:
+                write_snapshot(str(tmp_path / "saved"), simulation.snapshot())
+
+        simulation.run(lambda frame: frames.append(copy.deepcopy(frame)), None, after_step)
+        return frames
+
+    frames = run(Simulation(scene), 20)
+    second = Simulation(scene)
+    second.restore(read_snapshot(str(tmp_path / "saved"))[0])
+    for one, other in zip(frames[-3:], run(second)[-3:], strict=True):
+        for name, values in one.series.items():
+            assert np.asarray(values).tobytes() == np.asarray(other.series[name]).tobytes(), name
+
+
+BALL = {"type": "ball", "centre": [0.0, 0.0, 0.3], "radius": 0.3}
+SLAB = {"type": "box", "lower": [-2.0, -2.0, -0.3], "upper": [2.0, 2.0, 0.0]}
+CUBE = {"type": "box", "lower": [-0.1, -0.2, 0.62], "upper": [0.2, 0.1, 0.92]}
+
+
+@pytest.mark.parametrize("method", ["penalty", "bardenhagen", "lcp"])
+def test_in_space_a_cube_falls_on_a_ball_on_a_slab_beyond_the_grid(method):
+    scene = drop({"geometry": SLAB, "rigid": True, "segment": 0.5}, method)
+    scene["grid"] |= {"lower": [-0.8, -0.8, -0.5], "upper": [0.8, 0.8, 1.6]}
+    rubber = {"material": "soft", "geometry": BALL, "particles": {"size": 0.1}}
+    motion = {"velocity": [0.3, 0.0, -2.0], "angular_velocity": [1.0, 0.0, 2.0]}
+    cube = {"geometry": CUBE, "segment": 0.1, "rigid": {"motion": motion}}
+    if method == "lcp":
+        cube |= {"rigid": {"density": 1000.0}, **motion}
+    scene["bodies"] = {"slab": scene["bodies"]["disc"], "cube": cube, "ball": rubber}
+    series = series_of(with_changes(scene, time={"end": 0.04, "output_interval": 0.01}))
+    assert list(series["body"].values) == ["ball", "slab", "cube"]
+    p, reaction = series["linear_momentum"].values, series["reaction"].values
+    given = 0.01 * reaction[:, 1:].sum(axis=(0, 1))
+    assert np.abs(p[-1, 0] - p[0, 0] + given).max() < 1e-12 * np.abs(given).max()
+    assert reaction[-1, 2, 2] > 0.0 > reaction[-1, 1, 2]
+
+
+def test_a_free_top_keeps_energy_and_angular_momentum_over_a_hundred_turns():
+    """Its step alone is taken: nothing touches it."""
+    far = {"type": "box", "lower": [-0.7, -0.7, -0.7], "upper": [-0.5, -0.5, -0.5]}
+    top = {"type": "box", "lower": [-0.1, -0.2, -0.1], "upper": [0.2, 0.3, 0.1]}
+    spin = {"rigid": {"density": 1000.0}, "angular_velocity": [1.0, 20.0, 2.0], "segment": 0.5}
+    scene = drop({"geometry": top, **spin}, "lcp", grid__lower=[-1.0] * 3, grid__upper=[1.0] * 3)
+    scene["bodies"]["block"]["geometry"] = far
+    bodies = Simulation(scene).state.rigid
+    energy, moment = bodies.kinetic_energy.copy(), bodies.moment.copy()
+    for _ in range(15_000):
+        bodies._turn(100 * 2.0 * np.pi / 20.0 / 15_000)
+    assert bodies.kinetic_energy == pytest.approx(energy, rel=1e-6)
+    assert np.abs(bodies.moment - moment).max() < 1e-6 * np.abs(moment).max()
+    assert rigid.ITERATIONS > 20  # five are used
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.tuples(*[st.floats(-3.0, 3.0)] * 3), st.tuples(*[st.floats(-5.0, 5.0)] * 3), st.floats(0.1, 3.0))
+def test_turned_and_moved_a_body_moves_as_before(angles, place, length):
+    """Velocities are affine in those of the points of mass, and energy does not depend on the axes."""
+    nodes = np.array([[0.0, 0, 0], [length, 0, 0], [0, 1, 0], [0, 0, 2]])
+    facets = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    turn = rigid.rotations(rigid.matrix_of(angles, 3)[np.newaxis])[0]
+    volume, centre, second = rigid.moments_of((nodes,), (facets,))
+    turned = rigid.moments_of((nodes @ turn.T + place,), (facets,))
+    assert volume == pytest.approx(length / 3.0, rel=1e-12)
+    assert turned[0] == pytest.approx(volume, rel=1e-9)
+    assert turned[1] == pytest.approx(turn @ centre + place, abs=1e-9)
+    assert turned[2] == pytest.approx(turn @ second @ turn.T, abs=1e-9)
+    assert np.allclose(turn @ turn.T, np.eye(3), atol=1e-14)
+    corners = rigid.simplex(3)
+    assert corners.T @ corners == pytest.approx(4.0 * np.eye(3))
+
+
+def test_mass_and_inertia_are_as_given():
+    scene = drop({**FREE, "rigid": {"mass": 3.0, "inertia": 0.2}})
+    bodies = Simulation(scene).state.rigid
+    assert bodies.mass == pytest.approx([3.0])
+    assert bodies.kinetic_energy == pytest.approx([0.5 * 3.0 * 5.0 + 0.5 * 0.2 * 9.0])
+
+
+def test_two_bodies_whose_motion_is_prescribed_are_no_pair():
+    scene = drop({"geometry": {**BLOCK, "lower": [-9.0, -1.0]}, "rigid": True}, allow_overlap=True)
+    scene["bodies"]["wall"] = {"geometry": {**DISC, "radius": 0.2}, "rigid": True}
+    assert [pair.label for pair in Simulation(scene).state.pairs] == ["block-disc", "block-wall"]
+    scene["bodies"]["wall"] = {**FREE, "geometry": {**DISC, "centre": [1.1, 1.7]}}
+    with pytest.raises(
+        SceneError, match=r"'penalty' has no stiffness between rigid bodies, as disc-wall are"
+    ):
+        Simulation(scene)
+    with pytest.raises(SceneError, match=r"'nodes' finds no contact between rigid bodies, as disc-wall are"):
+        Simulation({**scene, "contact": {"method": "bardenhagen"}})
+    lcp = Simulation({**scene, "contact": {"method": "lcp"}}).state
+    assert [pair.label for pair in lcp.pairs] == ["block-disc", "block-wall", "disc-wall"]
+
+
+def test_a_node_counts_as_near_up_to_a_cell_from_a_rigid_surface():
+    """At a whole cell it would have no mass of a body at the surface, and rounding decide."""
+    assert 0.99 < rigid_nodes.NEAR < 1.0
+
+
+def test_a_rigid_body_counts_as_stiffer_than_any_other():
+    """With its infinite modulus differences of two would be no number."""
+    scene = drop(FREE, "lcp")
+    scene["bodies"]["other"] = {**FREE, "geometry": {**DISC, "centre": [1.1, 1.7]}}
+    assert strategy.stiffness_ranks(Simulation(scene).state.bodies).tolist() == [0, 1, 1]
+    assert strategy.STIFFEST > 1e30
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"material": "soft"}, "material: does not apply to a rigid body"),
+        ({"particles": {"size": 0.1}}, "particles: does not apply to a rigid body"),
+        ({"sides": []}, "sides: does not apply to a rigid body"),
+        ({"rigid": False}, "false is a boolean; expected true, or a table"),
+        ({"rigid": {}}, "has no key; expected exactly one of: motion, density, mass and inertia"),
+        ({"rigid": {"mass": 1.0}}, "has mass; expected exactly one of"),
+        ({"rigid": True}, "velocity: has no effect: the body is at rest; expected rigid.motion.velocity"),
+        ({"rigid": {"motion": {}}}, "motion: moves nothing; expected velocity or angular_velocity"),
+        ({"rigid": {"motion": {"velocity": [1, 2, 3]}}}, r"has 3 entries; expected 2"),
+        ({"rigid": {"motion": {"angular_velocity": [1, 2, 3]}}}, r"expected a number in rad/s"),
+        ({"rigid": {"motion": {"angular_velocity": [[0, 1], [0, 2]]}}}, "times must increase"),
+        ({"rigid": {"motion": {"about": [0, 0, 0], "velocity": [1, 0]}}}, "has 3 entries; expected 2"),
+        ({"rigid": {"mass": 1.0, "inertia": [1.0, 1.0, 1.0]}}, r"expected a number in kg m\^2"),
+        ({"rigid": {"moton": 1}}, "unknown key; did you mean 'motion'"),
+    ],
+)  # fmt: skip
+def test_what_does_not_apply_is_refused(changes, message):
+    with pytest.raises(SceneError, match=message):
+        mpmfw.load_scene(drop({**FREE, **changes}))
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"contact": {"method": "none"}}, "needs a contact that gives every body a velocity field"),
+        ({"contact": {"method": "particles"}}, "finds material points, of which a rigid body has none"),
+        ({"sleep": {}}, "sleep: does not go with rigid bodies"),
+        ({"bodies": {"disc": FREE}}, "every body is rigid; expected one that deforms"),
+    ],
+)
+def test_what_cannot_meet_a_rigid_body_is_refused(changes, message):
+    with pytest.raises(SceneError, match=message):
+        Simulation({**drop(FREE), **changes})
