@@ -30,7 +30,7 @@ from scenes_for_tests import two_blocks
 STEPS = 40
 SHAPES = ("linear", "gimp", "cpdi", "cpdi2", "bspline", "cubic_bspline", "ck")
 MORE = {
-    "adhesion": "adhesion(strength=1000.0)",
+    "adhesion": "adhesion(traction=1000.0)",
     "points+penalty": "points+penalty",
     "nodes+penalty": "nodes+penalty",
 }
@@ -45,8 +45,8 @@ SHIPPED = {
     "sliding-block": {"time.end": 0.02, "time.output_interval": 0.01},
     "contact-stress": {"time.end": 2e-3, "time.output_interval": 1e-3},
 }
-#: Series of works and energies.
-SUMS = ("work", "energy", "dissipat", "ledger")
+#: Series of works, energies and their residuals.
+SUMS = ("work", "energy", "dissipat", "ledger", "residual")
 
 
 def scenes():
