@@ -85,7 +85,7 @@ def test_what_is_called_as_a_checkpoint_and_is_none_stays(folder, force):
 
 
 def test_a_checkpoint_without_its_results_is_not_dropped_unasked(folder):
-    (folder / "new.nc.checkpoint").write_bytes(bytes(30) + b"mpmfw checkpoint 4, of a run that was killed")
+    (folder / "new.nc.checkpoint").write_bytes(bytes(30) + b"mpmfw checkpoint 5, of a run that was killed")
     assert "is the checkpoint of a run whose results are not there" in said(
         "run", "s.toml", "-o", "new.nc", status=2
     )
