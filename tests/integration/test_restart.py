@@ -69,7 +69,7 @@ def run(simulation, step=-1, path=None):
 
 def array_bytes(saved):
     """All values but seconds."""
-    seconds = ("simulation/clock", "simulation/compile_time", "simulation/_settled")
+    seconds = ("simulation/clock", "simulation/_settled")
     return {place: array.tobytes() for place, array in saved.items() if not place.startswith(seconds)}
 
 

@@ -112,6 +112,14 @@ DRIVEN = {
 }
 
 
+def test_a_body_without_points_loses_nothing_to_damping():
+    damping = {"bulk": 1e-3, "shear": 1e-3}
+    series = series_of(drop(FREE, materials__soft__damping=damping, output__ledger=True))
+    lost = series["viscous_dissipation"].sel(body=["block", "disc"]).isel(time=-1).values
+    assert lost[0] > 0.0
+    assert lost[1] == 0.0
+
+
 def driven(method, **changes):
     """A disc that is driven into the block, whose bottom is held."""
     held = [{"side": "bottom", "fixed": True}]

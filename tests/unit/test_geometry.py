@@ -235,6 +235,13 @@ def test_bad_meshes_are_refused(tmp_path, message):
         MeshFile(path=path)
 
 
+def test_a_gmsh_file_that_announces_more_than_it_holds_is_refused_before_it_is_read(tmp_path):
+    head = b"$MeshFormat\n4.1 1 8\n" + np.array([1], "<i4").tobytes() + b"\n$EndMeshFormat\n$Nodes\n"
+    (tmp_path / "large.msh").write_bytes(head + np.array([1, 300_000_000, 1, 1], "<u8").tobytes())
+    with pytest.raises(ValidationError, match="announces more than it holds"):
+        MeshFile(path=tmp_path / "large.msh")
+
+
 def test_files_that_are_no_meshes_are_refused(tmp_path):
     (tmp_path / "text.msh").write_text("no mesh\n")
     for name, said in (("absent", "mesh file not found"), ("text", "is not a gmsh mesh")):

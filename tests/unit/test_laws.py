@@ -20,6 +20,8 @@ from mpmfw.scene import load_scene
 from mpmfw_contact.adhesion import energy_of, normal_force, reach_of
 from mpmfw_contact.hamad2017 import Hamad2017Law
 from mpmfw_contact.hybrid import HybridContact
+from mpmfw_contact.penalty import Penalty, PenaltyLaw
+from mpmfw_contact.points import PointSpheres
 
 DT = 1e-4
 
@@ -248,3 +250,14 @@ def test_a_separation_without_traction_is_refused():
     mapping["contact"] = {"method": "adhesion", "adhesion": {"separation": 0.1}}
     with pytest.raises(SceneError, match="no effect without tension"):
         load_scene(mapping)
+
+
+def test_a_contact_of_another_detection_is_made_of_the_law_alone():
+    class AtPoints(Penalty):
+        Detection = PointSpheres
+
+    assert AtPoints.Options.model_fields.keys() == (
+        PenaltyLaw.Options.model_fields.keys() | PointSpheres.Options.model_fields.keys()
+    )
+    assert "search_radius" in Penalty.Options.model_fields
+    assert "search_radius" not in AtPoints.Options.model_fields

@@ -243,3 +243,43 @@ def test_cases_run_one_by_one_make_one_table_of_todays_code(suite, tmp_path):
     assert kept([folder / "b"], tmp_path / "out", quick=False) == []
     (folder / "measures.py").write_text("SIX = 6.5\n")
     assert kept(find_cases(folder), tmp_path / "out", quick=False) == []
+
+
+LEAVES = """
+import os
+import numpy as np
+from helper import NAME
+from mpmfw.campaigns.measures import measure, MEASURES
+from mpmfw.plugin.measure import Measured
+
+def test_it(case):
+    case.gate(NAME, float("left" in MEASURES or "LEFT" in os.environ), tolerance=0.0)
+    case.gate("errors", float(np.geterr()["invalid"] == "raise"), tolerance=0.0)
+    measure("left", "m", "number")(lambda run, scene, about: Measured(np.zeros(1), np.empty(0)))
+    np.seterr(invalid="raise")
+    os.environ["LEFT"] = "1"
+"""
+
+
+@pytest.mark.usefixtures("here")
+@pytest.mark.filterwarnings("default")
+def test_a_case_leaves_nothing_to_the_next_one(suite, tmp_path, monkeypatch):
+    folder = suite(a=LEAVES, b=LEAVES)
+    for name in ("a", "b"):
+        (folder / name / "helper.py").write_text(f"NAME = '{name}'\n")
+    monkeypatch.chdir(tmp_path)
+    found = run_cases(find_cases(folder.relative_to(tmp_path)), tmp_path / "out", jobs=1)
+    assert [one.error for one in found] == ["", ""]
+    assert [[row.quantity for row in one.rows] for one in found] == [["a", "errors"], ["b", "errors"]]
+    assert not any(one.wrong for one in found)
+
+
+@pytest.mark.usefixtures("here")
+@pytest.mark.parametrize("name", ["a.png", "a-line.png", "validation.csv"])
+def test_files_of_others_are_not_written_over(suite, tmp_path, name):
+    (tmp_path / "out" / "runs").mkdir(parents=True)
+    (tmp_path / "out" / name).write_text("mine")
+    done = command(suite(a=GREEN), tmp_path)
+    assert done.exit_code == 2
+    assert f"{name}: is there already" in done.output.replace("\n", "")
+    assert (tmp_path / "out" / name).read_text() == "mine"

@@ -109,10 +109,12 @@ class Judge:
         given = [key for key in self.measure.keys if getattr(error, key) is not None]
         plain = exact_of(self.measure, scene, About())
         if known is None and given and plain is not None and plain.kind == error.kind:
-            text = " and ".join(f"{key} = '{getattr(error, key)}'" for key in given)
+            alone = {key: replace(About(), **{key: getattr(error, key)}) for key in given}
+            guilty = [key for key in given if exact_of(self.measure, scene, alone[key]) is None] or given
+            text = " and ".join(f"{key} = '{getattr(error, key)}'" for key in guilty)
             text = f"the scene '{scene.name}' has a {what} of {error.quantity}, but none for {text}"
-            advice = f"leave {' and '.join(given)} out, or take kind = 'finest'"
-            raise self.at(("error", given[0]), f"{text}; {advice}")
+            advice = f"leave {' and '.join(guilty)} out, or take kind = 'finest'"
+            raise self.at(("error", guilty[0]), f"{text}; {advice}")
         others = [f"kind = '{known.kind}'"] if known is not None else []
         if self.measure.kind != "field":
             given_by = "a file" if self.measure.kind == "curve" else "a value"

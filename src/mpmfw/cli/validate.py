@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -47,7 +48,7 @@ def validate(
 
     folder = suite_of(suite)
     found = find_cases(folder, cases or ())
-    _check_places(output, document, force)
+    _check_places(found, output, document, force)
     command = _command(cases, quick, suite if suite != folder else None, jobs, scheduler)
     running: dict[str, Any] = {**args.workers(jobs, scheduler, None), "command": command, "force": force}
     with campaign_progress("cases") as reports:
@@ -69,13 +70,18 @@ def validate(
         raise typer.Exit(1)
 
 
-def _check_places(output: Path, document: Path | None, force: bool) -> None:
+def _check_places(cases: Sequence[Path], output: Path, document: Path | None, force: bool) -> None:
+    """Refuse to write over files that are not of an earlier validation."""
+    from mpmfw.campaigns.store import own_files
     from mpmfw.validation.page import BEGIN
 
     if output.exists() and not output.is_dir():
         raise SceneError(f"--output {output}: is a file; give the name of a folder")
     output.mkdir(parents=True, exist_ok=True)
-    new_path(output / "validation.csv", force or (output / "runs").is_dir())
+    earlier = (output / "runs").is_dir() and bool(own_files(output / "runs"))
+    figures = (figure for case in cases for figure in output.glob(f"{case.name}*.png"))
+    for file in (output / "validation.csv", *figures):
+        new_path(file, force or earlier)
     if document is None:
         return
     if document.suffix != ".md":

@@ -24,9 +24,9 @@ NEEDS = {
 }
 
 
-def options_of_both(contact: type[ContactLaw]) -> type[BaseModel]:
-    """Make the model of a contact's options: those of law and detection."""
-    models = tuple(dict.fromkeys((contact.Options, contact.Detection.Options)))
+def options_of_both(contact: type[ContactLaw], law: type[BaseModel]) -> type[BaseModel]:
+    """Make the model of a contact's options: those of the ``law`` and of the detection."""
+    models = tuple(dict.fromkeys((law, contact.Detection.Options)))
     fields: dict[str, Any] = {}
     for model in models:
         for name in model.model_fields.keys() & contact.defaults.keys():

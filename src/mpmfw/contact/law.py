@@ -118,11 +118,16 @@ class ContactLaw(ContactStrategy):
         cls.takes_friction_law = cls.uses_friction
         if "Detection" not in vars(cls):
             return
+        # A contact with another detection is made of its law: of the first one's detection nothing stays
+        law = next(base for base in cls.__mro__[1:] if "Detection" not in vars(base))
+        options, dimensions, note = (
+            vars(cls).get(name, getattr(law, name)) for name in ("Options", "dimensions", "dimensions_note")
+        )
         detection = cls.Detection
         cls.needs_surface = "facets" in detection.provides
-        cls.dimensions = tuple(d for d in detection.dimensions if d in cls.dimensions)
-        cls.dimensions_note = detection.dimensions_note or cls.dimensions_note
-        cls.Options = options_of_both(cls)
+        cls.dimensions = tuple(d for d in detection.dimensions if d in dimensions)
+        cls.dimensions_note = detection.dimensions_note or note
+        cls.Options = options_of_both(cls, options)
 
     @classmethod
     def joined_with(cls, detection: type[Any]) -> type[Any]:

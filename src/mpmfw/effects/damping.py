@@ -88,8 +88,9 @@ class Damping:
     def dissipated(self, state: State) -> FloatArray:
         """Return the energy that every body has lost to damping, settling included (body,) [J/m]."""
         volume = state.particles.times_thickness(state.particles.initial_volume)
-        starts = [body.particles.start for body in state.bodies]
-        return np.asarray(np.add.reduceat(self.work * volume, starts))
+        sums, soft = np.zeros(len(state.bodies)), state.soft_bodies
+        sums[: len(soft)] = np.add.reduceat(self.work * volume, [body.particles.start for body in soft])
+        return sums
 
     @hookimpl
     def diagnostics(self, state: State) -> dict[str, AnyArray]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import signal
 import threading
 from collections.abc import Iterator, Mapping
@@ -51,8 +52,11 @@ def read_blocks(path: Path, kinds: Mapping[int, int]) -> tuple[FloatArray, dict[
     ``kinds`` are gmsh's numbers, with their nodes. A ValueError refuses other files and kinds.
     """
     with started_gmsh(f"reading {path.name}") as gmsh:
-        if not path.read_bytes().lstrip().startswith(b"$"):
+        content = path.read_bytes()
+        if not content.lstrip().startswith(b"$"):
             raise ValueError(f"{path} is not a gmsh mesh that can be read")
+        if _largest_count(content) > len(content):  # gmsh would make arrays of that length first
+            raise ValueError(f"{path} is not a gmsh mesh that can be read: it announces more than it holds")
         before = gmsh.model.getCurrent() if gmsh.model.list() else None
         try:
             gmsh.open(str(path))
@@ -87,3 +91,14 @@ def refuse_not_finite(path: Path, nodes: FloatArray) -> None:
             f"{path} has coordinates that are not finite numbers: {len(wrong)} nodes, the first number "
             f"{wrong[0]}, counted from 0"
         )
+
+
+def _largest_count(content: bytes) -> int:
+    """Return the largest number of nodes or elements that a gmsh file announces."""
+    _, version, binary, *_ = (*content.split(None, 3), b"", b"", b"")
+    sections = re.finditer(rb"^\$(?:Nodes|Elements|NOD|ELM)\s*?\n", content, re.M)
+    heads = [content[section.end() : section.end() + 64] for section in sections]
+    if version.startswith(b"4") and binary == b"1":
+        return max((int(number) for head in heads for number in np.frombuffer(head[:16], "<u8")), default=0)
+    words = [word for head in heads for word in head.split()[: 2 if version.startswith(b"4") else 1]]
+    return max((int(word) for word in words if word.isdigit()), default=0)

@@ -127,7 +127,7 @@ def frame_of(tree: xr.DataTree, place: str, index: int) -> xr.Dataset:
 
 def chosen_frames(tree: xr.DataTree, every: int) -> range:
     """Return each ``every``-th output with points."""
-    if every != int(every) or every < 1:
+    if isinstance(every, float | str | None) or every < 1:
         raise SceneError(f"every {every!r}: expected a whole number of 1 or more")
     return range(0, frame_at(tree) + 1, every)
 

@@ -230,9 +230,12 @@ class RunWriter:
         for field in (one for (of, name), one in self._fields.items() if of == kind and name in group):
             if group[field.name].dtype != field.dtype:
                 raise ValueError(f"{place}/{field.name} is not as it was declared")
-            columns.append((field, group[field.name].values, "time" in group[field.name].dims))
+            columns.append((field, group[field.name], "time" in group[field.name].dims))
         for k, at in enumerate(group["time"].values.tolist()):
-            arrays = {field.name: (field, values[k] if moves else values) for field, values, moves in columns}
+            arrays = {
+                field.name: (field, (values[k] if moves else values).values)
+                for field, values, moves in columns
+            }
             self._timeline(place).add(at, arrays)
             if self._waiting_bytes() > WRITTEN_AT_ONCE:
                 self._timeline(place).write()

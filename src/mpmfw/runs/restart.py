@@ -174,10 +174,10 @@ def read_checkpoint(path: str) -> tuple[dict[str, AnyArray], Facts]:
     try:
         with netCDF4.Dataset(path) as results:
             there = {name: str(getattr(results, name, "")) for name in ("kind", "status", *_SAME)}
-    except (OSError, RuntimeError):  # killed within a sync: the checkpoint has the outputs up to it
+    except (OSError, RuntimeError) as error:  # killed within a sync: the checkpoint has the outputs up to it
         if not is_hdf5(path) or not os.path.isfile(file):
             check_results(path)
-            raise
+            raise OSError(str(error)) from error
     if there["kind"] != "run":
         text = f"{path}: holds no run but results of kind '{there['kind']}'"
         raise SceneError(f"{text}; give the command that made it again")

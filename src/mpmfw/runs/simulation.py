@@ -246,6 +246,7 @@ class Simulation:
                 self._output(write, self.state.dt)
         self._gather()
         self.clock("output")
+        self.clock.flush()
 
     def run(
         self,
@@ -386,7 +387,6 @@ class Simulation:
     def costs(self) -> dict[str, float]:
         """Return steps, points, and seconds in all and by stage, settling apart."""
         clock, surface = self.clock, self.state.surface
-        clock.flush()
         return {
             "steps": self.state.steps,
             "material_points": self.state.particles.count,

@@ -38,7 +38,7 @@ class Stencil(Struct):
 
     def replace(self, **arrays: AnyArray) -> Stencil:
         """Return a table with other ``arrays``, by name."""
-        return Stencil(**{name: arrays.get(name, getattr(self, name)) for name in self.member_names})
+        return Stencil(**{**{name: getattr(self, name) for name in self.member_names}, **arrays})
 
     def part(self, begin: int, end: int) -> Stencil:
         """Return the table of the points ``begin:end``, with the same entries."""

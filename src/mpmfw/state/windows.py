@@ -48,8 +48,8 @@ def fitted_windows(
     first, shape = np.empty_like(grid.window_lower), np.empty_like(grid.window_shape)
     for index in range(grid.n_fields):
         own = slice(int(particles.first[index]), int(particles.first[index + 1]))
-        if index >= grid.n_fields - grid.rigid_fields:  # dim + 1 points of mass, beyond all other windows
-            first[index], shape[index] = grid.nodes + 1, (grid.dim + 1, *[1] * (grid.dim - 1))
+        if index >= grid.n_fields - grid.rigid_fields:
+            first[index], shape[index] = _rigid_window(grid)
             continue
         lower, upper = low[own].min(axis=0), high[own].max(axis=0)
         if surface is not None:
@@ -64,6 +64,13 @@ def fitted_windows(
     return first, shape
 
 
+def _rigid_window(grid: Grid) -> tuple[IntArray, IntArray]:
+    """Return the window of the dim + 1 points of mass of a rigid body, beyond all other windows."""
+    shape = np.ones_like(grid.nodes)
+    shape[0] = grid.dim + 1
+    return grid.nodes + 1, shape
+
+
 def is_cut_off(grid: Grid) -> bool:
     """Return True if a window ends where the background grid does."""
     last = grid.window_lower + grid.window_shape
@@ -76,7 +83,10 @@ def set_windows(grid: Grid, lower: IntArray, shape: IntArray, most: float = np.i
     Raise NotSaved if they are not within the grid, or have more than ``most`` nodes."""
     laid = slice(grid.n_fields - grid.rigid_fields)
     within = lower.shape == shape.shape == grid.window_lower.shape and bool(
-        (lower >= 0).all() and (shape >= 1).all() and (lower <= grid.nodes - shape)[laid].all()
+        (lower >= 0).all()
+        and (shape >= 1).all()
+        and (lower <= grid.nodes - shape)[laid].all()
+        and (np.stack([lower, shape])[:, laid.stop :] == np.stack(_rigid_window(grid))[:, None]).all()
     )
     if not within or np.prod(shape, axis=1, dtype=float).sum() > most:
         raise NotSaved("the windows of the velocity fields are not within the grid")

@@ -57,7 +57,8 @@ class TimeStep:
         self.state, self.limiting = setup.state, limiting
         self.bulk_limit = 2.0 / setup.bulk_frequency
         thinner = (1.0 - 1e-9) * setup.cell_size
-        thin = all(self.bulk_limit < thinner / body.wave_speed for body in setup.state.soft_bodies)
+        thin = any(table.geometry.width < thinner for table in setup.scene.bodies.values())
+        thin &= all(self.bulk_limit < thinner / body.wave_speed for body in setup.state.soft_bodies)
         length, courant = "√(h w)" if thin else "h", setup.shape_function.courant
         damped = ", with damping" if setup.plugin("material_damping") is not None else ""
         self._bulk = (self.bulk_limit, f"bulk wave speed ({length} / c){damped}")
@@ -178,11 +179,13 @@ class Clock(_event.Listener):  # type: ignore[misc]
 
     @contextmanager
     def watching_compilation(self) -> Iterator[None]:
-        """Context in which compilation counts as ``compile_time`` and as no stage's."""
+        """Context in which compilation counts as ``compile_time`` and as no stage's; totals are up to date
+        at its end."""
         _event.register(_LOCK, self)
         try:
             yield
         finally:
+            self.flush()
             _event.unregister(_LOCK, self)
 
     def on_start(self, event: Any) -> None:  # noqa: ARG002

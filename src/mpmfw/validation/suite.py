@@ -12,7 +12,10 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from mpmfw.campaigns.executors import Pool, executor_of
+from mpmfw.campaigns.measures import MEASURES
 from mpmfw.campaigns.running import Progress, do, resumable
 from mpmfw.campaigns.store import Finished, Outcome, Store
 from mpmfw.errors import SceneError
@@ -65,7 +68,7 @@ def check_once(task: CaseTask) -> Finished:
     options += ["--quick"] * task.quick
     printed = io.StringIO()
     try:
-        with journal_style(), contextlib.redirect_stdout(printed), _modules_of(task.folder.parent):
+        with journal_style(), contextlib.redirect_stdout(printed), _alone(task.folder.parent):
             code = pytest.main([*options, "-p", plugin.__name__, str(task.folder)])
         nothing = code == pytest.ExitCode.NO_TESTS_COLLECTED and task.quick  # a case of full runs alone
         if code not in (0, 1) and not nothing and not errors:
@@ -88,16 +91,24 @@ def check_once(task: CaseTask) -> Finished:
 
 
 @contextlib.contextmanager
-def _modules_of(suite: Path) -> Iterator[None]:
-    """Find modules in the suite's folder, and forget them afterwards: cases have some of one name."""
-    before = sys.path[:]
+def _alone(suite: Path) -> Iterator[None]:
+    """Find modules in the suite's folder, and leave nothing of a case to the next one.
+
+    Modules, measures, the environment, the working folder and NumPy's answers to errors are as before."""
+    loaded, path, environment, measures = {*sys.modules}, sys.path[:], {**os.environ}, {**MEASURES}
     sys.path.insert(0, str(suite))
     try:
-        yield
+        with np.errstate(), contextlib.chdir("."):
+            yield
     finally:
-        sys.path[:] = before
-        for name, module in list(sys.modules.items()):
-            if Path(getattr(module, "__file__", None) or "/").is_relative_to(suite):
+        sys.path[:] = path
+        os.environ.clear()
+        os.environ.update(environment)
+        MEASURES.clear()
+        MEASURES.update(measures)
+        for name in {*sys.modules} - loaded:
+            file = Path(getattr(sys.modules[name], "__file__", None) or "/")
+            if file.is_relative_to(suite) and "site-packages" not in file.parts:
                 del sys.modules[name]
 
 
@@ -120,7 +131,7 @@ def find_cases(suite: Path, names: Sequence[str] = ()) -> list[Path]:
     """Return the folders of the suite with a ``test_*.py``, all or the named ones; else a SceneError."""
     if not suite.is_dir():
         raise SceneError(f"--suite {suite}: is no folder; expected one with a folder for each case")
-    known = {file.parent.name: file.parent for file in sorted(suite.glob("*/test_*.py"))}
+    known = {file.parent.name: file.parent for file in sorted(suite.resolve().glob("*/test_*.py"))}
     if not known:
         raise SceneError(f"--suite {suite}: no folder in it has a test_*.py")
     return [known[checked_name("case", name, list(known))] for name in names or sorted(known)]
