@@ -21,7 +21,9 @@ NO_OPTIONS = {
 
 
 #: Keys that a rigid body refuses by name.
-REFUSED_BY_RIGID = {f"RigidBody.{key}" for key in ("material", "particles", "rotation", "sides")}
+REFUSED_BY_RIGID = {
+    f"RigidBody.{key}" for key in ("material", "particles", "rotation", "volumetric", "sides")
+}
 
 
 def models_of(annotation):

@@ -20,6 +20,7 @@ USL = Counter(
     {
         **dict.fromkeys(("interpolate", "detect", "after_momentum_projection", "add_nodal_force"), 1),
         **dict.fromkeys(("after_momentum_update", "correct_inertia", "constrain_momentum"), 1),
+        "after_velocity_gradient": 1,
         **dict.fromkeys(("advect", "update_particle_domains", "update_stress", "end_step"), 1),
     }
 )

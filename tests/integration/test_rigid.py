@@ -280,6 +280,7 @@ def test_a_rigid_body_counts_as_stiffer_than_any_other():
         ({"rigid": {"motion": {"about": [0, 0, 0], "velocity": [1, 0]}}}, "has 3 entries; expected 2"),
         ({"rigid": {"mass": 1.0, "inertia": [1.0, 1.0, 1.0]}}, r"expected a number in kg m\^2"),
         ({"rigid": {"moton": 1}}, "unknown key; did you mean 'motion'"),
+        ({"volumetric": "averaged"}, "volumetric: does not apply to a rigid body"),
     ],
 )  # fmt: skip
 def test_what_does_not_apply_is_refused(changes, message):

@@ -203,6 +203,7 @@ class RigidBody(Body):
     material: SkipJsonSchema[OfDeformable] = ""
     particles: SkipJsonSchema[OfDeformable] = None
     rotation: SkipJsonSchema[OfDeformable] = None
+    volumetric: SkipJsonSchema[OfDeformable] = None
     sides: SkipJsonSchema[OfDeformable] = ()
 
     @property
