@@ -16,6 +16,7 @@ from mpmfw.results import Frame, RunHeader, RunWriter
 from mpmfw.results.concatenation import series_at_outputs
 from mpmfw.results.memory import peak_memory, restart_peak_memory
 from mpmfw.results.reading import read as open_results
+from mpmfw.results.selection import opened
 from mpmfw.state.fields import CONTACT_SERIES, PARTICLE_FIELDS, SERIES_FIELDS, SURFACE_FIELDS, Field
 
 FIELDS = tuple(
@@ -221,3 +222,12 @@ def test_a_body_whose_name_is_a_path_is_refused(tmp_path):
         dataset["body"][0] = "../../x"
     with pytest.raises(MpmfwError, match=r"run\.nc': the file was cut short or is damaged"):
         open_results(tmp_path / "run.nc")
+
+
+def test_values_that_cannot_be_read_once_they_are_needed_are_told_in_one_line(tmp_path):
+    with RunWriter(tmp_path / "run.nc", header()) as writer:
+        writer.write(frame(0.0))
+        writer.finish({})
+    message = r"cannot read '.*run\.nc': the file was cut short or is damaged"
+    with pytest.raises(MpmfwError, match=message), opened(tmp_path / "run.nc"):
+        raise RuntimeError("NetCDF: HDF error")

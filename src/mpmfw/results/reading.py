@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import xarray as xr  # half a second, which a run that nobody reads does without
 
 #: Message on an HDF5 file that the library cannot read.
-_DAMAGED = "the file was cut short or is damaged"
+DAMAGED = "the file was cut short or is damaged"
 
 #: Largest size in memory over the length of a file, and bytes beside.
 LARGER, SPARE = 100, 100_000_000
@@ -120,7 +120,7 @@ def read_run(path: str | os.PathLike[str]) -> xr.DataTree:
 
 
 def _reason(name: str, error: OSError | UnicodeError) -> str:
-    return _DAMAGED if is_hdf5(name) else str(getattr(error, "strerror", None) or error)
+    return DAMAGED if is_hdf5(name) else str(getattr(error, "strerror", None) or error)
 
 
 def is_hdf5(path: str) -> bool:
@@ -149,7 +149,7 @@ def checked_tree(dataset: netCDF4.Dataset, size: int, *, load: bool) -> xr.DataT
     """Return the tree of a file, unless it declares much more than its ``size`` [bytes]."""
     declared = sum(8 * v.size for _, group in groups_of(dataset) for v in group.variables.values())
     if declared > LARGER * size + SPARE:
-        raise MpmfwError(_DAMAGED)
+        raise MpmfwError(DAMAGED)
     return tree_of(dataset, load=load)
 
 
@@ -169,7 +169,7 @@ def tree_of(dataset: netCDF4.Dataset, *, load: bool = True) -> xr.DataTree:
             groups = {name: group.load() for name, group in groups.items()}
         return xr.DataTree.from_dict(groups)
     except (RuntimeError, OSError, ValueError, TypeError, LookupError, AttributeError, MemoryError) as error:
-        raise MpmfwError(_DAMAGED) from error
+        raise MpmfwError(DAMAGED) from error
 
 
 def _complete(groups: dict[str, xr.Dataset]) -> dict[str, xr.Dataset]:

@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from mpmfw.errors import SceneError
+from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.plugin.discovery import did_you_mean
 from mpmfw.results import open as open_results
 from mpmfw.results.point_fields import point_field
-from mpmfw.results.reading import output_times
+from mpmfw.results.reading import DAMAGED, output_times
 from mpmfw.state.fields import FloatArray
 
 #: A run's tree or a comparison's dataset, or the name of its file.
@@ -32,6 +32,10 @@ def opened(results: Results) -> Iterator[xr.DataTree | xr.Dataset]:
     found = open_results(results, lazy=True)
     try:
         yield found
+    except RuntimeError as error:  # of values that are read only now
+        if not str(error).startswith("NetCDF"):
+            raise
+        raise MpmfwError(f"cannot read '{os.fspath(results)}': {DAMAGED}") from error
     finally:
         found.close()
 
