@@ -170,6 +170,14 @@ def test_all_problems_are_listed_in_the_file_s_order(scene_file):
     assert [line.startswith(start) for line, start in zip(lines, starts, strict=True)] == [True] * 4
 
 
+def test_each_of_many_problems_has_its_line(scene_file):
+    unknown = "".join(f"k{k} = 1\n" for k in range(60))
+    lines = refusal(scene_file(("end = 1\n", f"end = 1\n{unknown}"))).splitlines()
+    assert [line.partition(": unknown")[0] for line in lines] == [
+        f"s.toml:{10 + k}: time.k{k}" for k in range(60)
+    ]
+
+
 @pytest.mark.parametrize(
     ("key", "place"),
     [

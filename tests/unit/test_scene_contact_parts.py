@@ -3,6 +3,7 @@
 import pytest
 
 from contact_scenes import STRATEGIES
+from mpmfw.campaigns.comparison import compare
 from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import load
 from mpmfw.runs.identity import key_of
@@ -55,6 +56,10 @@ def test_both_spellings_are_one_scene():
         ({"detection": "nods", "law": "penalty"}, "contact.detection: no such detection: 'nods' is unknown; did you"),  # noqa: E501
         ({**PARTS, "nodes": {"cutoff": 1}}, "contact.nodes.cutoff: unknown key; did you mean 'cut_off'?"),
         (
+            {**PARTS, "nodes": {"kappa": 3}},
+            "contact.nodes.kappa: unknown key; valid keys: criterion, cut_off, normal, direction",
+        ),
+        (
             {**PARTS, "nodes+penalty": {"kappa": 3}},
             'contact.penalty.kappa: [contact."nodes+penalty"] gives it too; leave one of them out',
         ),
@@ -78,6 +83,22 @@ def test_what_is_set_takes_the_place_of_the_other_spelling():
     assert refused(METHOD, **{"contact.law": "impulse"}).startswith(
         "--set contact.law: a method is named beside it"
     )
+
+
+@pytest.mark.parametrize("part", ["surfaces", "nodes"])
+def test_an_option_of_a_part_that_is_not_named_has_no_effect(part):
+    said = f"--set contact.{part}.bogus: has no effect: the contact is not written with detection = '{part}'"
+    assert refused({"method": "penalty"}, **{f"contact.{part}.bogus": 5}).startswith(said)
+    with pytest.raises(SceneError, match=said):
+        compare(two_blocks("none"), ["penalty"], ["gimp"], set={f"contact.{part}.bogus": 5})
+    assert "has no effect" not in refused(PARTS, **{"contact.nodes.bogus": 5})
+
+
+@pytest.mark.parametrize("part", ["detection", "law"])
+def test_a_part_that_cannot_be_imported_is_named(announce, part):
+    announce(part, "broken", "no_such_module:Broken")
+    said = f"contact.{part}: {part} plug-in 'broken'"
+    assert refused({"detection": "nodes", "law": "penalty", part: "broken"}).startswith(said)
 
 
 SCENE = "rolling-cylinder-slip"

@@ -10,10 +10,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from mpmfw.plugin.discovery import available
+from mpmfw.errors import SceneError
+from mpmfw.plugin.discovery import available, load
 from mpmfw.scene.locator import Path
 from mpmfw.scene.problem import Problem
-from mpmfw.scene.wording import shown, unknown_name
+from mpmfw.scene.wording import shown, unknown_name, with_options
 
 #: The keys, each with the kind of plug-in that it names.
 PARTS: tuple[Literal["detection", "law"], ...] = ("detection", "law")
@@ -81,17 +82,42 @@ def parts_of(table: Mapping[str, Any]) -> tuple[Parts | None, list[Problem]]:
             problems.append(Problem(("contact", part), f"expected the name of a {part}, not {shown(name)}"))
         elif name not in valid:
             problems.append(unknown_name(("contact", part), name, list(valid), f"no such {part}: "))
-    if problems:
-        return None, problems
-    names = (table["detection"], table["law"])
+    return (None, problems) if problems else _joined(table, (table["detection"], table["law"]))
+
+
+def _joined(table: Mapping[str, Any], names: tuple[str, str]) -> tuple[Parts | None, list[Problem]]:
+    """The parts with one table of options, after those of each were checked where they stand."""
     method = "+".join(names)
     tables = {name: table.get(name, {}) for name in (*names, method)}
     tables = {name: own for name, own in tables.items() if isinstance(own, Mapping)}
-    options = {key: value for own in tables.values() for key, value in own.items()}
+    problems: list[Problem] = []
+    for part, name in zip(PARTS, names, strict=True):
+        try:
+            problems += with_options(load(part, name), tables.get(name, {}), ("contact", name))[1]
+        except SceneError as error:
+            problems.append(Problem(("contact", part), str(error)))
     places = {key: name for name in names for key in tables.get(name, {})}
     beside = {key: value for key, value in table.items() if key not in (*PARTS, *tables)}
     message = f'[contact."{method}"] gives it too; leave one of them out'
-    twice = [
+    problems += [
         Problem(("contact", places[key], key), message) for key in tables.get(method, {}) if key in places
     ]
-    return Parts({**beside, "method": method, **({method: options} if options else {})}, names, places), twice
+    if problems:
+        return None, problems
+    options = {key: value for own in tables.values() for key, value in own.items()}
+    return Parts({**beside, "method": method, **({method: options} if options else {})}, names, places), []
+
+
+def without_effect(overrides: Iterable[tuple[str, Path]], table: Any) -> list[Problem]:
+    """Refuse options that were set of a detection or a law that ``[contact]`` does not name."""
+    if not isinstance(table, Mapping):
+        return []
+    named = [table.get(part) for part in PARTS]
+    alone = {name: part for part in PARTS for name in available(part) if name not in available("contact")}
+    stands, problems = f'[contact."{table.get("method", "DETECTION+LAW")}"]', []
+    for key, path in overrides:
+        if len(path) > 1 and path[0] == "contact" and path[1] in alone and path[1] not in named:
+            written = f"{alone[path[1]]} = '{path[1]}'"
+            message = f"has no effect: the contact is not written with {written}; options stand in {stands}"
+            problems.append(Problem((), message, override=key))
+    return problems

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from mpmfw.errors import SceneError
 from mpmfw.geometry.base import context_of_cells
 from mpmfw.scene.checks import check
-from mpmfw.scene.contact_parts import latest_spelling
+from mpmfw.scene.contact_parts import latest_spelling, without_effect
 from mpmfw.scene.content import check_content, code_in
 from mpmfw.scene.locator import Locator, dotted
 from mpmfw.scene.locator import Path as KeyPath
@@ -24,9 +24,6 @@ from mpmfw.scene.scene import Scene
 from mpmfw.scene.sources import Source, plain, read_source, shipped_texts
 from mpmfw.scene.specification import keys_of
 from mpmfw.scene.wording import problems_of
-
-#: Problems of which the lines are looked up: each takes about half a second in a file of thousands of lines.
-MOST_LOCATED = 25
 
 
 def shipped_scenes() -> dict[str, str]:
@@ -91,7 +88,7 @@ def scene_from(source: Source, overrides: Mapping[str, Any]) -> Scene:
     paths = origin_of(source, overrides).overrides
     latest_spelling(mapping, (path for _, path in paths))
     chosen = separate_options(mapping)
-    problems += chosen.problems
+    problems += chosen.problems + without_effect(paths, mapping.get("contact"))
     scene: Scene | None = None
     core, outside = _with_resolved_paths(chosen.core, source.directory, [path for _, path in paths])
     if outside:  # before the models are made, which read the files
@@ -188,10 +185,8 @@ def origin_of(source: Source, overrides: Mapping[str, Any]) -> Origin:
 
 def error_of(problems: Iterable[Problem], source: Source, overrides: Mapping[str, Any]) -> SceneError:
     """Return what is wrong with a file or with what is set over it, in the order of its lines."""
-    found, origin = distinct(problems), origin_of(source, overrides)
-    if len(found) > MOST_LOCATED:
-        origin = replace(origin, locator=None)
-    ordered = sorted(found, key=origin.line_number)
+    origin = origin_of(source, overrides)
+    ordered = sorted(distinct(problems), key=origin.line_number)
     return SceneError(problems=[origin.located(problem) for problem in ordered])
 
 

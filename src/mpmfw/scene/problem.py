@@ -63,7 +63,7 @@ class Origin:
         Of a table that the file does not have, any override that made it."""
         path = problem.path
         between = [(*path, name) for name in problem.keys]
-        absent = self.locator is not None and len(path) > 1 and path[:-1] not in self.locator
+        absent = self.locator is not None and len(path) > 1 and path[:-1] not in self.locator.lines
         rules: tuple[Callable[[Path], bool], ...] = (
             lambda target: path[: len(target)] == target,
             lambda target: target in between,

@@ -16,9 +16,7 @@ from mpmfw.scene.override import parse_path
 from mpmfw.scene.specification import parse_specification
 
 #: Tables in which options of each kind of plug-in stand.
-_TABLES: dict[Kind, str] = {
-    "contact": "contact", "detection": "contact", "law": "contact", "friction": "contact", "shape": "shape"
-}  # fmt: skip
+_TABLES: dict[Kind, str] = {"contact": "contact", "shape": "shape", "friction": "contact"}
 
 
 def check_requested(
@@ -48,9 +46,7 @@ def check_methods_run(keys: Iterable[str], methods: Mapping[str, Sequence[str]],
             name = path[1] if path[0] == table and len(path) > 1 else None
             if not isinstance(name, str) or name in CORE_KEYS[table] or name not in choices(kind):
                 continue
-            if kind in PARTS and name in choices("contact"):
-                continue
-            running = methods.get("contact" if kind in PARTS else kind, (name,) if kind == "friction" else ())
+            running = methods.get(kind, (name,) if kind == "friction" else ())
             if name not in running:
                 runs = ", ".join(running) or f"no {'law' if kind == 'friction' else 'method'}"
                 raise SceneError(
