@@ -38,6 +38,8 @@ TWO = study(
     plain=[(0.02, 1.0), (0.009, 3.0)],
     plain_best=[(0.5, 1.0), (0.2, 2.0)],
 )
+UNBOUNDED = study(fine=[(np.inf, 1.0), (0.008, np.inf)])
+UNBOUNDED["status"][:] = "ok"
 ALONG_X = ONE.assign_attrs(quantity="impulse", about='{"axis": "x"}')
 
 
@@ -97,6 +99,7 @@ def test_a_problem_that_a_method_did_not_run_does_not_count_against_it():
         ([ONE.assign_attrs(kind="run")], {}, "dataset: expected the results of a study"),
         ([ONE], {"by": "shape"}, "does not vary 'shape'; it varies contact, cell_size"),
         ([], {}, "nothing to rank: no run has an error and a cost"),
+        ([UNBOUNDED], {}, "nothing to rank: no run has an error and a cost"),
         ([ALONG_X], {"about": {"axis": "y"}}, "axis y: dataset has the error of impulse along x"),
         ([ONE], {"about": {"body": "disc"}}, "body disc: dataset has the error of"),
     ],

@@ -17,6 +17,9 @@ IN_CONTACT = {"colliding-rings": 250}
 #: Columns of a measurement that are not shown.
 HIDDEN = ("dim", "ns_low", "ns_high")
 
+#: Headings of stages that are not the stage's name.
+HEADS = {"ns_shape": "fill", "ns_contact": "contact ns"}
+
 
 def benchmark(
     scenes: Annotated[str, Option(help="Scenes between commas.")] = "rolling-cylinder-slip,colliding-rings",
@@ -43,6 +46,6 @@ def benchmark(
         shown = {key: value for key, value in row.items() if key not in HIDDEN}
         rows.append({**shown, "contact %": 100.0 * row["ns_contact"] / row["ns_total"]})
     what = "ns per material point and step" if threads == 1 else "least wall time of a step, ns per point"
-    heads = {key: "fill" if key == "ns_shape" else key.removeprefix("ns_") for key in rows[0]}
+    heads = {key: HEADS.get(key, key.removeprefix("ns_")) for row in rows for key in row}
     print_table(rows, heads, labels=("scene", "contact", "shape"), title=f"Scenes: {what}")
     typer.echo(f"{processor()}; other processes kept {load.others():.1f} cores busy")

@@ -88,7 +88,10 @@ def rank(
         raise SceneError(f"levels {text}: expected relative errors that fall, as 0.1, 0.01")
     studies = [_study(one, by, about or {}) for one in results]
     found = pd.DataFrame([row for one in studies for row in _runs(one, by)])
-    judged = found[found["status"] == "ok"].dropna(subset=["error", "cpu_time"]) if len(found) else found
+    judged = found
+    if len(found):
+        finite = np.isfinite(found[["error", "cpu_time"]].astype(float)).all(axis=1)
+        judged = found[finite & (found["status"] == "ok")]
     if judged.empty:
         raise SceneError("nothing to rank: no run has an error and a cost")
     problems, methods = (found[key].unique().tolist() for key in ("problem", by))
