@@ -122,6 +122,24 @@ def test_a_box_is_driven_by_its_side():
     np.testing.assert_allclose(stress[:, 1, 1], uniaxial(1.0 - strain), rtol=0.06)
 
 
+def test_the_step_needs_no_new_limit_for_a_sliver():
+    # A side that reaches into a cell by a hundredth, at 0.9 of the bulk limit: energy would grow if anything
+    # did
+    scene = block(
+        bodies__solid__geometry__lower=[-0.5, -0.5025],
+        bodies__solid__geometry__upper=[0.5, 0.4975],
+        bodies__solid__sides=[{"side": "bottom", "fixed": True}],
+        bodies__solid__velocity=[1.0, 0.0],
+        time__safety=0.75,
+        output__ledger=True,
+        time__end=0.2,
+        time__output_interval=0.2,
+    )
+    sim = Simulation(scene)
+    sim.run()
+    assert np.abs(sim.state.particles.velocity).max() < 3.0
+
+
 @pytest.mark.parametrize("condition", [{"fixed": True}, {"velocity": [0.0, 1.0]}])
 def test_a_body_without_a_plane_side_is_refused(condition):
     with pytest.raises(SceneError, match=r"bodies.solid.sides\[0\].side: a disc has no plane side"):
