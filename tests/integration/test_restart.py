@@ -8,6 +8,7 @@ import random
 import numpy as np
 import pytest
 
+from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import available
 from mpmfw.runs.restart import read_snapshot, write_snapshot
 from mpmfw.runs.simulation import Simulation
@@ -100,7 +101,18 @@ def stop_and_go_on(make, path, step):
 
 
 #: Steps after which a run is saved: in settling, and after it; bodies touch before or after.
-STEPS = {"colliding-rings": (2, 20)}
+STEPS = {
+    "colliding-rings": (2, 20),
+    "rolling-cylinder-slip-rigid": (2, 10),  # eleven steps with some shapes
+    "rolling-cylinder-no-slip-rigid": (2, 10),
+}
+
+
+#: Methods with which a run stops by itself.
+STOP = {
+    "contact-stress": {("hamad2017", "cubic_bspline")},
+    "sliding-block": {("particles", "linear")},
+}
 
 
 def cases():
@@ -109,8 +121,8 @@ def cases():
     for name in COARSE:
         scene = load_scene(name)
         own = [(scene.contact.method, scene.shape.method)]
-        every = itertools.product(available("contact"), available("shape"))
-        yield from ((name, *methods) for methods in (every if "MPMFW_ALL_RESTARTS" in os.environ else own))
+        every = set(itertools.product(available("contact"), available("shape"))) - STOP.get(name, set())
+        yield from ((name, *each) for each in (sorted(every) if "MPMFW_ALL_RESTARTS" in os.environ else own))
 
 
 def test_every_shipped_scene_is_here():
@@ -121,6 +133,11 @@ def test_every_shipped_scene_is_here():
 def test_every_shipped_scene(tmp_path, name, contact, shape):
     chosen = {"contact.method": contact, "shape.method": shape}
     scene = load_scene(name, set=COARSE[name] | chosen)
+    try:
+        Simulation(scene)
+    except SceneError as refused:
+        assert "MPMFW_ALL_RESTARTS" in os.environ
+        pytest.skip(str(refused))
     step = random.Random(name + contact + shape).randrange(*STEPS.get(name, (2, 15)))
     stop_and_go_on(lambda: Simulation(scene), tmp_path / "saved", step)
 
