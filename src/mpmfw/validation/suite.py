@@ -108,7 +108,7 @@ def _alone(suite: Path) -> Iterator[None]:
         MEASURES.update(measures)
         for name in {*sys.modules} - loaded:
             file = Path(getattr(sys.modules[name], "__file__", None) or "/")
-            if file.is_relative_to(suite) and "site-packages" not in file.parts:
+            if file.is_relative_to(suite) and "site-packages" not in file.relative_to(suite).parts:
                 del sys.modules[name]
 
 
