@@ -101,8 +101,8 @@ nitpick_ignore_regex = [
         r"mpmfw\.(results\.(references|point_fields)\.\w+|plugin\.hookspecs\.HookSpecs|studies\.loading\.Study)",
     ),
     ("py:class", r"mpmfw\.(stability\.(invariants\.Invariants|chart\.Request)|studies\.choosing\.Request)"),
-    ("py:class", r"mpmfw\.(campaigns\.(execution\.\w+|measures\.Measure|running\.Event))"),
-    ("py:class", r"mpmfw\.contact\.shared_nodes\.GridNodes"),
+    ("py:class", r"mpmfw\.(campaigns\.(measures\.Measure|running\.\w+))"),
+    ("py:class", r"mpmfw\.contact\.shared_nodes\.GridNodes|NearRigid|mpmfw\.plugin\.setup\.Acts"),
     ("py:class", r"tuple\[Layout|dict\[str|Callable\[\[\]|Effect|Side|Transfer"),  # annotations of Setup
     ("py:.*", r"declare_fields|hookimpl|Interrupted|KAPPA|mpmfw\.state\.fields\.CONTACT_SERIES"),
 ]

@@ -39,7 +39,7 @@ class ContactRows(Rows):
     spins
         Whether the detection measures how far the sides turn about the normal, in space.
     own
-        Arrays of the law (:meth:`mpmfw.contact.law.ContactLaw.row_arrays`).
+        Arrays of the law (``ContactLaw.row_arrays``).
     """
 
     history = ("kept",)

@@ -25,7 +25,7 @@ Surfaces = tuple[tuple[FloatArray, IntArray], ...]
 
 
 class SolidGeometry(BodyGeometry):
-    """Base of bodies in space: subclasses say their :meth:`surfaces` and :attr:`bounds`.
+    """Base of bodies in space: subclasses say their :meth:`surfaces` and ``bounds``.
 
     Where volume and centroid of the true shape have a formula they say :attr:`exact_volume` and
     :attr:`centroid` as well.

@@ -87,5 +87,5 @@ class Film(ImpulseLaw):
         rows.momentary_velocity(grid, own.velocity)
         find_approach(rows, rows.count, own, spacing)
         rows.couplings(own.active, grid, own.compliance)
-        drag = 0.0 if projected or work is None else self.options.resistance * self.dt
+        drag = 0.0 if projected or work is None else self.options.resistance * self.state.dt
         exchange(rows, rows.count, own, drag, np.zeros(0) if work is None else work, spacing)
