@@ -202,6 +202,7 @@ def test_a_free_top_keeps_energy_and_angular_momentum_over_a_hundred_turns():
     scene = drop({"geometry": top, **spin}, "lcp", grid__lower=[-1.0] * 3, grid__upper=[1.0] * 3)
     scene["bodies"]["block"]["geometry"] = far
     bodies = Simulation(scene).state.rigid
+    assert bodies.spread[0] == pytest.approx(1000.0 * 0.03 / 12.0 * np.array([0.2, 0.3, 0.5]) ** 2)
     energy, moment = bodies.kinetic_energy.copy(), bodies.moment.copy()
     for _ in range(15_000):
         bodies._turn(100 * 2.0 * np.pi / 20.0 / 15_000)
@@ -226,6 +227,22 @@ def test_turned_and_moved_a_body_moves_as_before(angles, place, length):
     assert np.allclose(turn @ turn.T, np.eye(3), atol=1e-14)
     corners = rigid.simplex(3)
     assert corners.T @ corners == pytest.approx(4.0 * np.eye(3))
+
+
+@pytest.mark.parametrize(
+    ("outline", "second"),
+    [
+        ({"type": "rectangle", "lower": [1.0, 1.0], "upper": [1.6, 1.2]},
+         [0.6 * 0.2**3 / 12, 0.2 * 0.6**3 / 12]),
+        ({"type": "disc", "centre": [1.0, 1.0], "radius": 0.4}, [np.pi * 0.4**4 / 4] * 2),
+        ({"type": "ring", "centre": [1.0, 1.0], "inner_radius": 0.2, "outer_radius": 0.4},
+         [np.pi * (0.4**4 - 0.2**4) / 4] * 2),
+    ],
+)  # fmt: skip
+def test_the_inertia_of_a_density_is_that_of_the_area(outline, second):
+    """∫ x² dA about the centroid, of the polygon that the surface is."""
+    body = {"geometry": outline, "segment": 0.01, "rigid": {"density": 1e3}}
+    assert Simulation(drop(body)).state.rigid.spread[0] == pytest.approx(1e3 * np.array(second), rel=1e-3)
 
 
 def test_mass_and_inertia_are_as_given():
@@ -295,6 +312,14 @@ def test_what_does_not_apply_is_refused(changes, message):
         ({"contact": {"method": "particles"}}, "finds material points, of which a rigid body has none"),
         ({"sleep": {}}, "sleep: does not go with rigid bodies"),
         ({"bodies": {"disc": FREE}}, "every body is rigid; expected one that deforms"),
+        (
+            {"contact": {"method": "penalty", "penalty": {"passes": "one", "master": "block"}}},
+            "'block' meets rigid bodies alone, which are always master",
+        ),
+        (
+            {"loads": {"air": {"model": "drag", "bodies": ["disc"], "rate": 1.0}}},
+            "'disc' is rigid, and has no",
+        ),
     ],
 )
 def test_what_cannot_meet_a_rigid_body_is_refused(changes, message):

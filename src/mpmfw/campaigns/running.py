@@ -1,4 +1,4 @@
-"""Do what a campaign still lacks: first the results, then the repeats that make the cost known."""
+"""Run what a campaign still lacks: first the results, then the repeats that make the cost known."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ FIELDS = (
 
 
 class Reaction(Observer):
-    """What contact does to the points of mass of rigid bodies, measured like the moment of contact.
+    """Force, moment and work of contact on rigid bodies, observed at the hooks of contact.
 
     ``work`` is what has been put in to keep the prescribed motions [J/m]."""
 

@@ -175,16 +175,18 @@ def _named(
     scene: Scene, bodies: tuple[Body, ...], loads: Mapping[str, Load]
 ) -> dict[str, dict[str, NamedPlugIn]]:
     made: dict[str, dict[str, NamedPlugIn]] = {}
+    soft = tuple(body for body in bodies if not body.rigid)
     for group in ("loads", "boundaries", "outputs"):
         made[group] = {}
         for name, table in getattr(scene, group).items():
             plugin: NamedPlugIn = _plugin(NAMED[group], table.model, table.options)
             _check_dimensions(scene, plugin, f"{group}.{name}")
             plugin.title = name
-            plugin.bodies = tuple(b for b in bodies if table.bodies is None or b.name in table.bodies)
+            acted_on = bodies if group == "outputs" else soft
+            plugin.bodies = tuple(b for b in acted_on if table.bodies is None or b.name in table.bodies)
             made[group][name] = plugin
     for name, given in loads.items():
-        given.title, given.bodies = name, bodies
+        given.title, given.bodies = name, soft
         made["loads"][name] = given
     return made
 

@@ -50,7 +50,7 @@ def run(
     scene
         A TOML file, the name of a shipped scene, nested mappings, or a :class:`mpmfw.scene.Scene`.
     contact, shape
-        A plug-in's name or a configured strategy object, in place of the scene's.
+        A plug-in's name or a configured strategy object, instead of the scene's.
     output
         NetCDF file to write, frame by frame; it replaces another run's file alone. None keeps the results in
         memory.
@@ -64,7 +64,7 @@ def run(
         Wall time, [s] or as ``"10 min"``, between two files ``OUTPUT.checkpoint``, from which
         :func:`mpmfw.resume` goes on; ten minutes by default, ``math.inf`` for none.
     threads
-        That share each step, in place of the scene's; the results are the same to the bit.
+        Threads of each step, instead of the scene's; the results are the same to the bit.
 
     Returns
     -------

@@ -176,6 +176,9 @@ def _named(
         for index, body in enumerate(named):
             if body not in scene.bodies:
                 yield _no_such("body", (*path, "bodies", index), body, scene.bodies)
+            elif path[0] != "outputs" and isinstance(scene.bodies[body], RigidBody):
+                text = f"'{body}' is rigid, and has no material points to act on; expected bodies that deform"
+                yield Problem((*path, "bodies", index), text)
             elif body in named[:index]:
                 yield Problem((*path, "bodies", index), f"names '{body}' twice")
         judge = getattr(plugins.get(path), "problems", None)

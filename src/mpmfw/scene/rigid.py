@@ -57,7 +57,7 @@ class Motion(Table):
 
 
 class Rigid(Table):
-    """What moves a rigid body: a prescribed ``motion``, or forces that act on its mass.
+    """Motion of a rigid body: a prescribed ``motion``, or that of forces on its mass.
 
     The mass is that of a ``density`` [kg/m^3], or ``mass`` [kg] with the ``inertia`` [kg m^2] about the
     centroid."""

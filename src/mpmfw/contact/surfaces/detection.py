@@ -166,6 +166,10 @@ class Surfaces(OnFacets):
         if master is not None and master not in [body.name for body in bodies]:
             names = ", ".join(body.name for body in bodies)
             raise SceneError(f"no body '{master}'; expected one of {names}", key=f"contact.{owner}.master")
+        soft = [body.name for body in setup.state.soft_bodies]
+        if len(bodies) > 1 and soft == [master]:
+            text = f"'{master}' meets rigid bodies alone, which are always master; leave it out"
+            raise SceneError(text, key=f"contact.{owner}.master")
         ranks = np.zeros(len(bodies), dtype=np.int64)
         if not self.two_passes:
             size = np.array([surface.tributary[surface.of(body.index)].sum() for body in bodies])
