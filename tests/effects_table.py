@@ -45,7 +45,7 @@ LEAST = Brings(
         )
         for name in names.split()
     ),
-    modules=brings(modules=".series .verdict .energies .rotation").modules,
+    modules=brings(modules=".series .verdict").modules,
     series=frozenset(
         {
             *("centre_of_mass", "mean_velocity", "angular_velocity", "linear_momentum", "angular_momentum"),

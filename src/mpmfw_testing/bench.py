@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from mpmfw.plugin.base import NamedPlugIn
 from mpmfw.plugin.discovery import available, load
 from mpmfw.plugin.hooks import BoundHooks, make_manager
-from mpmfw.plugin.named import NamedPlugIn
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import AnyArray, FloatArray
 from mpmfw.state.structs import Particles, State

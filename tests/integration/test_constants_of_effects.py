@@ -9,7 +9,7 @@ import pytest
 from test_verdict import Idle, Pump
 
 import mpmfw
-from mpmfw.effects import energies, flutter, settling, verdict
+from mpmfw.effects import flutter, series, settling, verdict
 from mpmfw.effects.flutter import Flutter
 from mpmfw.kernels import sides
 from mpmfw.kernels.sides import node_normals
@@ -139,7 +139,7 @@ def test_growth_is_the_share_of_energy_past_which_a_run_is_suspect(monkeypatch):
 
 def test_energy_below_rounding_is_nothing(monkeypatch):
     assert pumped(1.0, 1e-7) == "ok"
-    monkeypatch.setattr(energies, "NOTHING", 0.0)
+    monkeypatch.setattr(series, "NOTHING", 0.0)
     assert pumped(1.0, 1e-7).startswith("suspect: energy")
 
 

@@ -8,8 +8,9 @@ import pytest
 from contact_scenes import impact, rectangle, scene
 from mpmfw import run
 from mpmfw.api import SimulationError
-from mpmfw.effects.energies import GROWTH_LIMIT, EnergyGuard, negligible_energy
 from mpmfw.effects.ledger import CHECK_EVERY
+from mpmfw.effects.ledger_works import GROWTH_LIMIT, EnergyGuard
+from mpmfw.effects.series import negligible_energy
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene, shipped_scenes
 

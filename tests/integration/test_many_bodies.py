@@ -11,7 +11,7 @@ from many_discs import many_discs
 from mpmfw.api import ContactStrategy, hookimpl
 from mpmfw.results.analysis import energy_kept
 from mpmfw.runs.simulation import Simulation
-from mpmfw.state.pairs import FEW
+from mpmfw.state.windows import FEW
 
 METHODS = ("none", "penalty")
 

@@ -8,9 +8,9 @@ import pytest
 
 from interpreted import interpreted
 from mpmfw.api import SceneError
-from mpmfw.effects import constraint, energies, side_loads, side_rows
+from mpmfw.effects import constraint, series, side_loads, side_rows
 from mpmfw.effects.constraint import AGREED, PASSES
-from mpmfw.effects.energies import EnergyGuard
+from mpmfw.effects.ledger_works import EnergyGuard
 from mpmfw.effects.side_rows import QUADRATURE, PlaneSides, list_rows, quadrature, splines
 from mpmfw.effects.surface import CRITICAL_MASS, LIGHT, weigh_by_mass, weigh_plain
 from mpmfw.kernels.stencil import LEAST_SHARE, linear_weights
@@ -198,13 +198,13 @@ def test_rounding_is_no_growth_of_energy_and_a_slow_impact_s_is(monkeypatch):
     def stops(energy):
         body = state.bodies[0]
         stiffness = float(state.particles.volume.sum()) * (body.bulk_modulus + body.shear_modulus)
-        return EnergyGuard(energies.negligible_energy(state), {}).grown(energy * stiffness)
+        return EnergyGuard(series.negligible_energy(state), {}).grown(energy * stiffness)
 
     assert not stops(1e-24)
     assert stops(1e-8)
-    monkeypatch.setattr(energies, "NOTHING", 0.0)
+    monkeypatch.setattr(series, "NOTHING", 0.0)
     assert stops(1e-24)
-    monkeypatch.setattr(energies, "NOTHING", 1e-6)
+    monkeypatch.setattr(series, "NOTHING", 1e-6)
     assert not stops(1e-8)
 
 

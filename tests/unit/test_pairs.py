@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mpmfw.kernels.contact import pair_index, pair_table
-from mpmfw.state.pairs import FEW, BodyPairs, overlapping
+from mpmfw.state.windows import FEW, BodyPairs, overlapping
 
 
 def brute_force(lower, upper):

@@ -4,9 +4,8 @@ outputs.
 
 from __future__ import annotations
 
-from mpmfw.plugin.boundary import Boundary
-from mpmfw.plugin.load import BodyLoad, Load, LoadedFacets, SurfaceLoad
-from mpmfw.plugin.named import NamedPlugIn, OutputSeries, shares_near
+from mpmfw.plugin.base import NamedPlugIn, OutputSeries
+from mpmfw.plugin.load import BodyLoad, Boundary, Load, LoadedFacets, SurfaceLoad, shares_near
 
 __all__ = [
     "BodyLoad",

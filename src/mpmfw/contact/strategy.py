@@ -11,8 +11,8 @@ from mpmfw.plugin.base import PlugIn
 from mpmfw.plugin.checks import naming
 from mpmfw.plugin.setup import Acts, Effect, Setup
 from mpmfw.state.fields import FloatArray, IntArray
-from mpmfw.state.pairs import overlapping
 from mpmfw.state.structs import Body, Pair
+from mpmfw.state.windows import overlapping
 
 
 class ContactStrategy(PlugIn):

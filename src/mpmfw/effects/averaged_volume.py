@@ -106,8 +106,10 @@ class AveragedVolume:
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
         """Return the means of the bodies that name them."""
-        names = ", ".join(body.name for body in setup.averaged)
-        return Acts(f"given for {names}", [cls(setup.averaged, apart=setup.field_per_body)])
+        tables = setup.scene.bodies
+        averaged = [body for body in setup.bodies if tables[body.name].volumetric == "averaged"]
+        names = ", ".join(body.name for body in averaged)
+        return Acts(f"given for {names}", [cls(averaged, apart=setup.field_per_body)])
 
     @hookimpl
     def after_velocity_gradient(self, particles: Particles, grid: Grid, dt: float) -> None:

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.effects.energies import EnergyGuard, StrainEnergies, motion_energy, negligible_energy
-from mpmfw.effects.ledger_works import HalfStep, add_change, grid_energy, impulse_work
+from mpmfw.effects.ledger_works import EnergyGuard, HalfStep, add_change, grid_energy, impulse_work
+from mpmfw.effects.series import StrainEnergies, motion_energy, negligible_energy
 from mpmfw.plugin.hooks import Observer
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Effect, Setup

@@ -1,4 +1,5 @@
-"""Works of the ledger: of impulses on the grid, and of forces half a step apart from the velocity.
+"""Works of the ledger: of impulses on the grid, and of forces half a step apart from the velocity; the end
+of a run whose energy grows without reason.
 
 With update stress last a step is a leapfrog: a force f^n at the positions x^n takes the velocity from half a
 step before to half a step after, and the positions move with the latter. Over the displacement Δt v^n of a
@@ -16,9 +17,23 @@ off by Δt v·∇v. Of strain it is the points' gradient, L (1 + Δt L)⁻¹; of
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+from mpmfw.errors import SimulationError
 from mpmfw.kernels import kernel
 from mpmfw.kernels.types import Floats, Points
 from mpmfw.state.structs import Grid, Particles
+
+#: Growth, as a share of the energy at the start and what was put in since, past which a run is stopped.
+GROWTH_LIMIT = 0.5
+
+#: Where energy may come from: its name, and what helps, by the names of :attr:`Setup.remedies` or in words.
+CAUSES = {
+    "contact": ("contact", ("step", "contact")),
+    "inertia": ("the inertia correction", ("step", "rotation = 'lumped'")),
+    "transfer": ("the transfer between points and grid", ("another stepping.transfer", "shape")),
+    "strain": ("the strain's integration in time", ("step", "scheme")),
+}
 
 
 @kernel
@@ -129,3 +144,68 @@ class HalfStep:
             volume = particles.times_thickness(particles.volume)
             self._power = float(stress_power(volume, particles, self.dt, grid.spacing))
         return self._power
+
+
+class EnergyGuard:
+    """Bound on the energy of the bodies; ``nothing`` [J/m] counts as none."""
+
+    history = ("start", "given", "input", "loaded", "fallen", "depth")
+
+    def __init__(self, nothing: float, remedies: Mapping[str, str]) -> None:
+        self.nothing, self.remedies = nothing, remedies
+        self.restart(0.0)
+
+    def restart(self, start: float) -> None:
+        """Begin with bodies that have the energy ``start`` [J/m]."""
+        self.start = start
+        self.given = self.input = 0.0
+        self.loaded: float | None = None  #: energy of the contact springs at the start, once a step has told
+        self.fallen = self.depth = 0.0
+
+    def set_external_work(self, work: float) -> None:
+        """Set the work of gravity and loads [J/m]; its maximum stays allowed."""
+        self.given, self.input = work, max(self.input, work)
+
+    def set_contact_energy(self, energy: float, last_work: float) -> None:
+        """Set the energy of contact where the step began [J/m], negative where bodies stick together, and its
+        last work.
+
+        Call it after every step. Springs that only push hold no less than nothing, and their energy may as
+        well have been given back."""
+        self.fallen = max(last_work - energy, -energy) if energy < 0.0 else 0.0
+        self.depth = max(self.depth, -energy)
+
+    @property
+    def released(self) -> float:
+        """Energy that springs and adhesion may have given so far [J/m]."""
+        return (self.loaded or 0.0) + self.fallen
+
+    @property
+    def allowed(self) -> float:
+        """Energy of bodies and springs at the start, and what was put in [J/m]."""
+        return self.start + max(self.loaded or 0.0, 0.0) + self.depth + self.input + self.nothing
+
+    def growth(self, energy: float) -> float:
+        """Energy beyond what there was, and what contact and loads gave [J/m]."""
+        return energy - self.start - self.released - self.given
+
+    def grown(self, energy: float) -> bool:
+        """Return True if the growth is too much or NaN."""
+        return not self.growth(energy) <= GROWTH_LIMIT * self.allowed
+
+    def error(self, energy: float, terms: dict[str, float], time: float) -> SimulationError:
+        """Return what stops the run at an ``energy`` of the bodies [J/m], with the likely cause.
+
+        ``terms`` [J/m] came from ``contact``, ``inertia``, ``transfer`` and ``strain`` since the start."""
+        amounts = {**terms, "contact": terms["contact"] - self.released}
+        largest = max(amounts, key=lambda term: amounts[term])
+        cause, ways = CAUSES[largest]
+        absent = {"step", "scheme", "contact", "shape"} - self.remedies.keys()
+        advice = ", or ".join(self.remedies.get(way, way) for way in ways if way not in absent)
+        return SimulationError(
+            f"the energy grew by {self.growth(energy):.4g} J/m without reason, past {GROWTH_LIMIT:g} of the "
+            f"{self.allowed:.4g} J/m that there were and were put in; likely cause: {cause}, which added "
+            f"{amounts[largest]:.4g} J/m",
+            time=time,
+            advice=f"{advice}; allow_unstable = true lets the run go on",
+        )

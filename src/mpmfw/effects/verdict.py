@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.effects.energies import StrainEnergies, kinetic_energy_of, negligible_energy
+from mpmfw.effects.series import StrainEnergies, kinetic_energy_of, negligible_energy
 from mpmfw.kernels import Facets
 from mpmfw.kernels.sides import fastest_approach, find_inside, least_own_gaps, node_normals
 from mpmfw.plugin.hookspecs import hookimpl

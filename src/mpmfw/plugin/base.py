@@ -1,16 +1,23 @@
-"""Base classes of plug-ins: a name, and options validated by a model; materials and shape functions."""
+"""Base classes of plug-ins: a name, and options validated by a model; materials, shape functions, and what a
+scene names as often as it likes."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, ClassVar, Self
+import dataclasses
+from collections.abc import Callable, Iterable, Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
-from mpmfw.errors import OutsideGrid
-from mpmfw.state.fields import FloatArray
-from mpmfw.state.structs import Particles, Stencil
+from mpmfw.errors import OutsideGrid, PluginError
+from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.state.fields import AnyArray, Field, FloatArray
+from mpmfw.state.structs import Body, Particles, State, Stencil
+from mpmfw.units import problems_in_time
+
+if TYPE_CHECKING:
+    from mpmfw.plugin.setup import Setup
 
 
 class NoOptions(BaseModel):
@@ -132,6 +139,88 @@ class ShapeFunction(PlugIn):
     auto_scheme: ClassVar[str] = "usl"  #: what ``auto`` means for the scheme
     auto_transfer: ClassVar[str] = "aflip"  #: what ``auto`` means for the transfer
     auto_rotation: ClassVar[str] = "spin"  #: inertia of free bodies: ``spin``, ``exact`` or ``lumped``
+
+
+class NamedPlugIn(PlugIn):
+    """Base of plug-ins with a table of options in the scene, such as ``[loads.NAME]``."""
+
+    #: Whether surfaces must be tracked for it.
+    needs_surface: ClassVar[bool] = False
+    #: Options that are vectors, constant or in time (``mpmfw.api.units.vector_in_time``).
+    vectors: ClassVar[tuple[str, ...]] = ()
+    #: What the scene calls it.
+    title: str = ""
+    #: Bodies that it concerns.
+    bodies: tuple[Body, ...] = ()
+
+    @classmethod
+    def problems(cls, options: Any, dim: int) -> Iterable[tuple[tuple[str | int, ...], str]]:
+        """Yield vectors of another dimension than ``dim`` and times that do not increase: key, with an index
+        where there is one, and text."""
+        for key in cls.vectors:
+            for index, text in problems_in_time(getattr(options, key), dim):
+                yield (key, *index), text
+
+    def from_setup(self, setup: Setup) -> Self | str:  # noqa: ARG002
+        """Return the plug-in, ready for the bodies, or why it does not act."""
+        return self
+
+    def checked(
+        self, answer: Any, shape: tuple[int, ...], state: State, *, missing: bool = False
+    ) -> FloatArray:
+        """Return the answer of a method as an array of this ``shape``; NaN may stand for ``missing`` values.
+
+        Raise PluginError if the shape differs or a value is not finite.
+        """
+        array: AnyArray = np.asarray(answer, dtype=float)
+        if array.shape != shape:
+            raise self.refusal(f"an array of shape {array.shape}; expected {shape}", state)
+        if np.isinf(array).any() or (not missing and np.isnan(array).any()):
+            raise self.refusal("what is not finite", state)
+        return np.ascontiguousarray(array)
+
+    def refusal(self, answer: str, state: State) -> PluginError:
+        """Return the error for a wrong ``answer`` of a method."""
+        text = f"'{self.title}' ({self.name}) answered with {answer}"
+        return PluginError(text, step=state.steps, time=state.time)
+
+
+class OutputSeries(NamedPlugIn):
+    """Base of diagnostics: one instance for each table ``[outputs.NAME]`` of the scene.
+
+    Subclasses declare their series, :meth:`series`, and give their values, :meth:`values`. In the results
+    each is called ``NAME_series``.
+    """
+
+    stage = "output"
+
+    def series(self) -> list[Field]:
+        """Declarations: name, dims, unit and meaning; may be asked more than once."""
+        raise NotImplementedError
+
+    def values(self, state: State, interval: float) -> Mapping[str, Any]:
+        """Return the numbers of every declared series by name; ``state`` may not be changed.
+
+        ``interval`` [s] is the time since the last output, 0 at the first: there a sum begins."""
+        raise NotImplementedError
+
+    @hookimpl
+    def declare_fields(self) -> list[Field]:
+        """The series, under the names that the results have for them."""
+        return [
+            dataclasses.replace(field, name=f"{self.title}_{field.name}", group="series", output=True)
+            for field in self.series()
+        ]
+
+    @hookimpl
+    def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
+        """Return the values of all declared series."""
+        values = dict(self.values(state, interval))
+        declared = {field.name for field in self.series()}
+        if values.keys() != declared:
+            found, expected = (", ".join(sorted(names)) for names in (values, declared))
+            raise self.refusal(f"values of {found or 'nothing'}; expected {expected}", state)
+        return {f"{self.title}_{name}": value for name, value in values.items()}
 
 
 def empty_stencil(points: int, entries: int, dim: int, *, gradient: bool = True) -> Stencil:

@@ -17,8 +17,7 @@ if TYPE_CHECKING:
     from mpmfw.contact.rows import FrictionLaw
     from mpmfw.contact.strategy import ContactStrategy
     from mpmfw.geometry import Layout
-    from mpmfw.plugin.base import Material, ShapeFunction
-    from mpmfw.plugin.named import NamedPlugIn
+    from mpmfw.plugin.base import Material, NamedPlugIn, ShapeFunction
     from mpmfw.scene import Scene
     from mpmfw.scene.tables import Side
     from mpmfw.step.transfer import Transfer
@@ -85,17 +84,16 @@ class Setup:
         """All pairs of bodies; of many bodies those that are near or named."""
         return self.state.pairs
 
-    @property
+    @functools.cached_property
     def has_friction(self) -> bool:
         """True if any two bodies have friction, their pair listed or not."""
         if self.whole is not None:
             return self.whole.has_friction
-        return self._has_coefficient or (self.friction_law is not None and self.friction_law.cohesive)
-
-    @property
-    def _has_coefficient(self) -> bool:
+        if self.friction_law is not None and self.friction_law.cohesive:
+            return True
         near = self.state.near
-        return near.has_friction if near is not None else any(pair.mu > 0.0 for pair in self.pairs)
+        listed = [pair.mu for pair in self.state.pairs]
+        return any(mu > 0.0 for mu in (listed if near is None else [near.friction, *near.given.values()]))
 
     @functools.cached_property
     def dim(self) -> int:
@@ -134,16 +132,6 @@ class Setup:
             return normal, max(float((loop @ normal).max()) for loop in body.outlines)
         return normal, float(np.maximum(normal * body.lower, normal * body.upper).sum())
 
-    def is_held(self, body: Body) -> bool:
-        """Return whether the body has prescribed sides, or a boundary condition."""
-        named = any(body in boundary.bodies for boundary in self.named["boundaries"].values())
-        return named or body in [held for held, _ in self.held_sides]
-
-    @property
-    def averaged(self) -> list[Body]:
-        """Bodies whose change of volume is averaged."""
-        return [body for body in self.bodies if self.scene.bodies[body.name].volumetric == "averaged"]
-
     @property
     def named_plugins(self) -> list[NamedPlugIn]:
         """Loads, boundary conditions and outputs."""
@@ -154,14 +142,6 @@ class Setup:
         """Names of the fields that the contact declares."""
         declare = getattr(self.contact, "declare_fields", list)
         return [field.name for field in declare()]
-
-    @property
-    def records_friction(self) -> bool:
-        """True if the run records forces of Coulomb's friction, of all bodies."""
-        contact = self.contact
-        if self.whole is not None or contact is None or self.friction_law or not contact.uses_friction:
-            return False
-        return self._has_coefficient and "friction_force" in self.contact_fields
 
     @functools.cached_property
     def surface_users(self) -> list[str]:
@@ -187,14 +167,6 @@ class Setup:
             found["contact"] = "another contact" if key is None else f"a softer contact ({key})"
         return {**found, "shape": f"another shape than '{self.shape}'"}
 
-    def add_effect(self, name: str, answer: Acts | str) -> None:
-        """Add what acts, or why nothing does; a name adds a line for it."""
-        acts = answer if isinstance(answer, Acts) else Acts(answer)
-        if name:
-            self.effects.append(Effect(name, acts is answer, acts.reason))
-        self.plugins += acts.plugins
-        self.effects += acts.lines
-
     def plugin(self, name: str) -> Any:
         """Return the plug-in of a name, or None."""
         return next((plugin for plugin in self.plugins if plugin.name == name), None)
@@ -219,12 +191,12 @@ class Setup:
         ``sizes`` are the lengths of dimensions beside particle, axis, axis2, body, pair and surface_node."""
         state = self.state
         lengths = {
-            "particle": state.particles.count,
+            "particle": len(state.particles.mass),
             "axis": self.dim,
             "axis2": self.dim,
             "body": len(state.bodies),
             "pair": len(state.pairs),
-            "surface_node": 0 if state.surface is None else state.surface.count,
+            "surface_node": 0 if state.surface is None else len(state.surface.tributary),
         }
         array = declaration.allocate({**lengths, **sizes})
         state.arrays[f"{owner}/{declaration.name}"] = array

@@ -15,8 +15,8 @@ from mpmfw.plugin.checks import described, naming
 from mpmfw.runs.limits import check_box_inside
 from mpmfw.scene.tables import RigidBody
 from mpmfw.state.fields import AFFINE_FIELD, MOMENT_FIELD, PARTICLE_FIELDS, FloatArray
-from mpmfw.state.pairs import overlapping
 from mpmfw.state.structs import Body, Particles, State, Stencil
+from mpmfw.state.windows import overlapping
 from mpmfw.step.transfer import Transfer
 
 if TYPE_CHECKING:

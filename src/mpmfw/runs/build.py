@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from pkgutil import resolve_name
 from typing import Any
 
 import numpy as np
@@ -12,22 +11,20 @@ from mpmfw.contact.rows import FrictionLaw
 from mpmfw.contact.strategy import ContactStrategy
 from mpmfw.errors import SceneError
 from mpmfw.geometry import BodyGeometry, Layout
-from mpmfw.plugin.base import Material, ShapeFunction
-from mpmfw.plugin.boundary import Boundary
+from mpmfw.plugin.base import Material, NamedPlugIn, OutputSeries, ShapeFunction
 from mpmfw.plugin.checks import distribution_text, naming
 from mpmfw.plugin.discovery import Kind, full_name, load, object_of, refuse_nameless
 from mpmfw.plugin.hooks import HOOKS
-from mpmfw.plugin.load import Load
+from mpmfw.plugin.load import Boundary, Load
 from mpmfw.plugin.measure import Measure, Reference
-from mpmfw.plugin.named import NamedPlugIn, OutputSeries
-from mpmfw.plugin.setup import Effect, Setup
+from mpmfw.plugin.setup import Setup
 from mpmfw.runs.bodies import check_bodies, lay_out, make_bodies, make_particles
+from mpmfw.runs.effects import add_effects
 from mpmfw.runs.limits import check_memory
 from mpmfw.scene import Scene, load_scene
 from mpmfw.scene.options import NAMED
-from mpmfw.state.pairs import FEW, BodyPairs
 from mpmfw.state.structs import Body, State
-from mpmfw.state.windows import make_grid
+from mpmfw.state.windows import FEW, BodyPairs, make_grid
 from mpmfw.step.timestep import damped_frequency, stable_length
 from mpmfw.step.transfer import make_transfer
 
@@ -151,9 +148,7 @@ def _put_together(
     _add_interfaces(setup)
     if whole is None:
         check_bodies(scene, layouts, bodies)
-    setup.effects += _of_methods(setup)
-    for title, decides, called_for, otherwise in _effects(setup):
-        setup.add_effect(title, resolve_name(f"mpmfw.{decides}")(setup) if called_for else otherwise)
+    add_effects(setup)
     return setup
 
 
@@ -260,66 +255,3 @@ def _check_unused_contact(scene: Scene) -> None:
         keys.append("friction_law")
     if keys:
         raise SceneError("has no effect, since the scene has one body only", key=f"contact.{keys[0]}")
-
-
-def _effects(setup: Setup) -> list[tuple[str, str, object, str]]:
-    """Return the effects in the order of their hooks: name, ``module:function``, whether the scene calls for
-    it, and why not.
-
-    The function returns :class:`mpmfw.plugin.setup.Acts`, or the reason why nothing acts. Its file is
-    imported only if it is called. The name is empty where the effect has lines of its own, or none."""
-    scene, output, several = setup.scene, setup.scene.output, len(setup.bodies) > 1
-    gravity = scene.gravity or (scene.settle and scene.settle.gravity)
-    damped = any(scene.materials[name].damping for name in setup.materials)
-    no_gap = "one body" if output.gap else "output.gap = false"
-    loaded = "no side has a pressure, traction or force"
-    contact_moment, rigid = output.contact_moment is not None, any(body.rigid for body in setup.bodies)
-    by_output = (
-        ("energy ledger", "effects.ledger:EnergyLedger.from_setup", "ledger"),
-        ("stability series", "effects.series:TimeStepSeries.from_setup", "stability"),
-        ("von Mises stress", "effects.series:VonMises.from_setup", "particles"),
-    )
-    no_surface = "no surface is tracked" if output.surface else "output.surface = false"
-    return [
-        ("rigid bodies", "effects.rigid:RigidBodies.from_setup", rigid, "no rigid body"),
-        ("contact", "contact.strategy:from_setup", True, ""),
-        ("reaction", "effects.reaction:Reaction.from_setup", rigid, "no rigid body"),
-        ("least gap", "effects.surface:GapDiagnostic.from_setup", output.gap and several, no_gap),
-        ("surfaces", "effects.surface:SurfaceTracker.from_setup", setup.surface_users,
-         "nothing needs outlines"),
-        ("material damping", "effects.damping:Damping.from_setup", damped, "no material has damping"),
-        ("averaged volume", "effects.averaged_volume:AveragedVolume.from_setup", setup.averaged,
-         "no body has volumetric = 'averaged'"),
-        ("gravity", "effects.gravity:Gravity.from_setup", gravity, "no [gravity]"),
-        ("settling", "effects.settling:from_setup", scene.settle, "no [settle]"),
-        ("prescribed sides", "effects.constraint:Constraint.from_setup", setup.held_sides,
-         "no fixed or moving side"),
-        ("loads on sides", "effects.side_loads:from_setup", setup.loaded_sides, loaded),
-        ("", "plugin.named:from_setup", True, ""),
-        ("", "effects.rotation:from_setup", True, ""),
-        ("", "effects.series:BodySeries.from_setup", True, ""),
-        ("", "effects.verdict:Verdict.from_setup", setup.whole is None, "all are judged together"),
-        ("", "effects.flutter:Flutter.from_setup", setup.records_friction, "no friction"),
-        ("contact moment", "effects.contact_moment:ContactMoment.from_setup", contact_moment,
-         "no output.contact_moment"),
-        *((name, at, getattr(output, key), f"output.{key} = false") for name, at, key in by_output),
-        ("surface frames", "effects.surface:frames_from_setup", output.surface and setup.surface_users,
-         no_surface),
-        ("sleep", "runs.sleeping:from_setup", scene.sleep, "no [sleep]"),
-    ]  # fmt: skip
-
-
-def _of_methods(setup: Setup) -> list[Effect]:
-    transfer, shape = setup.exchange, setup.shape
-    affine, stored = transfer.affine is not None, transfer.affine == "moment"
-    moves = hasattr(setup.shape_function, "update_particle_domains")
-    chosen = "as auto for" if setup.scene.stepping.transfer == "auto" else "given, with"
-    how = "C is carried along with the motion" if transfer.transported else "C stays as gathered"
-    stores = "stores B, D⁻¹ comes at the next projection" if stored else "does not store B"
-    tracks = "moves its domains in every step" if moves else "has no domains that it would move"
-    return [
-        Effect("affine field", affine, f"transfer {transfer.name}, {chosen} shape {shape}"),
-        *([Effect("transported affine gradient", transfer.transported, how)] if affine else []),
-        Effect("affine moments", stored, f"transfer {transfer.name} {stores}"),
-        Effect("domain tracking", moves, f"shape {shape} {tracks}"),
-    ]

@@ -14,8 +14,8 @@ from mpmfw.plugin.checks import described, naming
 from mpmfw.results import Frame, RunHeader, provenance
 from mpmfw.results.timeline import STATIC
 from mpmfw.state.fields import PARTICLE_FIELDS, SURFACE_FIELDS, AnyArray, Field
-from mpmfw.state.pairs import update_pairs
 from mpmfw.state.structs import State
+from mpmfw.state.windows import update_pairs
 
 if TYPE_CHECKING:
     from mpmfw.scene import Scene

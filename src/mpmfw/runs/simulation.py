@@ -21,8 +21,7 @@ from mpmfw.runs.frames import Recorder, check_state_finite
 from mpmfw.runs.limits import coarse_bodies, outputs_of
 from mpmfw.state.fields import STAGES, STEP_STAGES, AnyArray, Field
 from mpmfw.state.history import NotSaved, put, take
-from mpmfw.state.pairs import update_pairs
-from mpmfw.state.windows import fit_windows, is_cut_off, set_windows
+from mpmfw.state.windows import fit_windows, is_cut_off, set_windows, update_pairs
 from mpmfw.step.schemes import SCHEMES, interpolate
 from mpmfw.step.timestep import Clock, TimeStep
 

@@ -19,9 +19,8 @@ from mpmfw.runs.build import build_some
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 from mpmfw.state.history import NotSaved
 from mpmfw.state.index_map import IndexMap, copy_history
-from mpmfw.state.pairs import overlapping, update_pairs
 from mpmfw.state.structs import State
-from mpmfw.state.windows import fitted_windows, set_windows
+from mpmfw.state.windows import fitted_windows, overlapping, set_windows, update_pairs
 from mpmfw.step.schemes import SCHEMES, Length
 from mpmfw.step.timestep import Clock
 from mpmfw.step.transfer import Transfer

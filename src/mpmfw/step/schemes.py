@@ -8,9 +8,8 @@ from typing import Any
 from mpmfw.errors import Diverged, OutsideGrid, SimulationError
 from mpmfw.kernels import integrate_momentum, particle_grid, velocity_of_momentum
 from mpmfw.state.fields import FloatArray
-from mpmfw.state.pairs import update_pairs
 from mpmfw.state.structs import Body, Grid, Particles, State, Stencil
-from mpmfw.state.windows import fit_windows
+from mpmfw.state.windows import fit_windows, update_pairs
 from mpmfw.step.timestep import Clock
 from mpmfw.step.transfer import Transfer
 
