@@ -62,12 +62,13 @@ def solve_symmetric(a: Floats, b: Floats) -> bool:
 
 @device
 def set_equations(
-    i: int, j: int, clouds: Clouds, position: Floats, origin: Floats, h: Float, beta: Floats, penalty: float,
-    x: Floats, a: Floats, b: Floats,
+    nodes: Ints, of_first: int, count: int, clouds: Clouds, position: Floats, origin: Floats, h: Float,
+    beta: Floats, penalty: float, x: Floats, a: Floats, b: Floats,
 ) -> None:  # fmt: skip
     """Normal equations of the step of β for Σ (c_p − f(β·x_p))² + λ |slope|², x_p = ((X_p − X_i) / h, 1).
 
-    c is −1 at the points of node i and 1 at those of node j; f(s) = 2 / (1 + e^(−s)) − 1 = tanh(s / 2).
+    c is −1 at the points of the first side's nodes and 1 at those of the others;
+    f(s) = 2 / (1 + e^(−s)) − 1 = tanh(s / 2).
     """
     wide, dim = len(beta), len(beta) - 1
     for d in range(wide):
@@ -76,8 +77,8 @@ def set_equations(
         for e in range(wide):
             a[d, e] = of_slope if d == e else 0.0
     x[dim] = 1.0
-    for side in range(2):
-        k = clouds.head[i if side == 0 else j]
+    for n in range(count):
+        k, side = clouds.head[nodes[n]], -1.0 if n < of_first else 1.0
         while k >= 0:
             along = beta[dim]
             for d in range(dim):
@@ -86,7 +87,7 @@ def set_equations(
             f = math.tanh(0.5 * along)
             slope = 0.5 * (1.0 - f * f)
             for d in range(wide):
-                b[d] += slope * (2.0 * side - 1.0 - f) * x[d]
+                b[d] += slope * (side - f) * x[d]
                 for e in range(wide):
                     a[d, e] += slope * slope * x[d] * x[e]
             k = clouds.after[k]
@@ -94,11 +95,11 @@ def set_equations(
 
 @device
 def fit_plane(
-    i: int, j: int, clouds: Clouds, position: Floats, origin: Floats, penalty: float, tolerance: float,
-    normal: Floats, spacing: tuple[float, ...], wide: tuple[float, ...],
+    nodes: Ints, of_first: int, count: int, clouds: Clouds, position: Floats, origin: Floats, penalty: float,
+    tolerance: float, normal: Floats, spacing: tuple[float, ...], wide: tuple[float, ...],
 ) -> bool:  # fmt: skip
-    """Unit normal of the plane between the points of nodes i and j, out of the first body, into ``normal``;
-    False without one.
+    """Unit normal of the plane between the points of ``count`` nodes, the first ``of_first`` of which are of
+    the first side, out of that side, into ``normal``; False without one.
 
     Gauss & Newton from β = 0 until 1 − cos of the normal's turn is below the ``tolerance``. ``wide`` is one
     longer than ``spacing``.
@@ -108,7 +109,7 @@ def fit_plane(
     for d in range(len(wide)):
         beta[d] = 0.0
     for _ in range(ITERATIONS):
-        set_equations(i, j, clouds, position, origin, spacing[0], beta, penalty, x, a, b)
+        set_equations(nodes, of_first, count, clouds, position, origin, spacing[0], beta, penalty, x, a, b)
         if not solve_symmetric(a, b):
             break
         for d in range(len(wide)):

@@ -22,7 +22,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from mpmfw.api import ContactRows, Grid, Particles, SceneError, Setup, Stencil
 from mpmfw.contact.nodes import AtNodes
-from mpmfw.contact.shared_nodes import GridNodes, NodePairs, SharedNodes, write_row
+from mpmfw.contact.shared_nodes import GridNodes, NodePairs, SharedNodes, collect_sides, write_row
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.contact import Rows
 from mpmfw.kernels.facets import read_point
@@ -68,7 +68,20 @@ def write_regressed_rows(
     for f in range(listed):
         i, j, p = shared.first[f], shared.second[f], shared.pair[f]
         read_point(i, node, origin, spacing)
-        if not fit_plane(i, j, clouds, points.position, origin, penalty, tolerance, n, spacing, wide):
+        of_first, count = collect_sides(f, shared, grid)
+        if not fit_plane(
+            shared.side,
+            of_first,
+            count,
+            clouds,
+            points.position,
+            origin,
+            penalty,
+            tolerance,
+            n,
+            spacing,
+            wide,
+        ):
             continue
         gap = -cut_off
         gap -= outermost(i, clouds, points, half_edges, origin, n, 1.0)

@@ -92,13 +92,12 @@ def detected(normal, gap=0.0, *, seed=0, turn=1e-5, strain=None):
     grid = shared.GridNodes(
         window_lower=np.zeros((2, dim), dtype=int), window_shape=np.full((2, dim), count),
         offset=np.array([0, size, 2 * size]), nodes=np.full(dim, count), mass=mass,
-        start_velocity=np.zeros((2 * size, dim)), shared=np.zeros(2 * size, dtype=bool), gradient=none,
-        mean=none,
+        start_velocity=np.zeros((2 * size, dim)), shared=np.zeros(2 * size, dtype=bool),
+        last_row=np.full(2 * size, -1), gradient=none, mean=none,
     )  # fmt: skip
     ones = np.ones(1)
     pairs = shared.NodePairs(first=np.array([0]), second=np.array([1]), weight_first=ones, weight_second=ones)
-    names = shared.SharedNodes.member_names
-    listed = shared.SharedNodes(**{name: np.zeros(size, dtype=np.int64) for name in names})
+    listed = shared.room_for(size)
     n = shared.find_shared_nodes(pairs, grid, listed)
     shared.mark_nodes(n, listed, grid)
     clouds = empty_clouds(2 * size, len(nodes))
@@ -177,7 +176,7 @@ def test_the_slope_is_that_of_penalised_least_squares():
     clouds = clouds_of(split, 40)
     normal = np.zeros(2)
     found = regression.fit_plane(
-        0, 1, clouds, position, np.zeros(2), 1e-3, 1e-14, normal, (1.0, 1.0), (1.0, 1.0, 1.0)
+        np.arange(2), 1, 2, clouds, position, np.zeros(2), 1e-3, 1e-14, normal, (1.0, 1.0), (1.0, 1.0, 1.0)
     )
     classes = np.where(body == 0, -1.0, 1.0)
 
@@ -197,7 +196,9 @@ def plane_of(position, split, **constants):
     clouds = clouds_of(split, count)
     normal = np.zeros(2)
     fit = interpreted(regression.fit_plane, **constants) if constants else regression.fit_plane
-    found = fit(0, 1, clouds, position, np.zeros(2), 1e-7, 1e-5, normal, (1.0, 1.0), (1.0, 1.0, 1.0))
+    found = fit(
+        np.arange(2), 1, 2, clouds, position, np.zeros(2), 1e-7, 1e-5, normal, (1.0, 1.0), (1.0, 1.0, 1.0)
+    )
     return normal if found else None
 
 

@@ -63,6 +63,7 @@ def nodes_of(f, gradient=None, mean=None):
     return shared.GridNodes(
         window_lower=f.lower, window_shape=f.shape, offset=f.offset, nodes=np.full(f.dim, 10), mass=f.mass,
         start_velocity=f.momentum, shared=np.zeros(len(f.mass), dtype=bool),
+        last_row=np.full(len(f.mass), -1),
         gradient=none if gradient is None else gradient, mean=none if mean is None else mean,
     )  # fmt: skip
 
@@ -80,8 +81,7 @@ def pairs_of(f, weight_first=None, weight_second=None):
 
 def find(f, capacity=2000):
     """The kernel's list, and the number that it returns."""
-    names = shared.SharedNodes.member_names
-    c = shared.SharedNodes(**{name: np.zeros(capacity, dtype=np.int64) for name in names})
+    c = shared.room_for(capacity)
     return c, shared.find_shared_nodes(pairs_of(f), nodes_of(f), c)
 
 
@@ -230,3 +230,26 @@ def test_projections_agree_with_numpy_at_shared_nodes_and_are_zero_elsewhere(fie
     expected = moments[at_both] / f.mass[at_both, None]
     np.testing.assert_allclose(nodes.mean[at_both], expected, rtol=1e-12, atol=1e-13)
     assert (nodes.mean[~at_both] == 0.0).all()
+
+
+@pytest.mark.parametrize(
+    ("speed_of_third", "sides"), [(0.3, [[0], [1, 2]]), (0.5, [[0], [1]]), (0.8, [[0, 2], [1]])]
+)
+def test_a_third_body_is_on_the_side_with_which_it_moves(speed_of_third, sides):
+    """Three bodies at the only node; the pair's slip with 1 and 0 m/s."""
+    one = np.ones(3)
+    pairs = shared.NodePairs(
+        first=np.array([0, 0, 1]), second=np.array([1, 2, 2]), weight_first=one, weight_second=one
+    )
+    grid = shared.GridNodes(
+        window_lower=np.zeros((3, 2), dtype=int), window_shape=np.ones((3, 2), dtype=int),
+        offset=np.arange(4), nodes=np.ones(2, dtype=int), mass=one,
+        start_velocity=np.array([[1.0, 0.0], [0.0, 0.0], [speed_of_third, 0.0]]),
+        shared=np.zeros(3, dtype=bool), last_row=np.full(3, -1), gradient=np.zeros((3, 2)),
+        mean=np.zeros((0, 2)),
+    )  # fmt: skip
+    rows = shared.room_for(3)
+    assert shared.find_shared_nodes(pairs, grid, rows) == 3
+    shared.mark_nodes(3, rows, grid)
+    of_first, count = shared.collect_sides(0, rows, grid)
+    assert [rows.side[:of_first].tolist(), rows.side[of_first:count].tolist()] == sides

@@ -15,11 +15,11 @@ from mpmfw.contact.rows import ContactRows, Detection
 from mpmfw.contact.shared_nodes import (
     GridNodes,
     NodePairs,
-    SharedNodes,
     find_shared_nodes,
     mark_nodes,
     project_position,
     project_volume_gradient,
+    room_for,
     write_rows,
 )
 from mpmfw.contact.strategy import stiffness_ranks
@@ -33,12 +33,6 @@ if TYPE_CHECKING:
 
 #: Share of a full cell's mass that both bodies must have where a force acts: less only accelerates.
 LEAST_MASS = 0.05
-
-#: Share of a full cell's mass of three bodies at a node that they fill: round ones leave pores.
-FULL = 0.98
-
-#: Steps between two searches for such nodes, which are a warning alone.
-SEAMS_EVERY = 50
 
 
 class NodesOptions(BaseModel):
@@ -80,9 +74,6 @@ class NodesOptions(BaseModel):
 class AtNodes(Detection):
     """Base of detections at grid nodes with mass of both bodies of a pair: rows are v_a − v_b."""
 
-    history = ("seams",)
-    #: Whether three bodies have filled a node.
-    seams = False
     #: Whether forces act on the rows, which need nodes that have some mass.
     forces = False
     #: What is projected on the nodes: volume gradients, and mean positions.
@@ -99,21 +90,15 @@ class AtNodes(Detection):
         """Take the bodies of the pairs, and the least mass of a node."""
         self.state, self.owner = setup.state, owner
         self.given = np.zeros(setup.dim)  #: direction that takes the normals' place, if it is one
-        #: (body,) mass of a node that a body fills [kg/m]
-        self.full_mass = np.array([body.areal_density for body in setup.bodies]) * setup.cell_size**setup.dim
-        self.least_mass = LEAST_MASS * float(self.full_mass.min()) if self.forces else 0.0
-        self.make_room(64)
+        full_mass = min(body.areal_density for body in setup.bodies) * setup.cell_size**setup.dim
+        self.least_mass = LEAST_MASS * full_mass if self.forces else 0.0
+        self.shared = room_for(64)
         self.grid: GridNodes | None = None
         self.list_pairs(setup.state)
         if setup.state.rigid is not None:
             from mpmfw.contact.rigid_nodes import RigidSurfaces
 
             self.rigid = RigidSurfaces(setup.state)
-
-    def make_room(self, nodes: int) -> None:
-        """Make room for so many shared nodes."""
-        names = SharedNodes.member_names
-        self.shared = SharedNodes(**{name: np.zeros(nodes, dtype=np.int64) for name in names})
 
     def weights(self, state: State) -> tuple[FloatArray, FloatArray]:
         """Return the weights of both bodies' volume gradients in the normal, (pair,) each."""
@@ -142,7 +127,7 @@ class AtNodes(Detection):
         self.grid = GridNodes(
             window_lower=grid.window_lower, window_shape=grid.window_shape, offset=grid.offset,
             nodes=grid.nodes, mass=grid.mass, start_velocity=grid.start_velocity,
-            shared=np.zeros(len(grid.mass), dtype=bool),
+            shared=np.zeros(len(grid.mass), dtype=bool), last_row=np.zeros(len(grid.mass), dtype=np.int64),
             gradient=np.zeros_like(grid.momentum) if self.projects_gradient else empty,
             mean=np.zeros_like(grid.momentum) if self.projects_mean else empty,
         )  # fmt: skip
@@ -162,13 +147,11 @@ class AtNodes(Detection):
         nodes, rows.count = self.nodes_of(grid), 0
         listed = find_shared_nodes(self.pairs, nodes, self.shared)
         if listed > len(self.shared.pair):
-            self.make_room(2 * listed)
+            self.shared = room_for(2 * listed)
             find_shared_nodes(self.pairs, nodes, self.shared)
         near = [] if self.rigid is None else self.rigid.find(grid, self.least_mass)
         if listed == 0 and not near:
             return
-        if listed and not self.seams and len(self.full_mass) > 2 and self.state.steps % SEAMS_EVERY == 0:
-            self.seams = self._fill_a_node(listed, grid)
         mark_nodes(listed, self.shared, nodes)
         for each in near:
             nodes.shared[each.nodes] = True
@@ -192,28 +175,6 @@ class AtNodes(Detection):
         if not self.projects_gradient:
             return np.zeros(len(nodes))
         return np.asarray(np.maximum(-np.einsum("nd,nd->n", self.gradient[nodes], normal), 0.0))
-
-    def _fill_a_node(self, listed: int, grid: Grid) -> bool:
-        """Return whether three bodies fill one of the ``listed`` shared nodes."""
-        pair = self.shared.pair[:listed]
-        node = np.concatenate([self.shared.first[:listed], self.shared.second[:listed]])
-        body = np.concatenate([self.pairs.first[pair], self.pairs.second[pair]])
-        share = grid.mass[node] / self.full_mass[body]
-        total = np.bincount(node, weights=np.roll(share, listed))  # of the bodies that meet this one there
-        total[node] += share
-        return bool((total[np.bincount(node) > 1] > FULL).any())
-
-    def remarks(self) -> list[str]:
-        """Return the warning that seams of flush bodies act as steps."""
-        text = (
-            "three bodies fill a node of the grid: contact at nodes cannot tell which two of them lie flush; "
-            "a seam brakes a body that slides over it, or throws it up; try a detection on surfaces"
-        )
-        return [text] if self.seams else []
-
-    def copy_history(self, other: AtNodes, index_map: Any) -> None:  # noqa: ARG002
-        """Copy whether three bodies have filled a node."""
-        self.seams = self.seams or other.seams
 
     def write(self, listed: int, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> int:  # noqa: ARG002
         """Write rows of ``listed`` shared nodes where bodies are near; return their number."""
@@ -298,11 +259,11 @@ class Nodes(AtNodes):
             self.bias.restart()
 
     def remarks(self) -> list[str]:
-        """Return the warnings of seams, and of averaged normals that lean."""
+        """Return the warnings of averaged normals that lean."""
         advice = 'normal = "master" or "specified" for faces'
         if not self.by_position:
             advice += ', criterion = "position" for round bodies'
-        return [*super().remarks(), *(self.bias.remarks(self.state.pairs, advice) if self.bias else [])]
+        return self.bias.remarks(self.state.pairs, advice) if self.bias else []
 
     def weights(self, state: State) -> tuple[FloatArray, FloatArray]:
         """Return 1 for both, or with ``master`` for the stiffer; 0 for equals."""

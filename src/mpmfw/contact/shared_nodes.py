@@ -30,6 +30,7 @@ class GridNodes(Struct):
     mass: Floats  #: (n_nodes,) [kg/m]
     start_velocity: Floats  #: (n_nodes, dim) [m/s]
     shared: Flags  #: (n_nodes,) whether two bodies have mass there
+    last_row: Ints  #: (n_nodes,) last row of a node, 2 f where it is the first and 2 f + 1 the second; or −1
     gradient: Floats  #: (n_nodes, dim) Σ V ∇φ at shared nodes; (0, dim) where it is not asked for
     #: (n_nodes, dim) mean position of the points [m] at shared nodes; (0, dim) where it is not asked for
     mean: Floats
@@ -41,6 +42,14 @@ class SharedNodes(Struct):
     pair: Ints  #: (n,)
     first: Ints  #: (n,) flat node of the first body's window
     second: Ints  #: (n,) that of the second body's
+    row_before: Ints  #: (2 n,) row of the same node before, as in ``GridNodes.last_row``
+    side: Ints  #: (2 n,) nodes of both sides of one row
+
+
+def room_for(rows: int) -> SharedNodes:
+    """Return room for so many rows."""
+    sizes = {"pair": rows, "first": rows, "second": rows, "row_before": 2 * rows, "side": 2 * rows}
+    return SharedNodes(**{name: np.zeros(size, dtype=np.int64) for name, size in sizes.items()})
 
 
 @kernel
@@ -79,11 +88,48 @@ def find_shared_nodes(pairs: NodePairs, grid: GridNodes, shared: SharedNodes) ->
 
 @kernel
 def mark_nodes(count: int, shared: SharedNodes, grid: GridNodes) -> None:
-    """Mark the first ``count`` listed nodes, on which alone things are projected."""
+    """Mark the first ``count`` listed nodes, on which alone things are projected; link the rows of a node."""
     grid.shared[:] = False
+    grid.last_row[:] = -1
     for f in range(count):
-        grid.shared[shared.first[f]] = True
-        grid.shared[shared.second[f]] = True
+        for second in range(2):
+            i = shared.second[f] if second else shared.first[f]
+            grid.shared[i] = True
+            shared.row_before[2 * f + second], grid.last_row[i] = grid.last_row[i], 2 * f + second
+
+
+@device
+def squared_slip(i: int, j: int, grid: GridNodes) -> Float:
+    """|v_i − v_j|² of two nodes."""
+    square = 0.0
+    for d in range(grid.start_velocity.shape[1]):
+        square += (grid.start_velocity[i, d] - grid.start_velocity[j, d]) ** 2
+    return square
+
+
+@device
+def collect_sides(f: int, shared: SharedNodes, grid: GridNodes) -> tuple[int, int]:
+    """List the nodes of row f's first side, then of its second, in ``shared.side``; return the number of the
+    first and of all.
+
+    A third body with mass there is on the side with which it moves: flush bodies are one to a body that
+    slides over them. It is on neither side unless its slip from one is below half of that from the other.
+    """
+    count, of_first = 0, 0
+    for second in range(2):
+        i, j = (shared.second[f], shared.first[f]) if second else (shared.first[f], shared.second[f])
+        shared.side[count] = i
+        count += 1
+        row = grid.last_row[i]
+        while row >= 0:
+            third = shared.first[row // 2] if row % 2 else shared.second[row // 2]
+            if third != j and 4.0 * squared_slip(third, i, grid) < squared_slip(third, j, grid):
+                shared.side[count] = third
+                count += 1
+            row = shared.row_before[row]
+        if second == 0:
+            of_first = count
+    return of_first, count
 
 
 @device
@@ -145,20 +191,34 @@ def background_index(i: int, body: int, grid: GridNodes) -> int:
 
 
 @device
+def sum_gradients(f: int, shared: SharedNodes, grid: GridNodes, gradient: Floats) -> None:
+    """Σ g over the nodes of each side of row f, (2, dim)."""
+    of_first, count = collect_sides(f, shared, grid)
+    gradient[:] = 0.0
+    for k in range(count):
+        for d in range(gradient.shape[1]):
+            gradient[0 if k < of_first else 1, d] += grid.gradient[shared.side[k], d]
+
+
+@device
 def direction_out(
-    i: int, j: int, p: int, pairs: NodePairs, grid: GridNodes, given: Floats, out: Floats
-) -> bool:
-    """n ∝ w_b g_b − w_a g_a of the volume gradients, or the given one; False without one."""
-    square, of_first, of_second = 0.0, pairs.weight_first[p], pairs.weight_second[p]
-    if of_first + of_second == 0.0 and len(grid.gradient) > 0:
-        for d in range(len(given)):
-            square += grid.gradient[i, d] ** 2 - grid.gradient[j, d] ** 2
-        of_first, of_second = 1.0 if square >= 0.0 else 0.0, 1.0 if square <= 0.0 else 0.0
-        square = 0.0
+    f: int, shared: SharedNodes, pairs: NodePairs, grid: GridNodes, given: Floats, out: Floats,
+    spacing: tuple[float, ...],
+) -> bool:  # fmt: skip
+    """n ∝ w_b g_b − w_a g_a of the sides' volume gradients, or the given one; False without one."""
+    p, square, gradient = shared.pair[f], 0.0, scratch.matrix((0, 0), spacing)
+    of_first, of_second = pairs.weight_first[p], pairs.weight_second[p]
+    if len(grid.gradient) > 0:
+        sum_gradients(f, shared, grid, gradient)
+        if of_first + of_second == 0.0:
+            for d in range(len(given)):
+                square += gradient[0, d] ** 2 - gradient[1, d] ** 2
+            of_first, of_second = 1.0 if square >= 0.0 else 0.0, 1.0 if square <= 0.0 else 0.0
+            square = 0.0
     for d in range(len(given)):
         out[d] = -given[d]
         if len(grid.gradient) > 0:
-            out[d] = of_second * grid.gradient[j, d] - of_first * grid.gradient[i, d]
+            out[d] = of_second * gradient[1, d] - of_first * gradient[0, d]
         square += out[d] * out[d]
     length = math.sqrt(square)
     for d in range(len(given)):
@@ -212,7 +272,7 @@ def write_rows(
         i, j, p = shared.first[f], shared.second[f], shared.pair[f]
         if least_mass > 0.0 and min(grid.mass[i], grid.mass[j]) < least_mass:
             continue
-        if not direction_out(i, j, p, pairs, grid, given, n):
+        if not direction_out(f, shared, pairs, grid, given, n, spacing):
             continue
         separation = 0.0
         for d in range(dim):
