@@ -239,7 +239,6 @@ ROWS: dict[str, tuple[dict[str, Any], str, Any, Any]] = {
     "Series.model": (body(outputs={"a": FAST}), "outputs__a__model", "fastest", "none of them"),
     "Series.bodies": (pair(outputs={"a": FAST}), "outputs__a__bodies", ["left"], ["left", "right"]),
     **{f"Gravity.{key}": (held(), "gravity", first, second) for key, first, second in GRAVITIES},
-    **{f"ConstantGravity.{key}": (SETTLED, "settle__gravity", *two) for key, *two in GRAVITIES[:3]},
     "Settle.tolerance": (held(settle={"max_time": 0.5}), "", 0.2, 0.05),
     "Settle.max_time": (held(settle={"tolerance": 1e-6}), "", 0.01, 0.03),
     "Settle.gravity": (SETTLED, "", G, {"vector": [0, -50]}),

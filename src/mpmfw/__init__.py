@@ -12,8 +12,7 @@ from mpmfw._version import __version__
 
 if TYPE_CHECKING:
     from mpmfw import plots
-    from mpmfw.campaigns.campaign import campaign
-    from mpmfw.campaigns.comparison import compare
+    from mpmfw.campaigns.campaign import campaign, compare
     from mpmfw.errors import Interrupted, MpmfwError, PluginError, ResultsWarning, SceneError, SimulationError
     from mpmfw.paraview import export
     from mpmfw.plots import animate
@@ -38,7 +37,7 @@ _MODULES = {
     "check_plugin": "mpmfw_testing.parametrised",
     "campaign": "mpmfw.campaigns.campaign",
     "choose": "mpmfw.studies.choosing",
-    "compare": "mpmfw.campaigns.comparison",
+    "compare": "mpmfw.campaigns.campaign",
     "difference": "mpmfw.results.selection",
     "export": "mpmfw.paraview",
     "field": "mpmfw.results.notebook",

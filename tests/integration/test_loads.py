@@ -206,7 +206,7 @@ PUSH = {"model": "point_force", "at": [0, 0], "force": [1, 0]}
         ({**DRAG, "model": "darg"}, r"a\.model: no such load plug-in: 'darg'"),
         ({**DRAG, "raet": 1.0}, r"a\.raet: unknown key; did you mean 'rate'"),
         ({**DRAG, "rate": "3 m"}, r"a\.rate: '3 m' is not convertible to 1/s"),
-        ({**DRAG, "bodies": ["lft"]}, r"a\.bodies\[0\]: no body 'lft'; did you mean 'left'"),
+        ({**DRAG, "bodies": ["lft"]}, r"a\.bodies\[0\]: no such body: 'lft' is unknown; did you mean 'left'"),
         ({**DRAG, "bodies": ["left", "left"]}, r"a\.bodies\[1\]: names 'left' twice"),
         ({**DRAG, "medium": [1, 2, 3]}, r"a\.medium: has 3 entries; expected 2"),
         ({**PUSH, "bodies": ["left"], "at": [9, 0]}, r"a\.at: the nearest material point is .* cells away"),

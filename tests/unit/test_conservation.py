@@ -5,8 +5,8 @@ import pytest
 import xarray as xr
 
 import mpmfw
+from mpmfw.results.analysis import without_round_off
 from mpmfw.results.conservation import dissipation, energy_error, energy_put_in, momentum_change
-from mpmfw.results.round_off import without_round_off
 from mpmfw.scene import load_scene
 from scenes_for_tests import two_blocks
 

@@ -14,7 +14,7 @@ import xarray as xr
 from mpmfw.errors import MpmfwError
 from mpmfw.results import Frame, RunHeader, RunWriter
 from mpmfw.results.concatenation import series_at_outputs
-from mpmfw.results.memory import peak_memory, restart_peak_memory
+from mpmfw.results.provenance import peak_memory, restart_peak_memory
 from mpmfw.results.reading import read as open_results
 from mpmfw.results.selection import opened
 from mpmfw.state.fields import CONTACT_SERIES, PARTICLE_FIELDS, SERIES_FIELDS, SURFACE_FIELDS, Field

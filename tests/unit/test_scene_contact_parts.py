@@ -3,7 +3,7 @@
 import pytest
 
 from contact_scenes import STRATEGIES
-from mpmfw.campaigns.comparison import compare
+from mpmfw.campaigns.campaign import compare
 from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import load
 from mpmfw.runs.identity import key_of

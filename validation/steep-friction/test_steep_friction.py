@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "finite-elements"))
 
@@ -79,10 +80,9 @@ def check_growth(case: Case) -> None:
         points += [("penalty", PIC_LABEL, PIC, size, 0.3, "springs", False) for size in SIZES]
     for name, label, values, size, friction, contact, binds in points:
         method = _sized(name, label, size, values)
-        for _, tree in case.runs([method], set={**_scene(friction, STEEP), **ONCE}):
-            series = tree["series"].to_dataset()
-            time, y = series["time"].values, series["centre_of_mass"].sel(body="block", axis="y").values
-            _growth(case, method, time, y, size, friction, contact, binds)
+        series = _series(case, method, {**_scene(friction, STEEP), **ONCE})
+        time, y = series["time"].values, series["centre_of_mass"].sel(body="block", axis="y").values
+        _growth(case, method, time, y, size, friction, contact, binds)
 
 
 def _growth(
@@ -184,11 +184,14 @@ def _elements(
 
 
 def _points(case: Case, method: Method, at: Sequence[tuple[float, float]]) -> list[Measured]:
-    found = []
-    for friction, tilt in at:
-        for _, tree in case.runs([method], set=_scene(friction, tilt)):
-            found.append(of_points(friction, math.radians(tilt), tree["series"].to_dataset()))
-    return found
+    return [
+        of_points(friction, math.radians(tilt), _series(case, method, _scene(friction, tilt)))
+        for friction, tilt in at
+    ]
+
+
+def _series(case: Case, method: Method, values: dict[str, Any]) -> xr.Dataset:
+    return case.run(case.scene("scene.toml", method, values))["series"].to_dataset()
 
 
 def _scene(friction: float, tilt: float) -> dict[str, Any]:

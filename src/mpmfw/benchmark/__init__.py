@@ -115,8 +115,7 @@ def _methods(simulation: Simulation) -> dict[str, str]:
 def stage_times(wall: FloatArray, cpu: FloatArray) -> FloatArray:
     """Return the least CPU time of a sample, shared out by the stages' least wall times (n_stages,).
 
-    The CPU timer is too slow to be read at every stage. ``wall`` (n_samples, n_stages), ``cpu`` (n_samples,)
-    [s].
+    The CPU timer is too slow for every stage. ``wall`` (n_samples, n_stages), ``cpu`` (n_samples,) [s].
     """
     least = wall.min(axis=0)
     times: FloatArray = least * (cpu.min() / least.sum())

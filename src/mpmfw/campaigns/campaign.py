@@ -1,21 +1,32 @@
-"""``mpmfw.campaign``: a grid of runs as one dataset."""
+"""``mpmfw.campaign`` and ``mpmfw.compare``: a grid of runs as one dataset."""
 
 from __future__ import annotations
 
 import json
+import os
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Unpack
 
 import xarray as xr
 
-from mpmfw.campaigns.grid import RunGrid, make_grid
+from mpmfw.campaigns.grid import RunGrid, given_twice, label_of, make_grid
 from mpmfw.campaigns.grid_runs import GridRuns, costs_of, least, over_repeats
 from mpmfw.campaigns.judging import judge_all
+from mpmfw.campaigns.measures import exact_of, measure_of, names_of_measures
 from mpmfw.campaigns.running import Event, Execution, Running
-from mpmfw.campaigns.store import COSTS
+from mpmfw.campaigns.store import COSTS, store_of
 from mpmfw.errors import ResultsWarning, SceneError, status_code
+from mpmfw.plugin.discovery import Kind, object_of
+from mpmfw.plugin.measure import About
 from mpmfw.results.concatenation import concatenate_runs
+from mpmfw.results.references import RingsReference, RollingReference, declared
+from mpmfw.results.replacing import check_replaceable, replace_dataset
+from mpmfw.scene import Scene, load_scene
+from mpmfw.scene.requested import check_compared
+from mpmfw.scene.sources import plain
+from mpmfw.scene.specification import written
+from mpmfw.scene.toml_text import value_text
 
 
 def campaign(
@@ -58,7 +69,7 @@ def campaign(
         The request as a whole is wrong, or no point can run.
     """
     grid = make_grid({"": scene}, vary, dict(set or {}))
-    return run_grid(grid, Execution.of(running), tuple(measures), reference)
+    return run_grid(grid, Execution(**running), tuple(measures), reference)
 
 
 def run_grid(
@@ -83,7 +94,7 @@ def run_grid(
             grown(dataset_of(runs, fields=False))
 
     runs.complete(progress=tell)
-    runs.warn(lambda one: one.path)
+    runs.warn()
     dataset = dataset_of(runs)
     if "fields" in dataset.attrs:
         warnings.warn(dataset.attrs["fields"], ResultsWarning, stacklevel=2)
@@ -95,7 +106,7 @@ def run_grid(
         if measure.kind == "number":
             dataset[name] = runs.numbers(measure)
         if judge is not None:
-            judged = judge.judge(runs.results, runs.succeeded())
+            judged = judge.judge(runs.complete_results)
             errors = {index: one.error for index, one in judged.items()}
             dataset[f"{name}_error"] = grid.array(errors, meaning, "1", against=judge.describe())
     return dataset
@@ -111,7 +122,7 @@ def dataset_of(runs: GridRuns, *, fields: bool = True) -> xr.Dataset:
     dataset = xr.Dataset({"status": status, **files.data_vars}, files.coords, files.attrs)
     if keys := {dim: key for dim, key in grid.keys.items() if key not in ("contact", "shape")}:
         dataset.attrs["varied"] = json.dumps(keys)
-    if notes := runs.notes(lambda one: one.path):
+    if notes := runs.notes():
         dataset.attrs["notes"] = json.dumps(notes)
     each = costs_of(grid.coords, costs)
     cheapest = least(each)
@@ -119,3 +130,132 @@ def dataset_of(runs: GridRuns, *, fields: bool = True) -> xr.Dataset:
     times = each["cpu_time"].assign_attrs(units="s", long_name="CPU time of each repeat")
     dataset = dataset.assign({**own, "cpu_time_repeat": times, **over_repeats(each)})
     return dataset.assign_attrs(runs.conditions())
+
+
+def compare(
+    scene: Any,
+    contact: Sequence[Any],
+    shape: Sequence[Any],
+    vary: Mapping[str, Sequence[Any]] | None = None,
+    *,
+    output: str | os.PathLike[str] | None = None,
+    set: Mapping[str, Any] | None = None,
+    measures: Iterable[str] | None = None,
+    **running: Unpack[Running],
+) -> xr.Dataset:
+    """Run a scene with every combination of contact and shape (and varied keys) and join the results.
+
+    Parameters
+    ----------
+    scene
+        A file, the name of a shipped scene, or a mapping.
+    contact, shape
+        Methods, each once: names with or without options, such as ``"penalty(kappa=2)"``, ``"module:Class"``,
+        strategy objects or their classes. Options beside a name are set over those of the scene.
+    vary
+        Scene keys and their values, such as ``{"grid.cell_size": [0.4, 0.2]}``; the key's last part names the
+        dimension.
+    output
+        NetCDF file to write, brought up to date after every run. Finished runs are kept in the folder
+        ``<output>.runs``, from which another start goes on.
+    set
+        Scene keys that all runs share. ``output.particles`` keeps fields if all runs have the same points.
+    measures
+        As :func:`mpmfw.campaign` takes them; by default those of which the scene has an exact value.
+    **running
+        As :class:`mpmfw.campaigns.running.Execution` takes them.
+
+    Returns
+    -------
+    xarray.Dataset
+        Series with dims (contact, shape, *vary, time, body | pair, axis), costs with dims (contact, shape,
+        *vary[, stage]), ``status`` ("ok", "suspect: …", "failed: …" or "refused: …"). A failing method does
+        not stop the others; what it did not reach is NaN.
+
+    Raises
+    ------
+    SceneError
+        The request as a whole is wrong, no combination can run, or the output is a file of another kind.
+    """
+    methods = {"contact": _methods("contact", contact), "shape": _methods("shape", shape)}
+    varied = dict(vary or {})
+    check_compared(scene, methods, set or {}, varied)
+    for key, values in varied.items():
+        _check_values(key, values)
+    if output is not None:
+        check_replaceable(output, "compare")
+    path = None if output is None else os.path.abspath(output)
+    first = _first(scene, methods, set or {})
+    known = _applicable_measures(first) if measures is None else list(measures)
+    # The scene's own word counts; one that says nothing has material points where a measure reads them
+    said = first is not None and "particles" in first.output.model_fields_set
+    particles = {} if said else {"output.particles": any(measure_of(name).particles for name in known)}
+
+    def grown(dataset: xr.Dataset) -> None:
+        if path is not None and dataset["steps"].notnull().any():
+            _write(dataset, path)
+
+    if running.get("store") is None:
+        running["store"] = store_of(path)
+    grid = make_grid({"": scene}, {**methods, **varied}, {**particles, **(set or {})})
+    threads = 1 if first is None else first.threads
+    dataset = run_grid(grid, Execution(**running), tuple(known), threads=threads, grown=grown)
+    if path is not None:
+        _write(dataset, path)
+    return dataset
+
+
+def _first(scene: Any, methods: Mapping[str, Sequence[Any]], shared: Mapping[str, Any]) -> Scene | None:
+    named = {f"{kind}.method": chosen[0] for kind, chosen in methods.items() if isinstance(chosen[0], str)}
+    try:
+        return load_scene(scene, set={**shared, **named})
+    except SceneError:
+        return None
+
+
+def _applicable_measures(scene: Scene | None) -> list[str]:
+    if scene is None:
+        return []
+    try:
+        if isinstance(declared(scene), RollingReference | RingsReference):
+            return []
+        measures = [measure_of(name) for name in names_of_measures()]
+        kept = scene.output.particles or "particles" not in scene.output.model_fields_set
+        return [
+            one.name
+            for one in measures
+            if one.kind != "curve"
+            and (kept or not one.particles)
+            and exact_of(one, scene, About()) is not None
+        ]
+    except SceneError as error:
+        warnings.warn(f"no errors are measured: {error}", ResultsWarning, stacklevel=3)
+        return []
+
+
+def _write(dataset: xr.Dataset, path: str) -> None:
+    packed = dataset.copy()
+    for array in packed.data_vars.values():
+        array.encoding = {"zlib": True, "complevel": 1} if array.dtype.kind == "f" else {}
+    replace_dataset(packed, path)
+
+
+def _methods(kind: Kind, chosen: Sequence[Any]) -> list[Any]:
+    if isinstance(chosen, str) or len(chosen) == 0:
+        raise SceneError(f"{kind}: expected a list of at least one method, got {chosen!r}")
+    methods = [written(kind, one, kind) if isinstance(one, str) else object_of(one) for one in chosen]
+    for k in given_twice(methods):
+        method = methods[k]
+        raise SceneError(f"{kind}: {method if isinstance(method, str) else label_of(method)} is given twice")
+    return methods
+
+
+def _check_values(key: str, values: Sequence[Any]) -> None:
+    if isinstance(values, str) or not hasattr(values, "__len__"):
+        raise SceneError(f"vary {key}: expected a list of values, got {values!r}")
+    if len(values) == 0:
+        raise SceneError(f"vary: {key} has no values")
+    for k in given_twice(values):
+        value = plain(values[k])
+        text = value if isinstance(value, str) else value_text(value)
+        raise SceneError(f"vary {key}: {text} is given twice")

@@ -47,11 +47,6 @@ class Combination:
         """``penalty, cpdi, cell_size 0.4``."""
         return in_words(self.labels) or "the run"
 
-    @property
-    def path(self) -> str:
-        """``penalty/cpdi/0.4``."""
-        return "/".join(map(str, self.labels.values()))
-
     @functools.cached_property
     def key(self) -> str:
         """Of its run; empty if it is refused."""

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from mpmfw.campaigns.executors import InProcess
+from mpmfw.campaigns.executors import InProcess, executor_of
 from mpmfw.campaigns.grid import Combination, Index, RunGrid
 from mpmfw.campaigns.judging import measured
 from mpmfw.campaigns.running import Execution, Progress, complete, counted, do, resumable
-from mpmfw.campaigns.store import COSTS, Cost, Finished, Outcome
+from mpmfw.campaigns.store import COSTS, Cost, Finished, Outcome, Store, store_of
 from mpmfw.campaigns.work import LOADED, Task
 from mpmfw.errors import ResultsWarning, is_complete
 from mpmfw.plugin.measure import Measure
@@ -90,13 +90,9 @@ class GridRuns:
         threads: int = 1,
     ) -> None:
         self.grid, self.what, self.execution, self.exclusive = grid, what, execution, exclusive
-        self.executor, self.store = execution.runner(), execution.kept(output)
-        self.threads = threads if self.here else 1
-
-    @property
-    def here(self) -> bool:
-        """Return True if runs take place in this process."""
-        return isinstance(self.executor, InProcess)
+        self.executor = executor_of(execution.executor, execution.jobs)
+        self.store = Store(execution.store if execution.store is not None else store_of(output))
+        self.threads = threads if isinstance(self.executor, InProcess) else 1
 
     def complete(self, only: Collection[Index] | None = None, progress: Progress | None = None) -> None:
         """Run the missing points, all or ``only`` some."""
@@ -147,22 +143,23 @@ class GridRuns:
         processors = sorted({cost.machine for cost in every if cost.machine})
         return {"processor": ", ".join(processors), "cores": self.executor.cores, "timing": timing_of(every)}
 
-    def notes(self, naming: Callable[[Combination], str]) -> dict[str, list[str]]:
+    def notes(self) -> dict[str, list[str]]:
         """What readers of results must know, by the name of a point."""
-        return {naming(one): [*outcome.notes] for _, one, outcome in self.known() if outcome.notes}
+        return {one.name: [*outcome.notes] for _, one, outcome in self.known() if outcome.notes}
 
-    def warn(self, naming: Callable[[Combination], str]) -> None:
+    def warn(self) -> None:
         """Say what readers of results must know."""
-        for name, notes in self.notes(naming).items():
+        for name, notes in self.notes().items():
             for note in notes:
                 warnings.warn(f"{name}: {note}", ResultsWarning, stacklevel=3)
 
-    def succeeded(self) -> dict[Index, bool]:
-        """Return True where a point came to its end."""
-        return {index: is_complete(status) for index, status in self.statuses().items()}
+    def complete_results(self, index: Index) -> xr.DataTree | None:
+        """What a point's run wrote, if it came to its end."""
+        outcome = self.outcome(index)
+        return None if outcome is None or not is_complete(outcome.status) else self.results(index)
 
     def numbers(self, measure: Measure) -> xr.DataArray:
         """Return a measure over the grid."""
-        found = measured(measure, self.grid, self.results, self.succeeded())
+        found = measured(measure, self.grid, self.complete_results)
         values = {index: float(one.values[0]) for index, one in found.items()}
         return self.grid.array(values, measure.meaning, measure.unit)

@@ -26,7 +26,7 @@ from mpmfw.units import Number
 #: Share of a motion below which its part along an axis counts as nothing.
 NEAR_ZERO = 1e-3
 
-#: Results of a combination; None where there are none.
+#: Complete results of a combination; None where there are none.
 Results = Callable[[Index], xr.DataTree | None]
 
 #: An error about a key of the table ``error``, by its path.
@@ -74,9 +74,14 @@ class Judge:
         self.measure: Measure = measure_of(error.quantity)
         self.about = About(error.body, error.pair, error.axis)
         self.norm = error.norm or self.measure.norm
-        self._check_names()
-        self._file = None if error.file is None else _read_reference(error, self.at, beside)
+        for key in ("body", "pair", "axis"):
+            if getattr(self.about, key) is not None and key not in self.measure.keys:
+                taken = " and ".join(self.measure.keys) or "none of body, pair and axis"
+                raise self.at(("error", key), f"has no effect: {self.measure.name} looks at {taken}")
         scenes = grid.runnable
+        for scene in scenes.values():
+            check_names(self.about, scene, self.at)
+        self._file = None if error.file is None else _read_reference(error, self.at, beside)
         self._declared = self.is_exact and error.value is None and error.file is None
         if self._declared and scenes:
             self.about = known_axis(self.measure, next(iter(scenes.values())), self.about)
@@ -86,14 +91,6 @@ class Judge:
     def is_exact(self) -> bool:
         """Return True if errors are against a closed form or a reference, not against other runs."""
         return self.table.kind != "finest"
-
-    def _check_names(self) -> None:
-        for key in ("body", "pair", "axis"):
-            if getattr(self.about, key) is not None and key not in self.measure.keys:
-                taken = " and ".join(self.measure.keys) or "none of body, pair and axis"
-                raise self.at(("error", key), f"has no effect: {self.measure.name} looks at {taken}")
-        for scene in self.grid.runnable.values():
-            check_names(self.about, scene, self.at)
 
     def _exact(self, scene: Scene) -> Exact:
         error = self.table
@@ -106,20 +103,11 @@ class Judge:
         if known is not None and known.kind == error.kind:
             return known
         what = "closed form" if error.kind == "closed-form" else "reference"
-        given = [key for key in self.measure.keys if getattr(error, key) is not None]
-        plain = exact_of(self.measure, scene, About())
-        if known is None and given and plain is not None and plain.kind == error.kind:
-            alone = {key: replace(About(), **{key: getattr(error, key)}) for key in given}
-            guilty = [key for key in given if exact_of(self.measure, scene, alone[key]) is None] or given
-            text = " and ".join(f"{key} = '{getattr(error, key)}'" for key in guilty)
-            text = f"the scene '{scene.name}' has a {what} of {error.quantity}, but none for {text}"
-            advice = f"leave {' and '.join(guilty)} out, or take kind = 'finest'"
-            raise self.at(("error", guilty[0]), f"{text}; {advice}")
         others = [f"kind = '{known.kind}'"] if known is not None else []
         if self.measure.kind != "field":
             given_by = "a file" if self.measure.kind == "curve" else "a value"
             others += ["kind = 'finest'", f"{given_by} with kind = 'reference'"]
-        text = f"the scene '{scene.name}' has no {what} for {error.quantity}"
+        text = f"the scene '{scene.name}' has no {what} for {self.says()}"
         raise self.at(("error", "kind"), f"{text}; expected {' or '.join(others) or 'another quantity'}")
 
     def describe(self) -> str:
@@ -132,15 +120,15 @@ class Judge:
         """Return the quantity in words."""
         return said(self.measure.name, self.about)
 
-    def measured(self, results: Results, succeeded: Mapping[Index, bool]) -> dict[Index, Measured]:
+    def measured(self, results: Results) -> dict[Index, Measured]:
         """Read the measure off all complete runs; a SceneError where it is next to nothing."""
         for index, scene in self.grid.runnable.items():
-            if succeeded.get(index) and (tree := results(index)) is not None:
+            if (tree := results(index)) is not None:
                 if not self._declared:  # a closed form says itself what it is of
                     self.about = inferred(self.measure, tree, scene, self.about)
                 self._check_size(tree, scene)
                 break
-        return measured(self.measure, self.grid, results, succeeded, self.about)
+        return measured(self.measure, self.grid, results, self.about)
 
     def _check_size(self, run: xr.DataTree, scene: Scene) -> None:
         """Refuse a quantity along an axis where nothing happens."""
@@ -155,9 +143,9 @@ class Judge:
             text = f"{self.says()} is nothing beside that along {largest}; expected '{largest}'"
             raise self.at(("error", "axis"), text)
 
-    def judge(self, results: Results, succeeded: Mapping[Index, bool]) -> dict[Index, Judgement]:
-        """Return the errors of all runs that succeeded."""
-        found = self.measured(results, succeeded)
+    def judge(self, results: Results) -> dict[Index, Judgement]:
+        """Return the errors of all runs with complete results."""
+        found = self.measured(results)
         judged = dict.fromkeys(self.grid.combinations, Judgement())
         for index, one in found.items():
             if self.table.kind == "finest":
@@ -204,16 +192,12 @@ class Judge:
 
 
 def measured(
-    measure: Measure,
-    grid: RunGrid,
-    results: Results,
-    succeeded: Mapping[Index, bool],
-    about: About | None = None,
+    measure: Measure, grid: RunGrid, results: Results, about: About | None = None
 ) -> dict[Index, Measured]:
-    """Read a measure off all runs that went through; without ``about`` the first decides what it is of."""
+    """Read a measure off all complete runs; without ``about`` the first decides what it is of."""
     found: dict[Index, Measured] = {}
     for index, scene in grid.runnable.items():
-        if succeeded.get(index) and (tree := results(index)) is not None:
+        if (tree := results(index)) is not None:
             about = inferred(measure, tree, scene, About()) if about is None else about
             found[index] = measure.of(tree, scene, about)
     return found

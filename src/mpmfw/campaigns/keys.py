@@ -8,8 +8,8 @@ from typing import Any
 
 from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import available
-from mpmfw.scene.locator import dotted
 from mpmfw.scene.override import parse_path
+from mpmfw.scene.problem import dotted
 from mpmfw.scene.specification import parse_specification
 from mpmfw.units import to_si
 

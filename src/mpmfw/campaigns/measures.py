@@ -1,8 +1,7 @@
 """Measures by name: quantities that a campaign reads off stored runs, and their exact values.
 
 A measure is an announced class derived from :class:`mpmfw.api.results.Measure`, or a function
-``(run, scene, about)`` under ``@measure(name, unit, kind, keys, exact)`` that returns a number or
-:class:`mpmfw.api.results.Measured`, as in a script before it calls ``mpmfw.study``."""
+``(run, scene, about)`` under ``@measure(…)`` that returns a number or :class:`mpmfw.api.results.Measured`."""
 
 from __future__ import annotations
 

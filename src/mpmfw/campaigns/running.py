@@ -9,8 +9,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any, TypedDict
 
-from mpmfw.campaigns.executors import Executor, InProcess, executor_of
-from mpmfw.campaigns.store import Cost, Finished, Outcome, Store, store_of
+from mpmfw.campaigns.executors import Executor, InProcess
+from mpmfw.campaigns.store import Cost, Finished, Outcome, Store
 from mpmfw.campaigns.work import Task, run_once, time_once
 from mpmfw.errors import Interrupted, SceneError, is_complete, status_code
 from mpmfw.runs.interruption import interruptible
@@ -208,16 +208,3 @@ class Execution:
         repeats: Any = self.repeats  # a caller may give anything
         if repeats is not None and not (isinstance(repeats, int) and repeats >= 1):
             raise SceneError(f"repeats: must be at least 1, not {repeats!r}")
-
-    @classmethod
-    def of(cls, running: Mapping[str, Any], **others: Any) -> Execution:
-        """Return these keywords, with ``others`` set over them."""
-        return cls(**{**running, **others})
-
-    def runner(self) -> Executor:
-        """Return what runs tasks, as :func:`executor_of` does."""
-        return executor_of(self.executor, self.jobs)
-
-    def kept(self, output: str | os.PathLike[str] | None = None) -> Store:
-        """Return the store: as named, ``<output>.runs`` or a temporary one."""
-        return Store(self.store if self.store is not None else store_of(output))

@@ -6,8 +6,7 @@ import functools
 import io
 import sys
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -15,17 +14,13 @@ import typer
 from typer import Argument, Option
 
 from mpmfw._version import __version__
-from mpmfw.cli.benchmark import benchmark
-from mpmfw.cli.check import check
-from mpmfw.cli.choose import choose
 from mpmfw.cli.compare import compare
 from mpmfw.cli.explain import explain
 from mpmfw.cli.figures import animate, export, plot
-from mpmfw.cli.plugins import new, plugins, schema
-from mpmfw.cli.rank import rank
-from mpmfw.cli.run import resume, run
+from mpmfw.cli.plugins import check, new, plugins, schema
+from mpmfw.cli.run import benchmark, resume, run
 from mpmfw.cli.stability import stability
-from mpmfw.cli.study import study
+from mpmfw.cli.study import choose, rank, study
 from mpmfw.cli.validate import validate
 from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError
 
@@ -45,7 +40,8 @@ def exit_status(command: Callable[..., Any]) -> Callable[..., None]:
     @functools.wraps(command)
     def guarded(*args: Any, **kwargs: Any) -> None:
         try:
-            with _plain_warnings():
+            with warnings.catch_warnings():
+                warnings.showwarning = functools.partial(_show, warnings.showwarning)
                 command(*args, **kwargs)
         except BrokenPipeError:
             raise
@@ -60,21 +56,11 @@ def exit_status(command: Callable[..., Any]) -> Callable[..., None]:
     return guarded
 
 
-@contextmanager
-def _plain_warnings() -> Iterator[None]:
-    shown = warnings.showwarning
-
-    def show(message: Warning | str, category: type[Warning], *rest: Any, **named: Any) -> None:
-        if issubclass(category, ResultsWarning):
-            typer.echo(f"note: {message}", err=True)
-        else:
-            shown(message, category, *rest, **named)
-
-    warnings.showwarning = show
-    try:
-        yield
-    finally:
-        warnings.showwarning = shown
+def _show(other: Any, message: Warning | str, category: type[Warning], *rest: Any, **named: Any) -> None:
+    if issubclass(category, ResultsWarning):
+        typer.echo(f"note: {message}", err=True)
+    else:
+        other(message, category, *rest, **named)
 
 
 def prune(

@@ -10,9 +10,7 @@ import typer
 from typer import Option
 
 from mpmfw.cli import arguments as args
-from mpmfw.cli.paths import new_path, result_path
-from mpmfw.cli.progress import campaign_progress
-from mpmfw.cli.tables import Format, FormatOption, print_table, write_rows
+from mpmfw.cli.tables import Format, FormatOption, campaign_progress, print_table, write_rows
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -45,20 +43,19 @@ def compare(
     broken off goes on from the folder FILE.runs.
     """
     from mpmfw.scene import load_scene
-    from mpmfw.scene.requested import check_compared, check_requested
+    from mpmfw.scene.requested import check_compared
 
     contacts, shapes = args.names(contact, "contact"), args.names(shape, "shape")
     varied, shared = args.variations(vary), args.assignments(set_)
-    check_requested(shared, varied, ("--set", "--vary"))
     loaded = load_scene(scene, set=shared, trust=trust)
-    path = result_path(output, loaded, "compare", force, report=report)
+    path = args.result_path(output, loaded, "compare", force, report=report)
     if report is not None:
-        new_path(report, force)
+        args.new_path(report, force)
     # A single body needs no contact; the dimension is there all the same
     contacts = contacts or [loaded.contact.method if loaded.contact else "none"]
     shapes = shapes or [loaded.shape.method]
-    check_compared(loaded, {"contact": contacts, "shape": shapes}, shared, varied, ("--set", "--vary"))
-    from mpmfw.campaigns.comparison import compare as run_all
+    check_compared(loaded, {"contact": contacts, "shape": shapes}, shared, varied)
+    from mpmfw.campaigns.campaign import compare as run_all
     from mpmfw.report import table, write_report
 
     running: dict[str, Any] = {

@@ -165,7 +165,7 @@ _DIAGNOSTICS = (
 
 def unused_facts(simulation: Simulation) -> list[str]:
     """Return the facts that have no effect in this run, one line each."""
-    groups = (_alternatives, _friction, _surfaces, _rotation, _diagnostics, _materials)
+    groups = (_alternatives, _friction, _bodies, _diagnostics)
     return [line for group in groups for line in group(simulation)]
 
 
@@ -197,21 +197,19 @@ def _friction(simulation: Simulation) -> Iterator[str]:
         yield from contact.unused(simulation.state.pairs)
 
 
-def _surfaces(simulation: Simulation) -> Iterator[str]:
-    scene = simulation.scene
+def _bodies(simulation: Simulation) -> Iterator[str]:
+    scene, bodies = simulation.scene, simulation.scene.bodies
     if simulation.state.surface is None:
-        given = [name for name, body in scene.bodies.items() if body.segment is not None]
+        given = [name for name, body in bodies.items() if body.segment is not None]
         yield from (f"bodies.{name}.segment: no surface is tracked" for name in given)
         if _asked(scene, "surface"):
             yield "output.surface: no surface is tracked"
-
-
-def _rotation(simulation: Simulation) -> Iterator[str]:
-    bodies = simulation.scene.bodies
     for effect in simulation.effects:
         name = effect.name.removeprefix("rotation of ").removesuffix(": lumped")
         if name in bodies and bodies[name].rotation not in (None, "lumped"):
             yield f"bodies.{name}.rotation: lumped all the same: {effect.reason}"
+    used = {body.material for body in bodies.values()}
+    yield from (f"materials.{name}: no body is made of it" for name in scene.materials if name not in used)
 
 
 def _diagnostics(simulation: Simulation) -> Iterator[str]:
@@ -231,9 +229,3 @@ def _diagnostics(simulation: Simulation) -> Iterator[str]:
 
 def _asked(scene: Any, diagnostic: str) -> bool:
     return diagnostic in scene.output.model_fields_set and bool(getattr(scene.output, diagnostic))
-
-
-def _materials(simulation: Simulation) -> Iterator[str]:
-    scene = simulation.scene
-    used = {body.material for body in scene.bodies.values()}
-    yield from (f"materials.{name}: no body is made of it" for name in scene.materials if name not in used)

@@ -9,8 +9,7 @@ import typer
 from typer import Argument, Option
 
 from mpmfw.cli import arguments as args
-from mpmfw.cli.paths import figure_path, new_path
-from mpmfw.cli.progress import outputs_progress
+from mpmfw.cli.tables import outputs_progress
 from mpmfw.errors import SceneError
 
 FilesArgument: TypeAlias = Annotated[list[Path], Argument(metavar="FILE", help="Runs or comparisons.")]
@@ -55,7 +54,7 @@ def plot(
         if value is not None and len(file) > 1:
             raise SceneError(f"{option} {value}: takes one FILE")
     alone = field is None and not series and len(file) == 1
-    path = _default(file, field, series) if output is None else figure_path(output)
+    path = _default(file, field, series) if output is None else args.figure_path(output)
     _check_paths(file, path, force or alone)
     from mpmfw import plots
 
@@ -65,7 +64,7 @@ def plot(
     elif field is not None:
         figures = {path: plots.field(file[0], field, time, plane=_plane_of(plane), **looks)}
         if against is not None:
-            beside = new_path(path.with_stem(f"{path.stem}-difference"), force)
+            beside = args.new_path(path.with_stem(f"{path.stem}-difference"), force)
             figures[beside] = plots.field(file[0], field, time, bodies=body or None, against=against)
         written = [plots.write_figure(drawn, target) for target, drawn in figures.items()]
     elif series:
@@ -89,7 +88,7 @@ def _check_effect(given: dict[str, Any], needed: str, chosen: object) -> None:
 def _check_paths(file: list[Path], path: Path, force: bool) -> None:
     from mpmfw.results import check_results
 
-    new_path(path, force)
+    args.new_path(path, force)
     for one in file:
         check_results(one)
 

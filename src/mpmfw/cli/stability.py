@@ -8,9 +8,7 @@ import typer
 from typer import Option
 
 from mpmfw.cli import arguments as args
-from mpmfw.cli.paths import new_path, result_path
-from mpmfw.cli.progress import campaign_progress
-from mpmfw.cli.tables import print_table
+from mpmfw.cli.tables import campaign_progress, print_table
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -40,8 +38,8 @@ def stability(
     The map is written to a file, by default named as the scene, with the figure beside it.
     """
     loaded = args.chosen_scene(scene, contact, shape, set_, trust)
-    path = result_path(output, loaded, "stability", force)
-    new_path(path.with_suffix(".png"), force)
+    path = args.result_path(output, loaded, "stability", force)
+    args.new_path(path.with_suffix(".png"), force)
     options = args.named(kappa=kappa, ratio=ratio, cfl=cfl)
     given = {name: args.numbers(name, text) for name, text in options.items()}
 

@@ -1,7 +1,9 @@
-"""``mpmfw study``: what accuracy costs in time."""
+"""``mpmfw study``, ``choose`` and ``rank``: the cost of accuracy, and the method for an error."""
 
 from __future__ import annotations
 
+import json
+from collections import Counter
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -10,13 +12,12 @@ import typer
 from typer import Argument, Option
 
 from mpmfw.cli import arguments as args
-from mpmfw.cli.paths import check_result
-from mpmfw.cli.progress import campaign_progress
-from mpmfw.cli.tables import Format, FormatOption, print_table, write_rows
+from mpmfw.cli.tables import Format, FormatOption, campaign_progress, print_table, write_rows
 from mpmfw.errors import SceneError
 
 if TYPE_CHECKING:
     import xarray as xr
+
 
 #: Heads of the columns of numbers.
 _HEADS = {
@@ -63,7 +64,7 @@ def study(
     sources = [loaded.source.name, *(scene for scene in loaded.scenes.values() if isinstance(scene, str))]
     if any(source is not None and Path(source).resolve() == path.resolve() for source in sources):
         raise SceneError(f"--output {path}: is a file that the study reads; give another name")
-    check_result(path, "study", force)
+    args.check_result(path, "study", force)
 
     from mpmfw.studies.study import study as run_study
 
@@ -96,12 +97,142 @@ def _print(dataset: xr.Dataset) -> None:
         del heads["settle_time"]
     found = list(rows(dataset))
     for row in found:
-        row |= {"error": 100.0 * row["error"], "noise": 100.0 * row["noise"]}
-        row |= {"steps": int(row["steps"]) if row["steps"] > 0.0 else row["steps"]}
-        row |= {"pareto": "●" if row["pareto"] else ""}
+        steps = int(row["steps"]) if row["steps"] > 0.0 else row["steps"]
+        row |= {"error": 100.0 * row["error"], "noise": 100.0 * row["noise"], "steps": steps}
+        row["pareto"] = "●" if row["pareto"] else ""
     print_table(found, heads, labels=labels, title=dataset.attrs["title"])
     for row in found:
         if row["status"] != "ok":
             typer.echo(f"{', '.join(str(row[dim]) for dim in dims)}: {row['status']}")
     typer.echo(f"\nErrors of {dataset.attrs['quantity']} against {dataset.attrs['error_against']}")
     typer.echo(f"Timing: {dataset.attrs['timing']}")
+
+
+#: Heads of the columns of the table.
+_CHOICE_HEADS = {
+    "contact": "contact",
+    "shape": "shape",
+    "pilots": "errors\n[%]",
+    "cell_size_needed": "cell\n[m]",
+    "error": "error\n[%]",
+    "cost": "CPU\n[s]",
+    "verdict": "verdict",
+}
+
+
+def choose(
+    scene: args.SceneName,
+    error: Annotated[str, Option(metavar="ERROR", help="Relative error to reach: 1% or 0.01.")] = "1%",
+    measure: Annotated[
+        str | None, Option(metavar="NAME", help="Quantity; by default the first whose value is known.")
+    ] = None,
+    body: args.Body = None,
+    pair: args.Pair = None,
+    axis: args.Axis = None,
+    contact: args.Contacts = None,
+    shape: args.Shapes = None,
+    coarsest: Annotated[
+        str | None, Option(metavar="LENGTH", help="Largest cell size; twice the scene's by default.")
+    ] = None,
+    finest: Annotated[
+        str | None, Option(metavar="LENGTH", help="Smallest cell size; a quarter of the scene's by default.")
+    ] = None,
+    set_: args.Set = None,
+    trust: args.Trust = False,
+    output: args.Output = None,
+    force: args.Force = False,
+    jobs: args.Jobs = None,
+    scheduler: args.Scheduler = None,
+    form: FormatOption = Format.table,
+    as_json: Annotated[bool, Option("--json", help="The same as --format json.")] = False,
+) -> None:
+    """Say which method and cell size bring the error of SCENE below --error: coarse to fine, until two laws
+    agree.
+
+    By default it chooses among five cheap contacts, gimp and cpdi. The result is written to a file, by
+    default named as the scene. A choice that was broken off goes on from the folder FILE.runs.
+    """
+    from mpmfw.scene import load_scene
+    from mpmfw.scene.requested import check_compared
+
+    form = Format.json if as_json else form
+    contacts, shapes = args.names(contact, "contact"), args.names(shape, "shape")
+    shared = args.assignments(set_)
+    loaded = load_scene(scene, set=shared, trust=trust)
+    path = args.result_path(output, loaded, "choice", force)
+    from mpmfw.studies.choosing import CONTACTS, SHAPES
+    from mpmfw.studies.choosing import choose as run_ladder
+
+    check_compared(loaded, {"contact": contacts or CONTACTS, "shape": shapes or SHAPES}, shared, {})
+    about = args.named(measure=measure, body=body, pair=pair, axis=axis, coarsest=coarsest, finest=finest)
+    running: dict[str, Any] = {**about, **args.workers(jobs, scheduler), "force": force, "output": path}
+    with campaign_progress() as reports:
+        dataset = run_ladder(loaded, error, contact=contacts, shape=shapes, **running, **reports)
+    _print_choice(dataset, form)
+    typer.echo(f"{path}: runs and answer", err=form is not Format.table)
+
+
+def _print_choice(dataset: xr.Dataset, form: Format) -> None:
+    from mpmfw.studies.conclusion import advice, method_rows
+
+    rows = method_rows(dataset)
+    if form is not Format.table:
+        write_rows(rows, form)
+        return
+    for row in rows:
+        row |= {"pilots": row["pilots"].replace(" ", "\n"), "error": 100.0 * row["error"]}
+        if row["status"] not in ("ok", "not run"):
+            row["verdict"] = row["status"]
+    title = dataset.attrs["title"]
+    print_table(rows, _CHOICE_HEADS, labels=("contact", "shape"), words=("verdict",), title=title)
+    for sentence in advice(dataset):
+        typer.echo(sentence)
+
+
+def rank(
+    results: Annotated[list[Path], Argument(metavar="RESULTS", help="Files of mpmfw study.")],
+    by: Annotated[str, Option(metavar="KEY", help="Rank contact, shape, or another dimension.")] = "contact",
+    levels: Annotated[str, Option(metavar="ERRORS", help="Errors to reach, falling.")] = "10%,5%,2%,1%,0.5%",
+    body: args.Body = None,
+    pair: args.Pair = None,
+    axis: args.Axis = None,
+    output: args.Output = None,
+    form: FormatOption = Format.table,
+    force: args.Replace = False,
+) -> None:
+    """Rank the methods of studies by the problems that they solve, and by their cost.
+
+    Of every method the cheapest run counts that reaches a level. With --output a figure (PNG, PDF or SVG):
+    the share of problems and levels that each method solves within a cost.
+    """
+    from mpmfw.studies import ranking
+    from mpmfw.studies.study import relative_error
+
+    output = None if output is None else args.new_path(args.figure_path(output), force)
+    reached = [relative_error(part.strip(), "--levels") for part in levels.split(",")]
+
+    about = args.named(body=body, pair=pair, axis=axis)
+    found = ranking.rank(results, by, reached, about)
+    known = [name for name in ranking.QUANTITIES if found["over_best"].sel(quantity=name).notnull().any()]
+    if form is not Format.table:
+        write_rows([{"quantity": name} | row for name in known for row in ranking.summary(found, name)], form)
+    else:
+        for quantity in known:
+            meaning = ranking.QUANTITIES[quantity]
+            if quantity == "error" and found.attrs["errors"]:
+                meaning = f"error of {found.attrs['errors']}"
+            title = (
+                f"Problems, of {found.sizes['problem']} at most, whose {quantity} ({meaning}) falls "
+                "to each level; median cost over the cheapest method's"
+            )
+            print_table(ranking.summary(found, quantity), labels=("method",), title=title)
+    counts = Counter((one["method"], one["status"]) for one in json.loads(found.attrs["failures"]))
+    for (method, status), times in counts.items():
+        runs = "run does" if times == 1 else "runs do"
+        typer.echo(f"{method}: {times} {runs} not count: {status}", err=form is not Format.table)
+    if output is not None:
+        from mpmfw.plots import write_figure
+        from mpmfw.plots.ranking import profiles
+
+        write_figure(profiles(found), output)
+        typer.echo(str(output), err=form is not Format.table)

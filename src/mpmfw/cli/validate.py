@@ -10,8 +10,7 @@ import typer
 from typer import Argument, Option
 
 from mpmfw.cli import arguments as args
-from mpmfw.cli.paths import new_path
-from mpmfw.cli.progress import campaign_progress
+from mpmfw.cli.tables import campaign_progress
 from mpmfw.errors import SceneError
 
 
@@ -81,13 +80,13 @@ def _check_places(cases: Sequence[Path], output: Path, document: Path | None, fo
     earlier = (output / "runs").is_dir() and bool(own_files(output / "runs"))
     figures = (figure for case in cases for figure in output.glob(f"{case.name}*.png"))
     for file in (output / "validation.csv", *figures):
-        new_path(file, force or earlier)
+        args.new_path(file, force or earlier)
     if document is None:
         return
     if document.suffix != ".md":
         raise SceneError(f"--document {document}: expected a name that ends in .md")
     marked = document.is_file() and BEGIN in document.read_text(encoding="utf-8")
-    new_path(document, force or marked)
+    args.new_path(document, force or marked)
 
 
 def _command(

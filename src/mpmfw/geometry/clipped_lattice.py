@@ -18,11 +18,11 @@ SMALLEST_PIECE = 0.25
 
 @dataclass(frozen=True)
 class Cells:
-    """Square lattice cells: cell (i, j) has its lower left corner at origin + edge (i, j)."""
+    """Square or cubic lattice cells: cell i has its lowest corner at origin + edge i."""
 
-    origin: FloatArray  #: (2,) lower left corner of the lattice [m]
+    origin: FloatArray  #: (dim,) lowest corner of the lattice [m]
     edge: float  #: of a cell [m]
-    counts: tuple[int, int]  #: cells along each axis
+    counts: tuple[int, ...]  #: cells along each axis
 
     def corner(self, index: npt.NDArray[np.intp]) -> FloatArray:
         """Lattice nodes (..., 2) [m]; one formula for all, so that neighbours share them exactly."""
@@ -30,25 +30,24 @@ class Cells:
 
 
 def covering_cells(bounds: FloatArray, size: float, offset: tuple[float, ...]) -> Cells:
-    """The lattice that covers a bounding box (4,) [m], symmetric about its centre for zero ``offset``."""
-    lower, upper = bounds[:2], bounds[2:]
+    """The lattice that covers a bounding box (2, dim) [m], symmetric about its centre for zero ``offset``."""
+    lower, upper = bounds
     counts = np.ceil((upper - lower) / size - 1e-9).astype(int)
     origin = 0.5 * (lower + upper) - 0.5 * size * counts
     # A shifted lattice needs one more cell on the side it leaves
     shifted = np.array(offset) > 0
     origin = origin + size * (np.array(offset) - shifted)
     counts = counts + shifted
-    return Cells(origin, size, (int(counts[0]), int(counts[1])))
+    return Cells(origin, size, tuple(counts.tolist()))
 
 
 def clipped_lattice(region: Any, size: float, offset: tuple[float, ...]) -> Layout:
     """Square cells of edge ``size`` [m], shifted by ``offset`` (fractions), clipped by a shapely polygon.
 
     A particle has the area and the centroid of its clipped piece, and a square domain of that area. Pieces
-    below a quarter of a cell join the neighbour with which they share the longest edge, so that the total
-    area is kept.
+    below a quarter of a cell join the neighbour with which they share the longest edge.
     """
-    cells = covering_cells(np.array(region.bounds), size, offset)
+    cells = covering_cells(np.reshape(region.bounds, (2, 2)), size, offset)
     index = np.stack(np.meshgrid(*map(np.arange, cells.counts), indexing="ij"), axis=-1).reshape(-1, 2)
     area, centroid = _clip(region, cells, index)
     kept = area > 1e-12 * size**2

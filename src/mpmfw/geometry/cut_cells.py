@@ -33,7 +33,7 @@ class Cuts:
     faces: tuple[FloatArray, FloatArray, FloatArray]  #: of each cell's lower faces the area in the body
 
 
-def cut_cells(corners: FloatArray, counts: tuple[int, int, int]) -> Cuts:
+def cut_cells(corners: FloatArray, counts: tuple[int, ...]) -> Cuts:
     """Cut the cells of a lattice, ``counts`` along each axis, by a closed surface inside of it.
 
     ``corners`` (n, 3, 3) of its triangles are counter-clockwise as seen from outside; they are measured from

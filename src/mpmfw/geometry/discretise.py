@@ -37,9 +37,8 @@ class Particles(BaseModel):
     """How a body is divided into material points.
 
     ``lattice`` has square cells clipped by the outline, ``fitted`` quadrilaterals that follow it. ``size`` is
-    the wanted largest edge of a domain [m]. Pieces merged at a clipped outline, and the outer cells of a
-    fitted ring, are slightly larger; a fitted mesh file keeps its own elements. ``offset`` shifts the lattice
-    along each axis, in fractions of a cell; directions not given are not shifted.
+    the largest edge of a domain [m]; merged pieces and the outer cells of a fitted ring are slightly larger,
+    and a fitted mesh file keeps its elements. ``offset`` shifts the lattice, in fractions of a cell.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -129,9 +128,8 @@ Geometry = Annotated[
 def discretise(geometry: Geometry, particles: Particles | None, segment: float | None) -> Layout:
     """Divide a body into material points, and its surface into facets.
 
-    Sides of facets are at most ``segment`` [m] long; without it there are none. Without ``particles`` there
-    are no points. A ValueError refuses a layout
-    that the geometry does not have, and a segment that is not positive.
+    Sides of facets are at most ``segment`` [m] long; without it there are none, as no points without
+    ``particles``. A ValueError refuses a layout that the geometry lacks, and a segment that is not positive.
     """
     if segment is not None and segment <= 0:
         raise ValueError(f"the segment length must be positive, not {segment} m")

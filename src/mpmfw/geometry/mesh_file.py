@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal, Self
@@ -12,7 +11,7 @@ import shapely
 from pydantic import model_validator
 
 from mpmfw.geometry.gmsh_file import read_blocks, refuse_not_finite
-from mpmfw.geometry.layout import FloatArray, IntArray, Layout, layout_of_quadrilaterals
+from mpmfw.geometry.layout import FloatArray, Layout, layout_of_quadrilaterals
 from mpmfw.geometry.plane import PlaneGeometry, loops_of, subdivided
 
 # gmsh's numbers of first-order triangles and quadrangles, and their nodes
@@ -42,15 +41,14 @@ class MeshFile(PlaneGeometry):
         return self
 
     @cached_property
-    def elements(self) -> Elements:
-        """The elements, read once."""
+    def elements(self) -> tuple[FloatArray, FloatArray]:
+        """Corners (k, 3, 2) [m] of triangles and (m, 4, 2) of quads, counter-clockwise, read once."""
         return read_elements(self.path)
 
     @cached_property
     def polygons(self) -> Any:
         """The elements as shapely polygons (n,)."""
-        blocks = (self.elements.triangles, self.elements.quadrilaterals)
-        return np.concatenate([shapely.polygons(self.elements.nodes[block]) for block in blocks])
+        return np.concatenate([shapely.polygons(corners) for corners in self.elements])
 
     @cached_property
     def region(self) -> Any:
@@ -87,30 +85,21 @@ class MeshFile(PlaneGeometry):
         return tuple(subdivided(loop, segment) for part in parts for loop in loops_of(part))
 
     def fitted(self, size: float) -> Layout:  # noqa: ARG002
-        """The elements as they are, whatever ``size``: quads, and three quadrilaterals a triangle."""
-        return layout_of_quadrilaterals(self.elements.pieces)
-
-
-@dataclass(frozen=True)
-class Elements:
-    """Counter-clockwise elements of a plane mesh."""
-
-    nodes: FloatArray  #: (n, 2) coordinates [m]
-    triangles: IntArray  #: (k, 3) node numbers
-    quadrilaterals: IntArray  #: (m, 4)
+        """The elements as they are, whatever ``size``: three quadrilaterals a triangle, and quads."""
+        return layout_of_quadrilaterals(self.pieces)
 
     @property
     def pieces(self) -> FloatArray:
-        """Quadrilaterals (3 k + m, 4, 2) [m]; a triangle gives three, which meet at its centroid."""
-        corner = self.nodes[self.triangles]
+        """Quadrilaterals (3 k + m, 4, 2) [m]; those of a triangle meet at its centroid."""
+        corner, quads = self.elements
         after = 0.5 * (corner + np.roll(corner, -1, axis=1))
         centroid = np.broadcast_to(corner.mean(axis=1, keepdims=True), corner.shape)
         thirds = np.stack([corner, after, centroid, np.roll(after, 1, axis=1)], axis=2).reshape(-1, 4, 2)
-        return np.concatenate([thirds, self.nodes[self.quadrilaterals]])
+        return np.concatenate([thirds, quads])
 
 
-def read_elements(path: Path) -> Elements:
-    """Read the triangles and quadrilaterals of a gmsh file; a ValueError says what is wrong with it."""
+def read_elements(path: Path) -> tuple[FloatArray, FloatArray]:
+    """Read triangles (k, 3, 2) and quads (m, 4, 2) [m] of a gmsh file; a ValueError refuses others."""
     if not path.is_file():
         raise ValueError(f"mesh file not found: {path}")
     points, blocks = read_blocks(path, KINDS)
@@ -119,15 +108,12 @@ def read_elements(path: Path) -> Elements:
         raise ValueError(f"{path} is not in a plane z = constant")
     if not any(map(len, blocks.values())):
         raise ValueError(f"{path} has no triangles or quads")
-    triangles, quadrilaterals = (
-        _counter_clockwise(points[:, :2], blocks[kind].astype(np.int64), path) for kind in KINDS
-    )
-    return Elements(points[:, :2], triangles, quadrilaterals)
+    triangles, quads = (_counter_clockwise(points[blocks[kind], :2], path) for kind in KINDS)
+    return triangles, quads
 
 
-def _counter_clockwise(nodes: FloatArray, elements: IntArray, path: Path) -> IntArray:
-    """Elements (n, k) turned counter-clockwise; refused where a corner is flat or reentrant."""
-    corner = nodes[elements]
+def _counter_clockwise(corner: FloatArray, path: Path) -> FloatArray:
+    """Corners (n, k, 2) of elements turned counter-clockwise; refused where one is flat or reentrant."""
     ahead, behind = np.roll(corner, -1, axis=1) - corner, corner - np.roll(corner, 1, axis=1)
     turn = behind[..., 0] * ahead[..., 1] - behind[..., 1] * ahead[..., 0]
     least = FLAT * (ahead**2).sum(axis=2).max(axis=1, keepdims=True)
@@ -138,4 +124,4 @@ def _counter_clockwise(nodes: FloatArray, elements: IntArray, path: Path) -> Int
             f"{path} has {np.count_nonzero(~convex)} degenerate or non-convex elements, the first at "
             f"({first[0]:.4g}, {first[1]:.4g}) m"
         )
-    return np.where(turn[:, :1] > 0, elements, elements[:, ::-1])
+    return np.where(turn[:, :1, np.newaxis] > 0, corner, corner[:, ::-1])

@@ -17,8 +17,7 @@ from mpmfw.geometry.layout import FloatArray, IntArray, Layout
 class PlaneGeometry(BodyGeometry):
     """Base of plane bodies: subclasses say their :attr:`region` and :meth:`outlines`.
 
-    Where the true shape is curved they say its :attr:`exact_volume`, :attr:`centroid` and :attr:`bounds` as
-    well.
+    Where the true shape is curved they say its :attr:`exact_volume`, :attr:`centroid` and :attr:`bounds`.
     """
 
     dim: ClassVar[int] = 2  #: number of space dimensions

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from mpmfw.geometry.base import BodyGeometry
-from mpmfw.geometry.clipped_lattice import SMALLEST_PIECE, merge_small_pieces
+from mpmfw.geometry.clipped_lattice import SMALLEST_PIECE, covering_cells, merge_small_pieces
 from mpmfw.geometry.cut_cells import centroid_of, cut_cells, volume_of
 from mpmfw.geometry.facets import measures_of
 from mpmfw.geometry.layout import FloatArray, IntArray, Layout, layout_of_boxes
@@ -27,8 +27,7 @@ Surfaces = tuple[tuple[FloatArray, IntArray], ...]
 class SolidGeometry(BodyGeometry):
     """Base of bodies in space: subclasses say their :meth:`surfaces` and ``bounds``.
 
-    Where volume and centroid of the true shape have a formula they say :attr:`exact_volume` and
-    :attr:`centroid` as well.
+    Where these have a formula they say :attr:`exact_volume` and :attr:`centroid` as well.
     """
 
     dim: ClassVar[int] = 3  #: number of space dimensions
@@ -139,13 +138,8 @@ def upright(axis: Axis) -> FloatArray:
 
 def solid_lattice(nodes: FloatArray, facets: IntArray, size: float, offset: tuple[float, ...]) -> Layout:
     """Cut cubic cells by a closed surface; see :meth:`SolidGeometry.lattice`."""
-    lower, upper = nodes.min(axis=0), nodes.max(axis=0)
-    shifted = np.array(offset) > 0
-    counts = np.ceil((upper - lower) / size - 1e-9).astype(int)
-    origin = 0.5 * (lower + upper - size * counts) + size * (np.array(offset) - shifted)
-    counts = counts + shifted
-    number = (int(counts[0]), int(counts[1]), int(counts[2]))
-    cuts = cut_cells(((nodes - origin) / size)[facets], number)
+    cells = covering_cells(np.array([nodes.min(axis=0), nodes.max(axis=0)]), size, offset)
+    cuts = cut_cells(((nodes - cells.origin) / size)[facets], cells.counts)
     index = np.argwhere(cuts.volume > 1e-9)
     at = tuple(index.T)
     volume = cuts.volume[at]
@@ -163,4 +157,4 @@ def solid_lattice(nodes: FloatArray, facets: IntArray, size: float, offset: tupl
     )
     volume, centroid = merge_small_pieces(index, volume, centroid, small, shared, SMALLEST_PIECE)
     edges = np.repeat(size * np.cbrt(volume)[:, np.newaxis], 3, axis=1)
-    return layout_of_boxes(origin + size * centroid, edges)
+    return layout_of_boxes(cells.origin + size * centroid, edges)

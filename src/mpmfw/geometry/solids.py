@@ -79,9 +79,8 @@ STRETCH = 1.26
 def box_surface(lower: FloatArray, upper: FloatArray, edge: float) -> tuple[FloatArray, IntArray]:
     """Nodes (n, 3) [m] and triangles (k, 3) of a cuboid: rectangles of sides up to ``edge`` cut in four.
 
-    The surface has the cuboid's mirror planes, and a load shared equally by every triangle's corners is that
-    of bilinear functions on a rectangle, exactly: cut in two, its corners would have unequal shares, by the
-    direction of the diagonal.
+    The surface has the cuboid's mirror planes, and a load that every triangle's corners share equally is that
+    of bilinear functions on a rectangle. Cut in two, its corners would have unequal shares.
     """
     count = np.array([number_of_segments(length, edge) for length in upper - lower])
     places: list[IntArray] = []
@@ -106,8 +105,7 @@ def box_surface(lower: FloatArray, upper: FloatArray, edge: float) -> tuple[Floa
 def sphere_surface(centre: FloatArray, radius: float, edge: float) -> tuple[FloatArray, IntArray]:
     """Nodes (n, 3) [m] on a sphere and triangles (k, 3) up to ``edge``: an icosahedron, divided.
 
-    The surface has the mirror planes of the axes. Its volume is less than the ball's by a part of the order
-    (edge / radius)².
+    The surface has the mirror planes of the axes, and less than the ball's volume by the order (edge / R)².
     """
     golden = 0.5 * (1.0 + np.sqrt(5.0))
     corners = np.array([[0.0, a, b * golden] for a in (-1.0, 1.0) for b in (-1.0, 1.0)])

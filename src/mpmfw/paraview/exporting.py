@@ -15,8 +15,8 @@ import numpy as np
 import xarray as xr
 
 from mpmfw.errors import MpmfwError, ResultsWarning
-from mpmfw.paraview.meshes import Mesh, mesh_library, points_mesh, skipped_fields, surface_mesh, surfaces_of
-from mpmfw.results.domains import corners_of
+from mpmfw.paraview.meshes import mesh_library, points_mesh, skipped_fields, surface_mesh
+from mpmfw.results.domains import corners_of, surfaces_of
 from mpmfw.results.replacing import check_new, replace_bytes, replacement
 from mpmfw.results.selection import Results, bodies_of, chosen_frames, opened_run, rigid_bodies_of, times_of
 
@@ -90,7 +90,7 @@ def _export(
             ResultsWarning,
             stacklevel=3,
         )
-    kinds: dict[str, Callable[[int], Mesh]] = {
+    kinds: dict[str, Callable[[int], Any]] = {
         "points": lambda frame: points_mesh(tree, indices, corners, frame)
     }
     rigid = rigid_bodies_of(tree, selection)
@@ -100,8 +100,8 @@ def _export(
     times = times_of(tree).tolist()
     folders = {kind: target.with_name(f"{target.name}-{kind}") for kind in kinds}
     written = [folder.with_name(f"{folder.name}.pvd") for folder in folders.values()]
-    collections = dict(zip(kinds, written, strict=True))
-    if "series" in tree.children and tree["series"].data_vars:
+    series = tree["series"].to_dataset() if "series" in tree.children else xr.Dataset()
+    if series.data_vars:
         written.append(target.with_name(f"{target.name}-series.csv"))
     for file in written:
         check_new(file, force)
@@ -113,26 +113,20 @@ def _export(
     about["bodies"] = json.dumps({str(index): body for body, index in outlined.items()})
     for done, index in enumerate(frames):
         for kind, mesh_of in kinds.items():
-            mesh = mesh_of(index)
-            _write_mesh(mesh, times[index], about, folders[kind] / f"{index:05d}.vtu")
+            grid = mesh_of(index)
+            for name, text in about.items():
+                grid.field_data[name] = [text]
+            grid.field_data["TimeValue"] = np.array([times[index]])
+            with replacement(folders[kind] / f"{index:05d}.vtu") as growing:
+                grid.save(growing)
         if progress is not None:
             progress(done + 1, len(frames))
-    for kind, collection in collections.items():  # last, so that the files they list are there
-        _write_collection(
-            collection, {f"{folders[kind].name}/{index:05d}.vtu": times[index] for index in frames}
-        )
-    if len(written) > len(kinds):
-        series = tree["series"].to_dataset().load()
-        _write_series(written[-1], series.isel(time=slice(None, None, every)))
+    for folder, collection in zip(folders.values(), written, strict=False):
+        # last, so that the files they list are there
+        _write_collection(collection, {f"{folder.name}/{i:05d}.vtu": times[i] for i in frames})
+    if series.data_vars:
+        _write_series(written[-1], series.isel(time=slice(None, None, every)).load())
     return written
-
-
-def _write_mesh(mesh: Mesh, time: float, about: dict[str, str], path: Path) -> None:
-    for name, text in {**about, "units": json.dumps(mesh.units)}.items():
-        mesh.grid.field_data[name] = [text]
-    mesh.grid.field_data["TimeValue"] = np.array([time])
-    with replacement(path) as growing:
-        mesh.grid.save(growing)
 
 
 def _write_collection(path: Path, times: dict[str, float]) -> None:

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import shapely
 import xarray as xr
 
-from mpmfw.errors import MpmfwError, SceneError
-from mpmfw.results.domains import Corners, loops
+from mpmfw.errors import SceneError
+from mpmfw.results.domains import Corners, facets_of, loops, surfaces_of
 from mpmfw.results.selection import frame_of
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 
@@ -20,14 +20,6 @@ _GEOMETRY = ("position", "corners", "next", "triangles")
 
 #: Out-of-plane component of tensors in plane strain, where it is known.
 _ACROSS = {"deformation_gradient": 1.0, "velocity_gradient": 0.0, "affine": 0.0}
-
-
-@dataclass(frozen=True)
-class Mesh:
-    """A grid of VTK, and the units of its fields by name."""
-
-    grid: Any  #: pyvista.UnstructuredGrid
-    units: Mapping[str, str]
 
 
 def mesh_library() -> Any:
@@ -41,8 +33,10 @@ def mesh_library() -> Any:
 
 def points_mesh(
     tree: xr.DataTree, bodies: Mapping[str, int], corners: Mapping[str, Corners | None], frame: int
-) -> Mesh:
-    """Return points of the ``bodies`` at one output, quadrilaterals if ``corners`` are known."""
+) -> Any:
+    """Return points of the ``bodies`` at one output, quadrilaterals if ``corners`` are known.
+
+    As of surfaces, it is a pyvista.UnstructuredGrid that has the units of its fields in ``field_data``."""
     frames = {body: frame_of(tree, f"particles/{body}", frame) for body in bodies}
     points = _joined(frames, bodies, "particle")
     fields = _fields(points)
@@ -51,17 +45,17 @@ def points_mesh(
     if len(drawn) == len(bodies):
         nodes = np.concatenate(drawn)
         quads = np.arange(4 * len(nodes)).reshape(-1, 4)
-        grid = _grid(nodes.reshape(-1, 2), kinds.QUAD, quads)
+        grid = _grid(nodes.reshape(-1, 2), kinds.QUAD, quads, points)
         grid.cell_data.update(fields)
     else:
         position = fields.pop("position")
-        grid = _grid(position, kinds.VERTEX, np.arange(len(position))[:, np.newaxis])
+        grid = _grid(position, kinds.VERTEX, np.arange(len(position))[:, np.newaxis], points)
         grid.point_data.update(fields)
         grid.cell_data["body"] = fields["body"]
-    return Mesh(grid, _units(points, fields))
+    return grid
 
 
-def surface_mesh(tree: xr.DataTree, bodies: Mapping[str, int], frame: int) -> Mesh:
+def surface_mesh(tree: xr.DataTree, bodies: Mapping[str, int], frame: int) -> Any:
     """Return surfaces of bodies at one output, with gap and contact fields."""
     everywhere = {body: frame_of(tree, f"surface/{body}", frame) for body in surfaces_of(tree)}
     shapes = {
@@ -80,10 +74,11 @@ def surface_mesh(tree: xr.DataTree, bodies: Mapping[str, int], frame: int) -> Me
     start = np.cumsum([0, *(frame.sizes["surface_node"] for frame in frames.values())])
     facets = np.concatenate([shapes[body][1] + first for body, first in zip(frames, start, strict=False)])
     kinds = mesh_library().CellType
-    grid = _grid(fields.pop("position"), kinds.LINE if facets.shape[1] == 2 else kinds.TRIANGLE, facets)
+    kind = kinds.LINE if facets.shape[1] == 2 else kinds.TRIANGLE
+    grid = _grid(fields.pop("position"), kind, facets, nodes)
     grid.point_data.update(fields)
     grid.cell_data["body"] = fields["body"][facets[:, 0]]
-    return Mesh(grid, _units(nodes, fields))
+    return grid
 
 
 def _nearest(
@@ -164,25 +159,6 @@ def contact_fields(
     }
 
 
-def surfaces_of(tree: xr.DataTree) -> list[str]:
-    """Return the bodies whose surfaces are stored."""
-    groups = tree["surface"].children if "surface" in tree.children else {}
-    return [str(body) for body, group in groups.items() if "position" in group.data_vars]
-
-
-def facets_of(tree: xr.DataTree, body: str) -> IntArray:
-    """Return segments (k, 2) of a stored surface, or triangles (k, 3)."""
-    surface = tree[f"surface/{body}"].to_dataset()
-    if "next" in surface:
-        following = np.asarray(surface["next"].values)
-        return np.stack([np.arange(len(following)), following], axis=1)
-    if "triangles" not in surface:
-        raise MpmfwError(
-            f"surface/{body}: has no triangles: the file is of an earlier version; run the scene again"
-        )
-    return np.asarray(surface["triangles"].values)
-
-
 def skipped_fields(tree: xr.DataTree, bodies: Sequence[str]) -> list[str]:
     """Return stored fields that are no scalar, vector or tensor."""
     groups = [(f"particles/{body}", "particle") for body in bodies]
@@ -224,10 +200,10 @@ def _fields(points: xr.Dataset) -> dict[str, AnyArray]:
     return fields
 
 
-def _units(points: xr.Dataset, fields: Mapping[str, AnyArray]) -> dict[str, str]:
-    return {name: str(points[name].attrs.get("units", "1")) for name in fields if name != "body"}
-
-
-def _grid(points: FloatArray, kind: int, cells: IntArray) -> Any:
+def _grid(points: FloatArray, kind: int, cells: IntArray, fields: xr.Dataset) -> Any:
     points = np.pad(points, ((0, 0), (0, 3 - points.shape[1])))
-    return mesh_library().UnstructuredGrid({kind: cells}, points)
+    grid = mesh_library().UnstructuredGrid({kind: cells}, points)
+    names = {str(name) for name in fields.data_vars} - {"body"}
+    units = {name: str(fields[name].attrs.get("units", "1")) for name in sorted(names)}
+    grid.field_data["units"] = [json.dumps(units)]
+    return grid

@@ -1,15 +1,13 @@
 """Figures of runs, comparisons and studies, for matplotlib."""
 
 from mpmfw.plots.animation import animate
-from mpmfw.plots.costs import cost_bars, stages
 from mpmfw.plots.field_figure import field, side_by_side
 from mpmfw.plots.files import figures_of, plot_file, plot_files, write_figure
 from mpmfw.plots.histories import history
 from mpmfw.plots.outlines import positions
 from mpmfw.plots.plane_cut import plane_cut
-from mpmfw.plots.rolling import contact_force, motion
-from mpmfw.plots.scene import gap_history
-from mpmfw.plots.study import front
+from mpmfw.plots.scene import contact_force, gap_history, motion
+from mpmfw.plots.study import cost_bars, front, stages
 
 __all__ = [
     "animate",

@@ -17,8 +17,16 @@ from matplotlib.figure import Figure
 from mpmfw.errors import SceneError
 from mpmfw.plots.field_panel import Box, FieldPanel, Scales
 from mpmfw.plots.plane_cut import plane_cut
-from mpmfw.plots.style import PANEL, dress, journal_style, new_panels
-from mpmfw.plots.units import in_brackets, length_scale, readable, with_prefix
+from mpmfw.plots.style import (
+    PANEL,
+    dress,
+    in_brackets,
+    journal_style,
+    length_scale,
+    new_panels,
+    readable,
+    with_prefix,
+)
 from mpmfw.results.selection import Results, frame_at, opened, opened_run, runs_of
 from mpmfw.state.fields import FloatArray
 
@@ -218,13 +226,9 @@ def _scales(
     forces = [panel.largest_force(frames[label]) for label, panel in panels.items()] if arrows else [0.0]
     length, _ = length_scale(box[1] - box[0])
     norm = Normalize(low / size, high / size)
-    return Scales(norm, colours, size, length, box, max(forces), _extend(found, low, high)), unit
-
-
-def _extend(found: Sequence[tuple[float, float]], low: float, high: float) -> str:
-    below = any(least < low for least, _ in found)
-    above = any(largest > high for _, largest in found)
-    return {(False, False): "neither", (True, False): "min", (False, True): "max"}.get((below, above), "both")
+    below, above = min(least for least, _ in found) < low, max(largest for _, largest in found) > high
+    extend = ("neither", "min", "max", "both")[below + 2 * above]
+    return Scales(norm, colours, size, length, box, max(forces), extend), unit
 
 
 def _colours(

@@ -13,8 +13,7 @@ from matplotlib.collections import EllipseCollection, PolyCollection
 from matplotlib.colors import Normalize
 
 from mpmfw.errors import SceneError
-from mpmfw.plots.style import on_lines
-from mpmfw.plots.units import time_scale
+from mpmfw.plots.style import on_lines, time_scale
 from mpmfw.results.domains import Corners, corners_of, loops
 from mpmfw.results.point_fields import point_field
 from mpmfw.results.selection import bodies_of, frame_of, rigid_bodies_of, times_of

@@ -13,17 +13,16 @@ from matplotlib.figure import Figure
 
 from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.plots import scene
-from mpmfw.plots.costs import cost_bars
 from mpmfw.plots.histories import history
 from mpmfw.plots.outlines import positions
-from mpmfw.plots.rolling import contact_force, motion
+from mpmfw.plots.scene import contact_force, motion
 from mpmfw.plots.stability import stability_figures
-from mpmfw.plots.study import study_figures
+from mpmfw.plots.study import cost_bars, study_figures
 from mpmfw.plots.style import at_last, drawn_reference, drawn_values, journal_style
 from mpmfw.results import open as open_results
+from mpmfw.results.analysis import without_round_off
 from mpmfw.results.references import RingsReference, RollingReference
 from mpmfw.results.replacing import check_new, replace_bytes
-from mpmfw.results.round_off import without_round_off
 from mpmfw.results.selection import series_of
 
 #: Series of a run that are drawn unasked.

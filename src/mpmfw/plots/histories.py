@@ -19,15 +19,17 @@ from mpmfw.plots.style import (
     PANEL,
     Look,
     combinations,
+    count_in,
     dress,
     entry,
     head,
     journal_style,
     legend_below,
     new_panels,
+    scaled_label,
+    time_scale,
 )
-from mpmfw.plots.units import count_in, scaled_label, time_scale
-from mpmfw.results.round_off import without_round_off
+from mpmfw.results.analysis import without_round_off
 from mpmfw.results.selection import Results, checked_name, opened, series_of
 from mpmfw.state.fields import FloatArray
 

@@ -18,11 +18,12 @@ from mpmfw.plots.style import (
     head,
     journal_style,
     legend_below,
+    length_scale,
     new_figure,
+    time_scale,
 )
-from mpmfw.plots.units import length_scale, time_scale
+from mpmfw.results.analysis import ROUND_OFF
 from mpmfw.results.references import RollingReference, cell_size, own_attributes, scene_of_results
-from mpmfw.results.round_off import ROUND_OFF
 
 #: Bodies by colour, in the scene's order; those that stand still are grey.
 _BODIES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")

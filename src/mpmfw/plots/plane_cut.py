@@ -11,9 +11,8 @@ from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.figure import Figure
 
 from mpmfw.errors import SceneError
-from mpmfw.plots.style import journal_style
-from mpmfw.plots.units import in_brackets, with_prefix
-from mpmfw.results.domains import surface_in_space
+from mpmfw.plots.style import in_brackets, journal_style, with_prefix
+from mpmfw.results.domains import facets_of, surfaces_of
 from mpmfw.results.point_fields import point_field
 from mpmfw.results.selection import (
     Results,
@@ -65,11 +64,11 @@ def plane_cut(
             low, high = position[:, across].min(), position[:, across].max()
             text = f"no material point is on the plane {normal} = {place:g} m"
             raise SceneError(f"{text}; expected {low:.4g} to {high:.4g} m")
-        lines = [
-            cut_lines(*surface, across, place)[:, :, shown]
-            for body in (*own, *rigid_bodies_of(tree, bodies))
-            if (surface := surface_in_space(tree, body, frame)) is not None
-        ]
+        outlined = [*own, *rigid_bodies_of(tree, bodies)]
+        lines = []
+        for body in (one for one in surfaces_of(tree) if one in outlined):
+            nodes = frame_of(tree, f"surface/{body}", frame)["position"].values.astype(float)
+            lines.append(cut_lines(nodes, facets_of(tree, body), across, place)[:, :, shown])
         colour = with_prefix(unit, float(np.abs(values[met]).max()))
         label = in_brackets(drawn.attrs["long_name"], colour[1])
         figure, panel = _drawn(position[met][:, shown], size[met], values[met] / colour[0], lines, label)

@@ -52,8 +52,7 @@ def profiles(ranking: xr.Dataset) -> Figure:
 def profile(ranking: xr.Dataset, quantity: str, method: str) -> tuple[FloatArray, FloatArray]:
     """Return rising costs over the best (n,), and the share of problems solved within each.
 
-    Source: E. D. Dolan, J. J. Moré (2002), Benchmarking optimization software with performance profiles,
-    *Mathematical Programming* 91, 201-213.
+    Source: E. D. Dolan, J. J. Moré (2002), *Mathematical Programming* 91, 201-213.
     """
     by = ranking.attrs["by"]
     ratio = ranking["over_best"].sel({"quantity": quantity, by: method}).values.ravel()

@@ -1,7 +1,10 @@
-"""Error over CPU time with the Pareto front, and the time by stage."""
+"""Figures of a study: error over CPU time with the Pareto front, and CPU time by stage of the step."""
 
 from __future__ import annotations
 
+import itertools
+import json
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -10,9 +13,62 @@ from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from mpmfw.plots.costs import stages
-from mpmfw.plots.study_grid import label_of, order_of, problems_of, resolution_of, runs_of, with_methods
-from mpmfw.plots.style import Look, dress, entry, journal_style, legend_below, new_panels
+from mpmfw.plots.style import Look, combinations, dress, entry, head, journal_style, legend_below, new_panels
+from mpmfw.results.selection import points_of
+from mpmfw.state.fields import STEP_STAGES
+
+#: Dimensions that are lengths [m].
+_LENGTHS = ("cell_size", "particle_size", "segment")
+#: Dimensions that are a resolution, the more usual first.
+_RESOLUTIONS = ("cell_size", "particle_size", "particles_per_cell", "size", "segment", "cfl", "safety")
+
+
+def with_methods(dataset: xr.Dataset) -> xr.Dataset:
+    """Return the study with dimensions of contact and shape."""
+    for name in ("contact", "shape"):
+        if name not in dataset.dims:
+            label = dataset[name].item() if name in dataset.coords else "the scene's"
+            dataset = dataset.drop_vars(name, errors="ignore").expand_dims({name: [label]})
+    return dataset
+
+
+def problems_of(dataset: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
+    """Yield the parts of a study that can be compared, by title."""
+    for labels, problem in points_of(dataset, json.loads(dataset.attrs["problem_dims"])):
+        yield ", ".join(str(v) if dim == "scene" else f"{dim} {v}" for dim, v in labels.items()), problem
+
+
+def runs_of(dataset: xr.Dataset) -> Iterator[dict[str, Any]]:
+    """Yield every run with its labels."""
+    for labels, run in points_of(dataset, dataset["error"].dims):
+        yield {**labels, "dims": list(labels), "run": run}
+
+
+def resolution_of(dataset: xr.Dataset) -> str | None:
+    """Return the dimension that the size of markers shows, if any."""
+    problem_dims = json.loads(dataset.attrs["problem_dims"])
+    dims = [
+        str(dim)
+        for dim in dataset["error"].dims
+        if dim not in ("contact", "shape", *problem_dims) and dataset.sizes[dim] > 1
+    ]
+    usual = [dim for dim in _RESOLUTIONS if dim in dims]
+    return next(iter(usual + dims), None)
+
+
+def order_of(dataset: xr.Dataset, resolution: str) -> list[Any]:
+    """Return the labels of the resolution, the coarsest first."""
+    labels = dataset[resolution].values.tolist()
+    if all(isinstance(label, int | float) for label in labels):
+        return sorted(labels, reverse=resolution != "particles_per_cell")
+    return list(labels)
+
+
+def label_of(resolution: str, label: Any) -> str:
+    """Return a label such as ``cell size 0.2 m``."""
+    unit = " m" if resolution in _LENGTHS and not isinstance(label, str) else ""
+    return f"{resolution.replace('_', ' ')} {label}{unit}"
+
 
 #: Marker sizes [pt] of the coarsest and the finest resolution.
 _SIZES = (5.5, 3.5)
@@ -138,3 +194,91 @@ def _key(dataset: xr.Dataset, look: Look, resolution: str | None) -> list[list[A
         size = _size(dataset, resolution, {resolution: label})
         sizes.append(entry(label_of(resolution, label), marker="o", **grey | {"markersize": size}))
     return [colours, markers, [*sizes, *lines]] if len(sizes) <= 2 else [colours, markers, sizes, lines]
+
+
+#: Of the stages, and a grey for settling.
+_COLOURS = ("#0072B2", "#56B4E9", "#009E73", "#D55E00", "#E69F00", "#CC79A7", "#6B6B6B")
+
+
+@journal_style()
+def cost_bars(dataset: xr.Dataset) -> Figure:
+    """Draw CPU time per material point and step, stacked by stage."""
+    rows = []
+    for contact, shape, run in combinations(dataset):
+        work = run["steps"] * run["material_points"]
+        run = run.assign(stage_time=1e9 * run["cpu_stage"] / work.where(work > 0.0))
+        rows.append({"contact": contact, "shape": shape, "dims": ["contact", "shape"], "run": run})
+    return _bars({"": rows}, list(STEP_STAGES), "CPU time [ns per point and step]", dataset)
+
+
+@journal_style()
+def stages(dataset: xr.Dataset) -> Figure:
+    """Draw CPU time of a study by stage, at the finest resolution that ran."""
+    named = with_methods(dataset)
+    resolution = resolution_of(named)
+    bars = {}
+    for title, problem in problems_of(named):
+        rows = list(runs_of(_finest(problem, resolution)))
+        finest = "" if resolution is None else label_of(resolution, rows[0][resolution])
+        bars[", ".join(part for part in (title, finest) if part)] = rows
+    return _bars(bars, [str(name) for name in named["stage"].values], "CPU time [s]")
+
+
+def _bars(
+    bars: dict[str, list[dict[str, Any]]], names: list[str], label: str, compared: xr.Dataset | None = None
+) -> Figure:
+    longest = max(len(rows) + len(_places(rows)[1]) for rows in bars.values())
+    figure, panels = new_panels(len(bars), 16.0 + 4.2 * longest, sharex=True, sharey=True)
+    if compared is not None:
+        head(figure, compared)
+    for axes, (title, rows) in zip(panels, bars.items(), strict=True):
+        _draw_bars(axes, rows, names)
+        dress(axes, label, "", title)
+        axes.grid(False, axis="y")
+    panels[0].invert_yaxis()  # shared: the first combination on top of every panel
+    drawn = [row["run"]["stage_time"] for rows in bars.values() for row in rows]
+    occurs = [any(float(times.sel(stage=name)) > 0.0 for times in drawn) for name in names]
+    handles = list(itertools.compress(panels[0].get_legend_handles_labels()[0], occurs))
+    half = (len(handles) + 1) // 2
+    legend_below(figure, [handles[:half], handles[half:]])
+    return figure
+
+
+def _finest(problem: xr.Dataset, resolution: str | None) -> xr.Dataset:
+    if resolution is None:
+        return problem
+    parts = [problem.sel({resolution: label}) for label in order_of(problem, resolution)[::-1]]
+    return next((part for part in parts if np.isfinite(part["cpu_time"]).any()), parts[0]).expand_dims(
+        resolution
+    )
+
+
+def _places(rows: list[dict[str, Any]]) -> tuple[list[float], dict[float, str]]:
+    if not rows or not {"contact", "shape"} <= set(rows[0]["dims"]):
+        return [float(k) for k in range(len(rows))], {}
+    places: list[float] = []
+    heads: dict[float, str] = {}
+    for row in rows:
+        if str(row["contact"]) not in heads.values():
+            heads[float(len(places) + len(heads))] = str(row["contact"])
+        places.append(float(len(places) + len(heads)))
+    return places, heads
+
+
+def _draw_bars(axes: Any, rows: list[dict[str, Any]], names: list[str]) -> None:
+    places, heads = _places(rows)
+    left = np.zeros(len(rows))
+    for name, colour in zip(names, itertools.cycle(_COLOURS), strict=False):
+        widths = np.array([float(np.nan_to_num(row["run"]["stage_time"].sel(stage=name))) for row in rows])
+        axes.barh(places, widths, left=left, color=colour, label=name, height=0.72)
+        left += widths
+    dims = ("shape",) if heads else ("contact", "shape")
+    labels = [", ".join(str(row[dim]) for dim in row["dims"] if dim in dims) for row in rows]
+    axes.set_yticks(places, labels)
+    axes.set_ylim(-0.8, max(places, default=0.0) + 0.8)
+    for place, contact in heads.items():
+        axes.text(0.01, place, contact, va="center", transform=axes.get_yaxis_transform())
+    for k, row in enumerate(rows):
+        status = str(row["run"]["status"].item()).partition(":")[0]
+        if status != "ok":
+            axes.text(left[k], places[k], f" {status}", va="center")

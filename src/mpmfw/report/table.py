@@ -10,9 +10,9 @@ import numpy as np
 import xarray as xr
 
 from mpmfw.results import analysis, references
+from mpmfw.results.analysis import ROUND_OFF
 from mpmfw.results.conservation import dissipation
 from mpmfw.results.references import RingsReference, RollingReference, cell_size, own_attributes, rings_table
-from mpmfw.results.round_off import ROUND_OFF
 from mpmfw.results.selection import points_of
 from mpmfw.state.fields import FloatArray
 

@@ -12,8 +12,7 @@ from mpmfw.geometry import discretise
 from mpmfw.geometry.base import context_of_cells
 from mpmfw.geometry.layout import parallelogram_corners
 from mpmfw.results.references import scene_of
-from mpmfw.results.selection import frame_of
-from mpmfw.scene.content import code_in
+from mpmfw.scene.sources import code_in
 from mpmfw.scene.tables import Body
 from mpmfw.state.fields import FloatArray, IntArray
 
@@ -56,14 +55,23 @@ def corners_of(tree: xr.DataTree, body: str) -> Corners | None:
     return corners
 
 
-def surface_in_space(tree: xr.DataTree, body: str, frame: int) -> tuple[FloatArray, IntArray] | None:
-    """Return nodes (n, 3) [m] and triangles (k, 3) of a stored surface."""
-    if "surface" not in tree.children or body not in tree["surface"].children:
-        return None
-    data = frame_of(tree, f"surface/{body}", frame)
-    if "triangles" not in data:
-        return None
-    return np.asarray(data["position"].values, dtype=float), np.asarray(data["triangles"].values)
+def surfaces_of(tree: xr.DataTree) -> list[str]:
+    """Return the bodies whose surfaces are stored."""
+    groups = tree["surface"].children if "surface" in tree.children else {}
+    return [str(body) for body, group in groups.items() if "position" in group.data_vars]
+
+
+def facets_of(tree: xr.DataTree, body: str) -> IntArray:
+    """Return segments (k, 2) of a stored surface, or triangles (k, 3)."""
+    surface = tree[f"surface/{body}"].to_dataset()
+    if "next" in surface:
+        following = np.asarray(surface["next"].values)
+        return np.stack([np.arange(len(following)), following], axis=1)
+    if "triangles" not in surface:
+        raise MpmfwError(
+            f"surface/{body}: has no triangles: the file is of an earlier version; run the scene again"
+        )
+    return np.asarray(surface["triangles"].values)
 
 
 def loops(following: IntArray) -> list[IntArray]:

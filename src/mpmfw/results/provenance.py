@@ -1,9 +1,12 @@
-"""Provenance of results: versions and commit."""
+"""Provenance of results: versions and commit, and the largest memory of a run."""
 
 from __future__ import annotations
 
+import contextlib
 import platform
+import re
 import subprocess
+import sys
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -20,21 +23,37 @@ def provenance() -> dict[str, object]:
             versions[package] = version(package)
         except PackageNotFoundError:
             continue
-    commit = _commit(Path(__file__).parent)
+    # An environment may lie in the checkout of another project, where this file is not tracked
+    tracked = _git("ls-files", "--error-unmatch", Path(__file__).name)
+    commit = tracked and _git("describe", "--always", "--dirty", "--abbrev=40", "--exclude=*")
     return {"versions": versions, **({"commit": commit} if commit else {})}
 
 
-def _commit(folder: Path) -> str | None:
-    # An environment may lie in the checkout of another project, where this file is not tracked
-    tracked = _git(folder, "ls-files", "--error-unmatch", Path(__file__).name)
-    return _git(folder, "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*") if tracked else None
-
-
-def _git(folder: Path, *arguments: str) -> str | None:
+def _git(*arguments: str) -> str | None:
+    command = ("git", "-C", str(Path(__file__).parent), *arguments)
     try:
-        done = subprocess.run(
-            ("git", "-C", str(folder), *arguments), capture_output=True, text=True, timeout=5, check=True
-        )
+        done = subprocess.run(command, capture_output=True, text=True, timeout=5, check=True)
     except (OSError, subprocess.SubprocessError):
         return None
     return done.stdout.strip() or None
+
+
+_CLEAR, _STATUS = Path("/proc/self/clear_refs"), Path("/proc/self/status")
+
+
+def restart_peak_memory() -> None:
+    """Forget the largest resident memory so far, on Linux."""
+    with contextlib.suppress(OSError):
+        _CLEAR.write_text("5")
+
+
+def peak_memory() -> int:
+    """Return the largest resident memory since the restart [bytes]."""
+    with contextlib.suppress(OSError):
+        found = re.search(r"^VmHWM:\s*(\d+) kB$", _STATUS.read_text(), re.MULTILINE)
+        if found:
+            return 1024 * int(found[1])
+    import resource  # not on every system
+
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return int(peak if sys.platform == "darwin" else peak * 1024)

@@ -13,7 +13,7 @@ import netCDF4
 import numpy as np
 
 from mpmfw.errors import MpmfwError, ResultsWarning, SceneError, is_complete
-from mpmfw.results.writers import is_written
+from mpmfw.results.replacing import is_written
 
 if TYPE_CHECKING:
     import xarray as xr  # half a second, which a run that nobody reads does without

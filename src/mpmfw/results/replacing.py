@@ -1,12 +1,14 @@
-"""Write a file whole or not at all; results replace files of their own kind alone."""
+"""Write a file whole or not at all, and by one writer; results replace files of their own kind alone."""
 
 from __future__ import annotations
 
 import contextlib
 import errno
+import importlib
 import os
 import re
 import shutil
+import struct
 import uuid
 from collections.abc import Iterator
 from pathlib import Path
@@ -18,6 +20,7 @@ from mpmfw.errors import MpmfwError, SceneError
 
 if TYPE_CHECKING:
     import xarray as xr
+
 
 #: Characters of a file's name in that of its unfinished successor; names have at most 255 bytes.
 _REPEATED = 50
@@ -122,3 +125,52 @@ def replace_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
             file.close()
         except RuntimeError as error:
             raise MpmfwError(f"cannot write '{os.fspath(path)}': {error}") from error
+
+
+fcntl: Any = None
+with contextlib.suppress(ImportError):  # Windows
+    fcntl = importlib.import_module("fcntl")
+
+
+def claim(path: str) -> int:
+    """Take the lock of a file; return a descriptor for :func:`release`.
+
+    The lock is Linux's, of an open file description. It ends with its process, and neither the HDF5 library
+    nor another descriptor of the process releases it. On other systems there is none.
+    """
+    descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+    if not _locked(descriptor, "F_WRLCK"):
+        os.close(descriptor)
+        raise MpmfwError(f"'{path}' is being written by another run; give another name, or wait for its end")
+    return descriptor
+
+
+def release(descriptor: int | None) -> None:
+    """Give the lock of a file back."""
+    if descriptor is not None:
+        with contextlib.suppress(OSError):
+            os.close(descriptor)
+
+
+def is_written(path: str | os.PathLike[str]) -> bool:
+    """Return whether a run is writing the file now."""
+    try:
+        descriptor = os.open(path, os.O_RDONLY)
+    except OSError:
+        return False
+    try:
+        return not _locked(descriptor, "F_RDLCK")
+    finally:
+        os.close(descriptor)
+
+
+def _locked(descriptor: int, kind: str) -> bool:
+    """Return True if the lock was taken, or there are none."""
+    if not hasattr(fcntl, "F_OFD_SETLK"):
+        return True
+    whole_file = struct.pack("hhqqi4x", getattr(fcntl, kind), os.SEEK_SET, 0, 0, 0)
+    try:
+        fcntl.fcntl(descriptor, fcntl.F_OFD_SETLK, whole_file)
+    except OSError as error:
+        return error.errno not in (errno.EAGAIN, errno.EACCES)
+    return True

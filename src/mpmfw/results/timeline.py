@@ -82,10 +82,9 @@ class _Column:
 
 
 class Timeline:
-    """The times of a group, along a dimension ``along``, and the variables that have them.
+    """The times of a group, along a dimension, and its variables; a group that has times is continued.
 
-    ``times`` [s] are those of earlier frames, in which the group has nothing. A group that has times already
-    is continued.
+    ``times`` [s] are those of earlier frames, in which the group has nothing.
     """
 
     def __init__(

@@ -16,9 +16,8 @@ import numpy as np
 
 from mpmfw.errors import MpmfwError
 from mpmfw.results.reading import checked_tree, read_run, tree_of
-from mpmfw.results.replacing import check_room, replacement
+from mpmfw.results.replacing import check_room, claim, release, replacement
 from mpmfw.results.timeline import Frame, RunHeader, Timeline
-from mpmfw.results.writers import claim, release
 from mpmfw.state.fields import AnyArray, Field
 
 if TYPE_CHECKING:
@@ -45,16 +44,13 @@ QUICK = 0.025
 class RunWriter:
     """A run's NetCDF-4 file, open for appending frames; ``path`` None keeps the results in memory.
 
-    Frames that follow each other within a quarter of a second are written and synced together. After the
-    process dies the frames written so far are readable, unless it is killed within a sync.
+    Frames within a quarter of a second are written together. After a kill those written are readable, unless
+    it came within a sync. Each group, such as ``particles/<body>``, has its own ``time``: a shared dimension
+    costs with the square of the number of groups. The root's ``time``, along ``output``, is written last: it
+    tells which outputs are complete.
 
-    The groups are ``series``, ``particles/<body>``, ``surface/<body>``, ``contact/<pair>`` and ``grid``. Each
-    has its own dimension and coordinate ``time``: a shared dimension costs with the square of the number of
-    groups. The root's ``time``, along ``output``, is written last: it tells which outputs are complete.
-
-    ``content`` are the bytes of a file of the same run, whose outputs the new file begins with.
-
-    Raise MpmfwError if the file cannot be written, or the content is damaged.
+    ``content`` are the bytes of a file of the same run, whose outputs the new file begins with. A MpmfwError
+    says that it is damaged, or that the file cannot be written.
     """
 
     def __init__(

@@ -52,7 +52,7 @@ def largest_counts(body: Body, cell_size: float) -> FloatArray:
     spare = 3.0 if fitted and geometry.type not in ("rectangle", "box") else 1.0
     points = spare * float(np.prod(np.ceil(extent / body.particles.size) + 1.0))
     if fitted and geometry.type == "mesh":
-        points = float(len(geometry.elements.pieces))
+        points = float(len(geometry.pieces))
     return np.array([points, np.prod(np.ceil(extent / cell_size) + _BEYOND), surface])
 
 

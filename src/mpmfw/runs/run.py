@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError, SimulationError
 from mpmfw.results import Frame, RunWriter
-from mpmfw.results.memory import peak_memory, restart_peak_memory
+from mpmfw.results.provenance import peak_memory, restart_peak_memory
 from mpmfw.results.replacing import check_replaceable
 from mpmfw.runs.build import chosen_methods
 from mpmfw.runs.interruption import interruptible, unbroken

@@ -9,13 +9,12 @@ from typing import Any
 import numpy as np
 
 from mpmfw.geometry import SurfaceMesh
-from mpmfw.plugin.discovery import REFERENCES, available, nearest
-from mpmfw.scene.locator import Path
+from mpmfw.plugin.discovery import REFERENCES, available
 from mpmfw.scene.options import NAMED
-from mpmfw.scene.problem import Problem
-from mpmfw.scene.rigid import check_rigid
+from mpmfw.scene.problem import Path, Problem
+from mpmfw.scene.rigid import check_rigid, check_spin
 from mpmfw.scene.sides import check_sides
-from mpmfw.scene.tables import Body, ConstantGravity, RigidBody, Side, Tables
+from mpmfw.scene.tables import Body, Gravity, RigidBody, Side, Tables
 from mpmfw.scene.wording import unknown_name
 from mpmfw.units import problems_in_time, wrong_length
 
@@ -47,21 +46,16 @@ def check(scene: Tables, plugins: Mapping[Path, type[Any]], options: Mapping[Pat
     yield from _friction_law(scene, plugins)
     yield from _loads(scene)
     yield from _named(scene, plugins, options)
-    yield from _reference(scene)
-    yield from _vector(scene.output.contact_moment, ("output", "contact_moment"), scene.grid.dim)
+    references = sorted({*REFERENCES, *available("reference")})
+    if scene.reference is not None and scene.reference.kind not in references:
+        yield unknown_name(("reference", "kind"), scene.reference.kind, references)
+    yield from _in_time(scene.output.contact_moment, ("output", "contact_moment"), scene.grid.dim)
     for name, body in scene.bodies.items():
         yield from _body(scene, ("bodies", name), body)
     if all(isinstance(body, RigidBody) for body in scene.bodies.values()):
         yield Problem(("bodies",), "every body is rigid; expected one that deforms")
     if scene.sleep is not None and any(isinstance(body, RigidBody) for body in scene.bodies.values()):
         yield Problem(("sleep",), "does not go with rigid bodies: what touches one that moves cannot rest")
-
-
-def _reference(scene: Tables) -> Iterator[Problem]:
-    if scene.reference is not None:
-        known = sorted({*REFERENCES, *available("reference")})
-        if scene.reference.kind not in known:
-            yield unknown_name(("reference", "kind"), scene.reference.kind, known)
 
 
 def _grid(scene: Tables) -> Iterator[Problem]:
@@ -114,14 +108,9 @@ def _names(scene: Tables) -> Iterator[Problem]:
                 yield Problem((kind, name), f"'{name}' is a dimension of the results; expected another name")
     for name, body in scene.bodies.items():
         if not isinstance(body, RigidBody) and body.material not in scene.materials:
-            yield _no_such("material", ("bodies", name, "material"), body.material, scene.materials)
-
-
-def _no_such(what: str, path: Path, name: str, valid: Mapping[str, Any]) -> Problem:
-    close = nearest(name, valid)
-    hint = f"did you mean '{close}'?" if close else f"the scene has {', '.join(valid)}"
-    expected = ", ".join(valid)
-    return Problem(path, f"no {what} '{name}'; {hint}", suggestion=close, value=name, expected=expected)
+            yield unknown_name(
+                ("bodies", name, "material"), body.material, list(scene.materials), "no such material: "
+            )
 
 
 def _contact(scene: Tables) -> Iterator[Problem]:
@@ -135,7 +124,7 @@ def _contact(scene: Tables) -> Iterator[Problem]:
         path: Path = ("contact", "pairs", index, "bodies")
         for k, name in enumerate(pair.bodies):
             if name not in scene.bodies:
-                yield _no_such("body", (*path, k), name, scene.bodies)
+                yield unknown_name((*path, k), name, list(scene.bodies), "no such body: ")
         if len(set(pair.bodies)) == 1:
             yield Problem(path, f"a pair is two bodies, not '{pair.bodies[0]}' twice")
         elif seen.setdefault(frozenset(pair.bodies), index) != index:
@@ -155,7 +144,7 @@ def _friction_law(scene: Tables, plugins: Mapping[Path, type[Any]]) -> Iterator[
 
 def _loads(scene: Tables) -> Iterator[Problem]:
     if scene.gravity is not None:
-        yield from _gravity(scene.gravity, ("gravity",), scene.grid.dim)
+        yield from _gravity(scene.gravity, ("gravity",), scene.grid.dim, "table")
         yield from _in_time(scene.gravity.table, ("gravity", "table"), scene.grid.dim)
     if scene.settle is None:
         return
@@ -175,7 +164,7 @@ def _named(
         named = getattr(table, "bodies", None) or ()
         for index, body in enumerate(named):
             if body not in scene.bodies:
-                yield _no_such("body", (*path, "bodies", index), body, scene.bodies)
+                yield unknown_name((*path, "bodies", index), body, list(scene.bodies), "no such body: ")
             elif path[0] != "outputs" and isinstance(scene.bodies[body], RigidBody):
                 text = f"'{body}' is rigid, and has no material points to act on; expected bodies that deform"
                 yield Problem((*path, "bodies", index), text)
@@ -187,10 +176,8 @@ def _named(
                 yield Problem((*path, *key), message)
 
 
-def _gravity(gravity: ConstantGravity, path: Path, dim: int) -> Iterator[Problem]:
-    given, forms = set(gravity.model_fields_set), [{"vector"}, {"magnitude", "tilt"}]
-    if "table" in type(gravity).model_fields:
-        forms.append({"table"})
+def _gravity(gravity: Gravity, path: Path, dim: int, *others: str) -> Iterator[Problem]:
+    given, forms = set(gravity.model_fields_set), [{"vector"}, {"magnitude", "tilt"}, *({o} for o in others)]
     if given not in forms:
         allowed = ", or ".join(" and ".join(sorted(form)) for form in forms)
         message = f"has {' and '.join(sorted(given)) or 'no key'}; expected exactly one of: {allowed}"
@@ -199,11 +186,6 @@ def _gravity(gravity: ConstantGravity, path: Path, dim: int) -> Iterator[Problem
         yield Problem((*path, "vector"), wrong_length(len(gravity.vector), dim))
     elif "tilt" in given and dim == 3:
         yield Problem((*path, "tilt"), "is for two dimensions; give gravity as a vector in 3D")
-
-
-def _vector(given: Any, path: Path, dim: int) -> Iterator[Problem]:
-    if isinstance(given, tuple) and len(given) != dim:
-        yield Problem(path, wrong_length(len(given), dim))
 
 
 def _in_time(given: Any, path: Path, components: int) -> Iterator[Problem]:
@@ -224,10 +206,8 @@ def _body(scene: Tables, path: Path, body: Body) -> Iterator[Problem]:
         yield from check_rigid(body, path, dim)
     elif len(body.particles.offset) > dim:
         yield Problem((*path, "particles", "offset"), wrong_length(len(body.particles.offset), dim))
-    yield from _vector(body.velocity, (*path, "velocity"), dim)
-    if body.angular_velocity is not None and isinstance(body.angular_velocity, tuple) != (dim == 3):
-        expected = "an array of 3 components in rad/s" if dim == 3 else "a number in rad/s"
-        yield Problem((*path, "angular_velocity"), f"expected {expected}, because the grid is {dim}D")
+    yield from _in_time(body.velocity, (*path, "velocity"), dim)
+    yield from check_spin(body.angular_velocity, (*path, "angular_velocity"), dim, "rad/s")
     if body.thickness is not None and dim == 3:
         yield Problem((*path, "thickness"), "is for two dimensions; a body of a 3D grid has its own extent")
     wrong = [problem for i in range(len(body.sides)) for problem in _side(body, (*path, "sides", i), i, dim)]
@@ -283,7 +263,7 @@ def _side(body: Body, path: Path, index: int, dim: int) -> Iterator[Problem]:
         yield Problem((*path, "fixed"), "'z' is a component in 3D; expected x or y")
     if isinstance(side.fixed, tuple) and len(set(side.fixed)) != len(side.fixed):
         yield Problem((*path, "fixed"), "names a component twice")
-    yield from _vector(side.velocity, (*path, "velocity"), dim)
+    yield from _in_time(side.velocity, (*path, "velocity"), dim)
     for key, components in (("pressure", 1), ("traction", dim), ("force", dim)):
         yield from _in_time(getattr(side, key), (*path, key), components)
     if side.velocity is not None and all(component == "free" for component in side.velocity):

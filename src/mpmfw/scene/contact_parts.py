@@ -1,8 +1,7 @@
-"""``[contact] detection = "nodes"``, ``law = "penalty"``: the other way to write ``method =
-"nodes+penalty"``.
+"""``[contact] detection = "nodes"``, ``law = "penalty"``: another form of ``method = "nodes+penalty"``.
 
-Options stand in the tables of the parts, ``[contact.nodes]`` and ``[contact.penalty]``. The table is brought
-into the form with a method, so that nothing behind this module knows of two."""
+Options stand in the tables of the parts, ``[contact.nodes]`` and ``[contact.penalty]``. Nothing behind this
+module knows of two forms."""
 
 from __future__ import annotations
 
@@ -12,8 +11,7 @@ from typing import Any, Literal
 
 from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import available, load
-from mpmfw.scene.locator import Path
-from mpmfw.scene.problem import Problem
+from mpmfw.scene.problem import Path, Problem
 from mpmfw.scene.wording import shown, unknown_name, with_options
 
 #: The keys, each with the kind of plug-in that it names.

@@ -14,7 +14,7 @@ from pydantic.fields import FieldInfo
 
 from mpmfw.errors import SceneError
 from mpmfw.geometry.discretise import geometry_class
-from mpmfw.scene.locator import Path
+from mpmfw.scene.problem import Path
 
 #: What is measured in a unit, and an example of it.
 _QUANTITIES = {

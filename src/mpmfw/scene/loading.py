@@ -14,14 +14,12 @@ from mpmfw.errors import SceneError
 from mpmfw.geometry.base import context_of_cells
 from mpmfw.scene.checks import check
 from mpmfw.scene.contact_parts import latest_spelling, without_effect
-from mpmfw.scene.content import check_content, code_in
-from mpmfw.scene.locator import Locator, dotted
-from mpmfw.scene.locator import Path as KeyPath
 from mpmfw.scene.options import NAMED, Chosen, separate_options
 from mpmfw.scene.override import merge, parse_path, parse_value
-from mpmfw.scene.problem import Origin, Problem, distinct
+from mpmfw.scene.problem import Locator, Origin, Problem, distinct, dotted
+from mpmfw.scene.problem import Path as KeyPath
 from mpmfw.scene.scene import Scene
-from mpmfw.scene.sources import Source, plain, read_source, shipped_texts
+from mpmfw.scene.sources import Source, check_content, code_in, plain, read_source, shipped_texts
 from mpmfw.scene.specification import keys_of
 from mpmfw.scene.wording import problems_of
 

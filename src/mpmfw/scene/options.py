@@ -11,8 +11,7 @@ from pydantic import BaseModel
 from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import Kind, available, choices, load
 from mpmfw.scene.contact_parts import PARTS, parts_of
-from mpmfw.scene.locator import Path
-from mpmfw.scene.problem import Problem
+from mpmfw.scene.problem import Path, Problem
 from mpmfw.scene.wording import shown, unknown_key, unknown_name, with_options
 
 #: Keys of the tables that the core reads itself.

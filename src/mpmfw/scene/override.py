@@ -9,8 +9,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from mpmfw.plugin.discovery import nearest
-from mpmfw.scene.locator import Path, dotted
-from mpmfw.scene.problem import Problem
+from mpmfw.scene.problem import Path, Problem, dotted
 
 _PART = re.compile(r'"((?:\\.|[^"\\])*)"|([^."\[\]\s]+)|\[(\d+)\]')
 

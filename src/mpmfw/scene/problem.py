@@ -2,12 +2,92 @@
 
 from __future__ import annotations
 
+import bisect
+import functools
+import re
+import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from mpmfw.errors import SceneProblem
-from mpmfw.scene.locator import Locator, Path, dotted
+
+Path = tuple[str | int, ...]
+
+_BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
+#: Brackets, and what may hold some that count for nothing: strings and comments.
+_TOKEN = re.compile(
+    r'"""(?:\\.|[^\\])*?"""(?:"{0,2}(?!"))|\'\'\'.*?\'\'\'(?:\'{0,2}(?!\'))|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\''
+    r"|#[^\n]*|[\[\]{}]",
+    re.S,
+)
+
+
+class Locator:
+    """Lines of the keys of one valid TOML document."""
+
+    def __init__(self, text: str) -> None:
+        self._lines = tuple(text.replace("\r\n", "\n").split("\n"))
+
+    def holds(self, path: Path) -> bool:
+        """Return True if the document has this key."""
+        return _holds(_parsed(self._lines, len(self._lines))[1], path)
+
+    def line(self, path: Path) -> int:
+        """Line (from 1) of the key, or of the nearest table or array around it; 1 for the root."""
+        while path and not self.holds(path):
+            path = path[:-1]
+        header, counts = f"[{dotted(path)}]", range(1, len(self._lines) + 1)
+        if not path:
+            return 1
+        if header in self._lines:  # a part of the table may stand before it
+            return self._lines.index(header) + 1
+        place = bisect.bisect_left(counts, True, key=lambda n: _holds(_parsed(self._lines, n)[1], path))
+        begin = _parsed(self._lines, place)[0]
+        while self._lines[begin].lstrip()[:1] in ("", "#"):
+            begin += 1
+        return begin + 1
+
+
+@functools.lru_cache(maxsize=256)
+def _parsed(lines: tuple[str, ...], count: int) -> tuple[int, Mapping[str, Any]]:
+    """Parse the first lines, without the last ones if these begin a string; return their number as well."""
+    while count:
+        text = "\n".join(lines[:count])
+        ends: list[str] = []
+        for token in _TOKEN.findall(text):
+            if token in ("[", "{"):
+                ends.append("]" if token == "[" else "}")
+            elif token in ("]", "}") and ends:
+                ends.pop()
+        with suppress(tomllib.TOMLDecodeError, RecursionError):
+            return count, tomllib.loads(f"{text}\n{''.join(reversed(ends))}")
+        count -= 1
+    return 0, {}
+
+
+def _holds(document: Any, path: Path) -> bool:
+    for part in path:
+        try:
+            document = document[part]
+        except (LookupError, TypeError):
+            return False
+    return True
+
+
+def dotted(path: Path) -> str:
+    """The path as a user writes it: ``contact.pairs[0].friction``."""
+    text = ""
+    for part in path:
+        if isinstance(part, int):
+            text += f"[{part}]"
+        else:
+            quoted = part.replace("\\", "\\\\").replace('"', '\\"')
+            name = part if _BARE_KEY.fullmatch(part) else f'"{quoted}"'
+            text += f".{name}" if text else name
+    return text
+
 
 #: Characters of a message about one problem.
 LONGEST = 2000
@@ -63,7 +143,7 @@ class Origin:
         Of a table that the file does not have, any override that made it."""
         path = problem.path
         between = [(*path, name) for name in problem.keys]
-        absent = self.locator is not None and len(path) > 1 and path[:-1] not in self.locator.lines
+        absent = self.locator is not None and len(path) > 1 and not self.locator.holds(path[:-1])
         rules: tuple[Callable[[Path], bool], ...] = (
             lambda target: path[: len(target)] == target,
             lambda target: target in between,

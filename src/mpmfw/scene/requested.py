@@ -10,35 +10,44 @@ from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import Kind, choices
 from mpmfw.scene.contact_parts import PARTS
 from mpmfw.scene.loading import load_scene
-from mpmfw.scene.locator import Path
 from mpmfw.scene.options import CORE_KEYS
 from mpmfw.scene.override import parse_path
+from mpmfw.scene.problem import Path
 from mpmfw.scene.specification import parse_specification
 
 #: Tables in which options of each kind of plug-in stand.
 _TABLES: dict[Kind, str] = {"contact": "contact", "shape": "shape", "friction": "contact"}
 
 
-def check_requested(
-    shared: Iterable[str], varied: Iterable[str], said: tuple[str, str] = ("set", "vary")
+def check_compared(
+    scene: Any, methods: Mapping[str, Sequence[Any]], shared: Mapping[str, Any], varied: Mapping[str, Any]
 ) -> None:
-    """Refuse keys that are none, choose methods, or are both set and varied; ``said`` names the two."""
-    set_paths = {key: _path(key, said[0]) for key in shared}
-    vary_paths = {key: _path(key, said[1]) for key in varied}
-    for name, paths in zip(said, (set_paths, vary_paths), strict=True):
-        for key, path in paths.items():
-            if path in [("contact", "method"), ("shape", "method"), *(("contact", part) for part in PARTS)]:
-                option = f"--{path[0]} A,B,…" if name.startswith("--") else f"{path[0]}=[…]"
-                raise SceneError(f"{name} {key}: the methods of a comparison are chosen by {option}")
-    for (key, path), (other, around) in itertools.product(set_paths.items(), vary_paths.items()):
-        if path[: len(around)] == around:
-            raise SceneError(f"{said[0]} {key}: {said[1]} {other} takes its place; leave one of them out")
-    for (key, path), (other, around) in itertools.permutations(vary_paths.items(), 2):
-        if path[: len(around)] == around:
-            raise SceneError(f"{said[1]} {key}: {said[1]} {other} takes its place; leave one of them out")
+    """Refuse keys of a comparison that are none, choose methods, are set twice, or have no effect.
+
+    ``methods`` are the names or strategy objects that run, by kind.
+    """
+
+    def name_of(method: Any) -> str:
+        if isinstance(method, str):
+            return parse_specification(method).name
+        return str(getattr(method, "name", type(method).__name__))
+
+    given = [("--set", key, _path(key, "--set")) for key in shared]
+    given += [("--vary", key, _path(key, "--vary")) for key in varied]
+    for said, key, path in given:
+        if path in [("contact", "method"), ("shape", "method"), *(("contact", part) for part in PARTS)]:
+            text = f"the methods of a comparison are chosen by --{path[0]} A,B,…"
+            raise SceneError(f"{said} {key}: {text} (Python: {path[0]}=[…])")
+    for (said, key, path), (above, other, around) in itertools.permutations(given, 2):
+        if above == "--vary" and path[: len(around)] == around:
+            raise SceneError(f"{said} {key}: {above} {other} takes its place; leave one of them out")
+    names = {kind: [name_of(one) for one in chosen] for kind, chosen in methods.items()}
+    names["friction"] = friction_laws(scene, shared, varied)
+    check_methods_run(shared, names)
+    check_methods_run(varied, names, "--vary")
 
 
-def check_methods_run(keys: Iterable[str], methods: Mapping[str, Sequence[str]], said: str = "set") -> None:
+def check_methods_run(keys: Iterable[str], methods: Mapping[str, Sequence[str]], said: str = "--set") -> None:
     """Refuse options of a method that does not run; ``methods`` are those that run, by kind."""
     for key in keys:
         path = _path(key, said)
@@ -52,26 +61,6 @@ def check_methods_run(keys: Iterable[str], methods: Mapping[str, Sequence[str]],
                 raise SceneError(
                     f"{said} {key}: has no effect: {kind} '{name}' does not run here; what runs is {runs}"
                 )
-
-
-def check_compared(
-    scene: Any,
-    methods: Mapping[str, Sequence[Any]],
-    shared: Mapping[str, Any],
-    varied: Mapping[str, Any],
-    said: tuple[str, str] = ("set", "vary"),
-) -> None:
-    """Refuse options of methods, names or objects, that a comparison of ``scene`` does not run."""
-
-    def name_of(method: Any) -> str:
-        if isinstance(method, str):
-            return parse_specification(method).name
-        return str(getattr(method, "name", type(method).__name__))
-
-    names = {kind: [name_of(one) for one in chosen] for kind, chosen in methods.items()}
-    names["friction"] = friction_laws(scene, shared, varied)
-    for keys, word in zip((shared, varied), said, strict=True):
-        check_methods_run(keys, names, word)
 
 
 def friction_laws(scene: Any, shared: Mapping[str, Any], varied: Mapping[str, Any]) -> list[str]:

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import BeforeValidator, Discriminator, Field, Strict, Tag
 
 from mpmfw.scene.base import Position, Table, VelocityInTime
-from mpmfw.scene.locator import Path
-from mpmfw.scene.problem import Problem
+from mpmfw.scene.problem import Path, Problem
 from mpmfw.units import AngularVelocity, Density, Inertia, Mass, Time, problems_in_time
 
 if TYPE_CHECKING:
@@ -100,7 +99,7 @@ def check_rigid(body: RigidBody, path: Path, dim: int) -> Iterator[Problem]:
         has = " and ".join(sorted(given)) or "no key"
         text = f"has {has}; expected exactly one of: motion, density, mass and inertia, or rigid = true"
         yield Problem(at, text, keys=tuple(given))
-    yield from _spin(rigid.inertia, (*at, "inertia"), dim, "kg m^2")
+    yield from check_spin(rigid.inertia, (*at, "inertia"), dim, "kg m^2")
     if rigid.motion is not None:
         yield from _motion(rigid.motion, (*at, "motion"), dim)
 
@@ -108,22 +107,19 @@ def check_rigid(body: RigidBody, path: Path, dim: int) -> Iterator[Problem]:
 def _motion(motion: Motion, at: Path, dim: int) -> Iterator[Problem]:
     if motion.velocity is None and motion.angular_velocity is None:
         yield Problem(at, "moves nothing; expected velocity or angular_velocity, or rigid = true")
-    for index, message in problems_in_time(motion.velocity, dim):
-        yield Problem((*at, "velocity", *index), message)
+    for key in ("velocity", "about"):
+        for index, message in problems_in_time(getattr(motion, key), dim):
+            yield Problem((*at, key, *index), message)
     spin, axes = motion.angular_velocity, 1 if dim == 2 else 3
     if _kind_of_spin(spin) == "rows":
         for index, message in problems_in_time(spin, axes):
             yield Problem((*at, "angular_velocity", *index), message)
     else:
-        yield from _spin(spin, (*at, "angular_velocity"), dim, "rad/s")
-    if motion.about is not None and len(motion.about) != dim:
-        yield Problem(
-            (*at, "about"), f"has {len(motion.about)} entries; expected {dim}, because the grid is {dim}D"
-        )
+        yield from check_spin(spin, (*at, "angular_velocity"), dim, "rad/s")
 
 
-def _spin(given: Any, at: Path, dim: int, unit: str) -> Iterator[Problem]:
-    """A number in the plane, three components in space."""
+def check_spin(given: Any, at: Path, dim: int, unit: str) -> Iterator[Problem]:
+    """Refuse other spins than a number in the plane, and three components in space."""
     if given is not None and isinstance(given, tuple) != (dim == 3):
         expected = f"an array of 3 components in {unit}" if dim == 3 else f"a number in {unit}"
         yield Problem(at, f"expected {expected}, because the grid is {dim}D")

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import copy
-from collections.abc import Iterable
+from contextlib import suppress
 from typing import Any
 
 from mpmfw.errors import SceneError
 from mpmfw.geometry.discretise import geometry_class
 from mpmfw.plugin.discovery import Kind, available, load, only_bundled
-from mpmfw.scene.content import walk
 from mpmfw.scene.options import NAMED
+from mpmfw.scene.sources import walk
 from mpmfw.scene.tables import Tables
 
 _OPEN = "additionalProperties"
@@ -29,8 +28,10 @@ def json_schema() -> dict[str, Any]:
             table["properties"][name] = _options(schema, kind, name)
     for table, kind_of_model in zip(("Material", "Load", "Boundary", "Series"), NAMED.values(), strict=True):
         _add_models(schema, table, kind_of_model)
-    strangers = [name for name in available("geometry") if not only_bundled("geometry", name)]
-    schema = with_geometries(schema, strangers)
+    for name in available("geometry"):
+        if not only_bundled("geometry", name):
+            with suppress(SceneError):  # it cannot be imported
+                _add_geometry(schema, name)
     _allow_units(schema)
     return schema
 
@@ -72,19 +73,10 @@ def _add_models(schema: dict[str, Any], table: str, kind: Kind) -> None:
         schema["$defs"][table] = {"oneOf": alternatives}
 
 
-def with_geometries(schema: dict[str, Any], names: Iterable[str]) -> dict[str, Any]:
-    """Add geometries to the schema of scenes, but for those that cannot be imported."""
-    found = copy.deepcopy(schema)
-    table = found["$defs"]["Body"]["properties"]["geometry"]
-    for name in names:
-        try:
-            model = geometry_class(name)
-        except SceneError:
-            continue
-        key = f"geometry.{name}"
-        own = model.model_json_schema(ref_template=f"#/$defs/{key}.{{model}}")
-        found["$defs"] |= {f"{key}.{inner}": one for inner, one in own.pop("$defs", {}).items()}
-        found["$defs"][key] = own
-        table["oneOf"].append({"$ref": f"#/$defs/{key}"})
-        table["discriminator"]["mapping"][name] = f"#/$defs/{key}"
-    return found
+def _add_geometry(schema: dict[str, Any], name: str) -> None:
+    key, table = f"geometry.{name}", schema["$defs"]["Body"]["properties"]["geometry"]
+    own = geometry_class(name).model_json_schema(ref_template=f"#/$defs/{key}.{{model}}")
+    schema["$defs"] |= {f"{key}.{inner}": one for inner, one in own.pop("$defs", {}).items()}
+    schema["$defs"][key] = own
+    table["oneOf"].append({"$ref": f"#/$defs/{key}"})
+    table["discriminator"]["mapping"][name] = f"#/$defs/{key}"

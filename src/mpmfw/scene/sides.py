@@ -5,8 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 
-from mpmfw.scene.locator import Path
-from mpmfw.scene.problem import Problem
+from mpmfw.scene.problem import Path, Problem
 from mpmfw.scene.tables import Body, Side
 
 #: Axis of the body across each side, and the sides at its upper end.

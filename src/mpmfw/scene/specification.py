@@ -1,8 +1,7 @@
 """A method and its options in one text: ``penalty(kappa=2, passes=one)``.
 
-The text is what a strategy's ``label`` prints, and what is taken wherever a method is named: by the command
-line, a comparison, a study, ``contact.method`` and ``shape.method``. It stands for the method's name and its
-options, set over those of the scene's table of that method; a bare name is one without options."""
+A strategy's ``label`` prints the text, and every key or option that names a method takes it. Its options are
+set over those of the scene's table of the method."""
 
 from __future__ import annotations
 
@@ -13,8 +12,8 @@ from typing import Any, Literal
 
 from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import Kind, choices, did_you_mean, load
-from mpmfw.scene.locator import Path
 from mpmfw.scene.override import parse_path, parse_value
+from mpmfw.scene.problem import Path
 from mpmfw.scene.toml_text import value_text
 from mpmfw.scene.wording import with_options
 

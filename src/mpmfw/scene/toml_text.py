@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from mpmfw.scene.locator import dotted
+from mpmfw.scene.problem import dotted
 
 
 def toml_text(mapping: Mapping[str, Any]) -> str:

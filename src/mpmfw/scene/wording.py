@@ -10,8 +10,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from mpmfw.plugin.checks import distribution_text
 from mpmfw.plugin.discovery import available, nearest, one_of
 from mpmfw.scene.expectation import TYPES, choices_of, expected, hints_at, models_in, tag_of
-from mpmfw.scene.locator import Path
-from mpmfw.scene.problem import Problem
+from mpmfw.scene.problem import Path, Problem
 
 
 def problems_of(

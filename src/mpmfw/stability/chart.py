@@ -94,7 +94,7 @@ def stability_map(
         The scene or a value is wrong.
     """
     output, changes = request.pop("output", None), request.pop("set", None)
-    execution = Execution.of(request)
+    execution = Execution(**request)  # type: ignore[misc]
     loaded = load_scene(scene, set={**(changes or {}), **chosen_methods(contact, shape)})
     chosen = {"contact": contact, "shape": shape}
     objects = {kind: one for kind, one in chosen.items() if one is not None and not isinstance(one, str)}

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import copy
 import warnings
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -64,7 +63,9 @@ def probe(
     steps: int,
 ) -> Invariants:
     """Run a scene for ``steps`` steps after settling, or until it fails, and judge every step."""
-    with _quiet():
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore", ResultsWarning)
+        warnings.simplefilter("ignore", RuntimeWarning)
         try:
             loaded = load_scene(scene, set={**(set or {}), **OUTPUT})
             simulation = Simulation(loaded, contact=contact, shape=shape)
@@ -100,14 +101,6 @@ def probe_once(task: Task, steps: int) -> Finished:
     found.pop("travel")
     outcome = Outcome(task.key, found["status"], task.name, task.scene.text, values=found, code=task.code)
     return Finished(outcome)
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    with warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore", ResultsWarning)
-        warnings.simplefilter("ignore", RuntimeWarning)
-        yield
 
 
 def _judged(
@@ -154,6 +147,11 @@ def _distances(state: State) -> FloatArray:
     return nearest
 
 
+#: Series of energy that is lost.
+_LOSSES = (
+    "frictional_work", "damping_work", "spring_work", "material_dissipation", "viscous_dissipation",
+)  # fmt: skip
+
 #: Energy ratio past which a run is not followed any further.
 HOPELESS = 1e3
 
@@ -199,14 +197,7 @@ class Record:
             kinetic = self._kinetic()
             affine, given = (0.5 * (a + b) for a, b in zip(self.halves, halves, strict=True))
             stored = kinetic + self.at_positions + affine + _total(series, ("contact_energy",))
-            works = (
-                "frictional_work",
-                "damping_work",
-                "spring_work",
-                "material_dissipation",
-                "viscous_dissipation",
-            )
-            self._weigh(stored, _total(series, works), given)
+            self._weigh(stored, _total(series, _LOSSES), given)
         self.length = self.state.dt
         self.velocity, self.at_positions, self.halves = particles.velocity.copy(), at_positions, halves
         self.momentum.append(np.array(series["linear_momentum"]))

@@ -10,9 +10,9 @@ from mpmfw.campaigns.grid import given_twice, has_option
 from mpmfw.errors import SceneError
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import Scene
-from mpmfw.scene.content import walk
-from mpmfw.scene.locator import Path
 from mpmfw.scene.override import parse_path
+from mpmfw.scene.problem import Path
+from mpmfw.scene.sources import walk
 from mpmfw.scene.specification import keys_of
 
 Axis: TypeAlias = Literal["kappa", "ratio"]

@@ -94,7 +94,8 @@ def choose(
     target, output = relative_error(error, "error"), request.pop("output", None)
     shared = dict(request.pop("set", None) or {})
     about = About(request.pop("body", None), request.pop("pair", None), request.pop("axis", None))
-    execution = Execution.of(request, repeats=1)
+    request["repeats"] = 1
+    execution = Execution(**request)  # type: ignore[misc]
     if output is not None:
         check_replaceable(output, "choice")
     loaded = load_scene(scene, set=shared)
@@ -116,7 +117,7 @@ def choose(
     at_once = len(grid.combinations) if execution.executor is not None else execution.jobs or 1
     ladder = Ladder(runs, judge, target, at_once)
     ladder.run()
-    runs.warn(lambda one: one.name)
+    runs.warn()
     dataset = _dataset(ladder)
     dataset.attrs |= {"title": base.title or base.name, "scene": base.text}
     if output is not None:

@@ -73,7 +73,7 @@ def _stepping(grid: RunGrid) -> dict[str, xr.DataArray]:
 
 
 def _errors(judge: Judge, runs: GridRuns) -> dict[str, xr.DataArray]:
-    grid, measure, judged = judge.grid, judge.measure, judge.judge(runs.results, runs.succeeded())
+    grid, measure, judged = judge.grid, judge.measure, judge.judge(runs.complete_results)
     shown = {"error": (f"relative error of: {measure.meaning}", "1")}
     if measure.kind == "number":
         shown |= {
@@ -128,7 +128,7 @@ def _front(grid: RunGrid, dataset: xr.Dataset) -> xr.DataArray:
 
 def _attributes(study: Study, judge: Judge, runs: GridRuns) -> dict[str, Any]:
     tables, grid = study.tables, judge.grid
-    notes, versions = runs.notes(lambda one: one.name), provenance()
+    notes, versions = runs.notes(), provenance()
     return {
         "kind": "study",
         "title": tables.title or study.name,

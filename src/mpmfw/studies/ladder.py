@@ -99,11 +99,14 @@ class Ladder:
         self.runs.complete(points)
         self.asked |= {*points}
         status = self.runs.statuses()
-        succeeded = {index: status[index] == "ok" for index in self.asked}
+
+        def results(index: Index) -> xr.DataTree | None:
+            return self.runs.results(index) if index in self.asked and status[index] == "ok" else None
+
         if self.judge.is_exact:
-            judged = self.judge.judge(self.runs.results, succeeded)
+            judged = self.judge.judge(results)
         else:
-            found = self.judge.measured(self.runs.results, succeeded)
+            found = self.judge.measured(results)
             self.limit = self._agreed(found)
             if self.limit is None:
                 return
@@ -125,15 +128,14 @@ class Ladder:
         if len({self._laws[method] for method in finest}) < needed:
             return None
         at = found[max(((*method, k) for method, k in finest.items()), key=lambda index: index[-1])]
-        tend = {method: self._extrapolated(found, method, k, at) for method, k in finest.items()}
+        tend = {
+            method: extrapolated(
+                found[*method, k - 1], found[*method, k], self.sizes[k - 1] / self.sizes[k], at
+            )
+            for method, k in finest.items()
+        }
         agreed = (self._around(method, tend, needed, at.time) for method in tend)
         return min(agreed, key=lambda one: one.uncertainty)
-
-    def _extrapolated(
-        self, found: dict[Index, Measured], method: Method, k: int, at: Measured
-    ) -> Extrapolated:
-        ratio = self.sizes[k - 1] / self.sizes[k]
-        return extrapolated(found[*method, k - 1], found[*method, k], ratio, at)
 
     def _around(
         self, centre: Method, tend: dict[Method, Extrapolated], count: int, time: FloatArray

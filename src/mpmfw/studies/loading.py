@@ -19,8 +19,8 @@ from mpmfw.errors import SceneError
 from mpmfw.scene import Scene, Source
 from mpmfw.scene.base import Table
 from mpmfw.scene.loading import error_of, refuse_code
-from mpmfw.scene.locator import Path as KeyPath
 from mpmfw.scene.override import parse_path
+from mpmfw.scene.problem import Path as KeyPath
 from mpmfw.scene.problem import Problem
 from mpmfw.scene.sources import read_source, shipped_texts
 from mpmfw.scene.wording import problems_of, unknown_key

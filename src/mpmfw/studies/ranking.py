@@ -36,17 +36,6 @@ QUANTITIES = {
 UNITS = {"penetration": "cells"}
 
 
-def unit_of(quantity: str) -> str:
-    """Return the unit of a quantity's levels; ``%`` of a share."""
-    return UNITS.get(quantity, "%")
-
-
-def level_label(quantity: str, level: float) -> str:
-    """Return a level with its unit: ``10 %``, or ``0.1 cells``."""
-    unit = unit_of(quantity)
-    return f"{100.0 * level:g} %" if unit == "%" else f"{level:g} {unit}"
-
-
 def rank(
     results: Iterable[str | os.PathLike[str] | xr.Dataset],
     by: str = "contact",
@@ -106,7 +95,9 @@ def rank(
     cheapest = pd.concat(reached).sort_values("cpu_time", kind="stable").drop_duplicates(dims)
     table = cheapest.set_index(dims)[["cpu_time", "settings"]].to_xarray()
     coords = {"quantity": list(QUANTITIES), "problem": problems, "level": list(levels), by: methods}
-    table = table.reindex(coords).assign_coords(unit=("quantity", [unit_of(name) for name in QUANTITIES]))
+    table = table.reindex(coords).assign_coords(
+        unit=("quantity", [UNITS.get(name, "%") for name in QUANTITIES])
+    )
     cost, ran = table["cpu_time"], pd.crosstab(found["problem"], found[by]).loc[problems, methods] > 0
     values = {
         "cost": (cost, "CPU time of the cheapest run that reaches the level", "s"),
@@ -178,7 +169,8 @@ def _runs(dataset: xr.Dataset, by: str) -> Iterator[dict[str, Any]]:
 def summary(ranking: xr.Dataset, quantity: str) -> list[dict[str, Any]]:
     """Return one row a method, the largest share first; ``over best`` is a median, ``cheapest`` how often."""
     by, one = ranking.attrs["by"], ranking.sel(quantity=quantity)
-    labels = {level: level_label(quantity, level) for level in one["level"].values.tolist()}
+    unit, scale = UNITS.get(quantity, "%"), 1.0 if quantity in UNITS else 100.0
+    labels = {level: f"{scale * level:g} {unit}" for level in one["level"].values.tolist()}
     table = []
     for name in one[by].values.tolist():
         ratio = one["over_best"].sel({by: name})

@@ -81,15 +81,15 @@ def study(
     # One at a time from the start: what ran beside others would give no cost that counts
     alone = exclusive and running.get("executor") is None
     jobs = 1 if alone and running.get("jobs") is None else running.get("jobs")
-    how = Execution.of(running, jobs=jobs, repeats=loaded.tables.cost.repeats)
-    runs = GridRuns(grid, "study", how, output=path, exclusive=exclusive)
+    running["jobs"], running["repeats"] = jobs, loaded.tables.cost.repeats
+    runs = GridRuns(grid, "study", Execution(**running), output=path, exclusive=exclusive)
     try:
         runs.complete()
     except Interrupted:
         if path is not None:  # what is known so far; the next start goes on from there
             replace_dataset(assemble(loaded, judge, runs), path)
         raise
-    runs.warn(lambda one: one.name)
+    runs.warn()
     dataset = assemble(loaded, judge, runs)
     if path is not None:
         replace_dataset(dataset, path)

@@ -1,7 +1,6 @@
 """Validation cases in Python: closed forms and references that tell contact methods apart, run by pytest.
 
-A case is a folder with a ``test_*.py`` that names scenes, methods and gates, and a ``README.md`` with
-its sources.
+A case is a folder with a ``test_*.py`` that names scenes, methods and gates, and a ``README.md``.
 """
 
 from mpmfw.validation.case import *  # noqa: F403

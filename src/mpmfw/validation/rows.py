@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 import time
 import warnings
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mpmfw.errors import ResultsWarning, SceneError, SimulationError
+from mpmfw.errors import ResultsWarning
 from mpmfw.runs.run import run as run_scene
 from mpmfw.scene import Scene, load_scene
 
@@ -107,16 +107,6 @@ class Case:
             tree = run_scene(scene)
         self._seconds = float(tree.attrs["cpu_time"]) + float(tree.attrs.get("settle_time", 0.0))
         return tree
-
-    def runs(
-        self, methods: Iterable[Any], scene: str = "scene.toml", set: Mapping[str, Any] | None = None
-    ) -> Iterator[tuple[Any, xr.DataTree]]:
-        """Run a scene with each method; one that fails keeps its row and is not yielded."""
-        for method in methods:
-            try:
-                yield method, self.run(self.scene(scene, method, set or {}))
-            except (SimulationError, SceneError) as error:
-                self.failed(method, str(error))
 
     def show(self, *row: Any, **named: Any) -> None:
         """Record a value that decides nothing; arguments as of :meth:`gate`."""
