@@ -9,9 +9,9 @@ import pytest
 from interpreted import interpreted
 from mpmfw.api import SceneError
 from mpmfw.effects import constraint, series, side_loads, side_rows
-from mpmfw.effects.constraint import AGREED, PASSES
+from mpmfw.effects.constraint import AGREED, PASSES, RELAXATION
 from mpmfw.effects.ledger_works import EnergyGuard
-from mpmfw.effects.side_rows import QUADRATURE, PlaneSides, list_rows, quadrature, splines
+from mpmfw.effects.side_rows import QUADRATURE, TABULATED, PlaneSides, list_rows, tabulate
 from mpmfw.effects.surface import CRITICAL_MASS, LIGHT, weigh_by_mass, weigh_plain
 from mpmfw.kernels.stencil import LEAST_SHARE, linear_weights
 from mpmfw.runs.simulation import Simulation
@@ -52,9 +52,9 @@ def upper_side(place):
         box_upper=wide,
         alone=np.array([1]),
         cell_mass=np.ones(1),
-        point=np.array([0, 1]),
-        shift=np.zeros(1),
-        share=np.ones(1),
+        reach=np.ones(1),
+        tabulated=np.zeros(2, dtype=np.int64),
+        weight=np.zeros(0),
         column=np.array([[0, 8, 1, 8, 1]]),
         lower=np.zeros(2),
         grids=np.array([1]),
@@ -107,25 +107,27 @@ def test_of_a_body_that_reaches_a_cell_by_next_to_nothing_that_node_is_held_in_l
     assert in_line in rows_at(4.4, straight, THIN=0.5)
 
 
-def test_an_oblique_side_has_points_enough_for_its_weights(monkeypatch):
+def weights_of_oblique_side(monkeypatch, points, values):
+    """Weights of the nodes of 21 columns, (21, 9), by so many points and values in a cell."""
+    monkeypatch.setattr(side_rows, "QUADRATURE", points)
+    monkeypatch.setattr(side_rows, "TABULATED", values)
+    reach, table = tabulate(np.array([math.sin(0.6), math.cos(0.6)]), 1, 1, 1)
+    middle = len(table) // 2
+    x = np.subtract.outer(np.linspace(0.0, 1.0, 21), np.arange(-4, 5))
+    assert table[np.abs(np.arange(len(table)) - middle) / values > reach].max(initial=0.0) < 1e-12
+    return np.interp(x, (np.arange(len(table)) - middle) / values, table)
+
+
+def test_an_oblique_side_has_points_and_values_enough_for_its_weights(monkeypatch):
     """More change them by less than 1e-3; of two a cell they would be off by up to 3 % of a node."""
-    normal = np.array([math.sin(0.6), math.cos(0.6)])
-
-    def weights(points):
-        monkeypatch.setattr(side_rows, "QUADRATURE", points)
-        shift, share = quadrature(normal, 1, 1)
-        found = []
-        for place in np.linspace(0.0, 1.0, 21):
-            value = np.empty(len(shift))
-            found.append([])
-            for node in range(-4, 5):
-                splines(np.ascontiguousarray(place - node - shift), 1, value)
-                found[-1].append(share @ value)
-        return np.array(found)
-
-    exact = weights(400)
-    assert np.abs(weights(QUADRATURE) - exact).max() < 1e-3
-    assert np.abs(weights(2) - exact).max() > 0.01
+    exact = weights_of_oblique_side(monkeypatch, 400, 1024)
+    ours = weights_of_oblique_side(monkeypatch, QUADRATURE, TABULATED)
+    assert np.abs(ours - exact).max() < 1e-3
+    assert np.abs(weights_of_oblique_side(monkeypatch, 2, TABULATED) - exact).max() > 0.01
+    assert np.abs(weights_of_oblique_side(monkeypatch, QUADRATURE, 2) - exact).max() > 0.01
+    np.testing.assert_allclose(ours.sum(axis=1), 1.0, atol=1e-12)
+    nodes = np.arange(-4, 5)
+    np.testing.assert_allclose(ours @ nodes, np.linspace(0.0, 1.0, 21), atol=1e-12)
 
 
 def test_facets_of_a_turned_side_lie_on_it_but_for_rounding(monkeypatch):
@@ -188,6 +190,39 @@ def test_sides_that_share_nodes_are_met_together(monkeypatch):
     assert miss < 1e-7
     assert passes_and_miss(monkeypatch, PASSES=2)[1] > 1e-3
     assert passes_and_miss(monkeypatch, PASSES=PASSES, AGREED=1e-3)[1] > 1e-5
+
+
+def test_rows_of_oblique_sides_are_met_in_half_of_the_passes(monkeypatch):
+    """The bottom of a turned box in space."""
+    box = {
+        "material": "solid",
+        "geometry": {
+            "type": "box", "lower": [-0.8, -0.2, -0.5], "upper": [0.8, 0.0, 0.5],
+            "angles": [0.35, 0.61, 0.87],
+        },
+        "particles": {"size": "0.5 cells", "layout": "fitted"},
+        "sides": [{"side": "bottom", "fixed": True}],
+    }  # fmt: skip
+    material = {"model": "neo_hookean", "density": 1e3, "youngs_modulus": 4e6, "poissons_ratio": 0.3}
+    scene = {
+        "grid": {"cell_size": 0.1, "lower": [-1.2] * 3, "upper": [1.2] * 3},
+        "time": {"end": 0.02, "output_interval": 0.02},
+        "shape": {"method": "cpdi"},
+        "materials": {"solid": material},
+        "bodies": {"plane": box},
+        "gravity": {"vector": [1.0, -10.0, 0.5]},
+    }
+
+    def first_step(relaxation):
+        monkeypatch.setattr(constraint, "RELAXATION", relaxation)
+        simulation = Simulation(scene)
+        simulation.advance(1)
+        passes = simulation.manager.get_plugin("constraint").passes
+        return passes, simulation.state.particles.velocity.mean(axis=0)
+
+    (relaxed, velocity), (plain, expected) = first_step(RELAXATION), first_step(1.0)
+    assert relaxed < 0.7 * plain
+    np.testing.assert_allclose(velocity, expected, rtol=1e-6)
 
 
 # -- what watches a run, and local inertia

@@ -26,6 +26,9 @@ THIN = 0.05
 #: Points of quadrature in a cell along an oblique side.
 QUADRATURE = 16
 
+#: Values in a cell of the tabulated weights of an oblique side.
+TABULATED = 64
+
 
 class PlaneSides(Struct):
     """The sides n·x = place, and the columns that cross them."""
@@ -38,9 +41,9 @@ class PlaneSides(Struct):
     box_upper: Floats
     alone: Ints  #: 1 where no other body shares the velocity field, else 0, (n_sides,)
     cell_mass: Floats  #: of a node within the body, (n_sides,) [kg/m]
-    point: Ints  #: points of side s are ``point[s]:point[s + 1]``, (n_sides + 1,)
-    shift: Floats  #: of their :func:`quadrature`, (n_points,) [cells]
-    share: Floats  #: (n_points,)
+    reach: Floats  #: distance along a column within which a side's weights are not 0, (n_sides,) [cells]
+    tabulated: Ints  #: those of side s are ``weight[tabulated[s]:tabulated[s + 1]]``, (n_sides + 1,)
+    weight: Floats  #: :func:`tabulate`
     #: first node of the velocity field and the one after its last, step along a column, its nodes, its axis
     column: Ints
     lower: Floats  #: the grid's first node (dim,) [m]
@@ -111,12 +114,21 @@ def splines(x: Floats, degree: int, value: Floats) -> None:
         value[q] = cardinal_spline(x[q], degree)
 
 
-def quadrature(normal: FloatArray, axis: int, degree: int) -> tuple[FloatArray, FloatArray]:
-    """Return points of a side round the place where a column along ``axis`` crosses it, and their shares.
+@kernel
+def compact_kernels(x: Floats, value: Floats) -> None:
+    """:func:`compact_kernel` at many places."""
+    for q in range(len(x)):
+        value[q] = compact_kernel(x[q])
 
-    The points are distances from that place along the column [cells]. The shares are ∝ Π β(ξ_d), β the
-    boundary basis of this ``degree`` and ξ the distances across; their sum is 1. With them Σ c_k = 1 and Σ
-    c_k d_k = 0: a linear velocity is read exactly. A side along the grid has one point."""
+
+def tabulate(normal: FloatArray, axis: int, degree: int, grids: int) -> tuple[float, FloatArray]:
+    """Return the reach of a side's weights along a column [cells], and a table of their values within it.
+
+    c(x) = Σ_q w_q β(x − s_q), x cells from the place where the column crosses the side. The points s_q lie on
+    the side round that place. Their w_q ∝ Π β(ξ_d) have the sum 1, with β the boundary basis of this
+    ``degree`` and ξ the distances across. With them Σ c_k = 1 and Σ c_k d_k = 0, also where values of the
+    table are interpolated linearly: a linear velocity is read exactly. A side along the grid has one point,
+    and no table."""
     half = 0.5 * (degree + 1)
     across = (np.arange(int(QUADRATURE * 2 * half)) + 0.5) / QUADRATURE - half
     value = np.empty_like(across)
@@ -128,13 +140,33 @@ def quadrature(normal: FloatArray, axis: int, degree: int) -> tuple[FloatArray, 
         if d != axis and abs(slope) > 1e-12:
             shift = np.add.outer(shift, slope * across).ravel()
             share = np.multiply.outer(share, value).ravel()
-    return shift, share
+    if len(shift) == 1:
+        return half, np.zeros(0)
+    reach = np.ceil(half + np.abs(shift).max())
+    x = np.arange(-reach * TABULATED, reach * TABULATED + 1) / TABULATED
+    away = np.subtract.outer(x, shift)
+    value = np.empty(away.size)
+    if grids == 1:
+        splines(away.ravel(), degree, value)
+    else:
+        compact_kernels(away.ravel(), value)
+    return float(half + np.abs(shift).max()), value.reshape(away.shape) @ share
+
+
+@device
+def weight_at(x: Float, s: int, degree: int, sides: PlaneSides) -> Float:
+    """c of side s at x cells from it along a column."""
+    begin, count = sides.tabulated[s], sides.tabulated[s + 1] - sides.tabulated[s]
+    if count == 0:
+        return cardinal_spline(x, degree) if sides.grids[0] == 1 else compact_kernel(x)
+    place = x * TABULATED + 0.5 * (count - 1)
+    j = min(max(int(place), 0), count - 2)
+    return sides.weight[begin + j] + (place - j) * (sides.weight[begin + j + 1] - sides.weight[begin + j])
 
 
 @device
 def weigh_column(
-    first: int, stride: int, count: int, axis: int, inward: int, crossing: Float, reach: Float, degree: int,
-    s: int,
+    first: int, stride: int, count: int, axis: int, inward: int, crossing: Float, degree: int, s: int,
     sides: PlaneSides, node_position: Floats, node_mass: Floats, table: SideTable, h: Float,
 ) -> Float:  # fmt: skip
     """Set weights and distances of a column; return its heaviest mass."""
@@ -143,11 +175,8 @@ def weigh_column(
         i = first + k * stride
         table.distance[k] = inward * (crossing - node_position[i, axis]) / h
         table.c[k] = 0.0
-        if abs(table.distance[k]) < reach:
-            for q in range(sides.point[s], sides.point[s + 1]):
-                x = table.distance[k] - sides.shift[q]
-                value = cardinal_spline(x, degree) if sides.grids[0] == 1 else compact_kernel(x)
-                table.c[k] += sides.share[q] * value
+        if abs(table.distance[k]) < sides.reach[s]:
+            table.c[k] = weight_at(table.distance[k], s, degree, sides)
             heaviest = max(heaviest, node_mass[i])
     return heaviest
 
@@ -215,8 +244,7 @@ def add_side(
     dim, h, normal, axis = len(spacing), sides.grids[0] * spacing[0], sides.normal[s], sides.column[s, AXIS]
     along, total = sides.column[s, STRIDE], sides.column[s, COUNT]
     inward = -1 if normal[axis] > 0.0 else 1
-    shift = sides.shift[sides.point[s] : sides.point[s + 1]]
-    reach = 0.5 * (degree + 1) + np.abs(shift).max()
+    reach, oblique = sides.reach[s], sides.tabulated[s + 1] > sides.tabulated[s]
     for column in range((sides.column[s, STOP] - sides.column[s, START]) // total):
         first = sides.column[s, START] + column // along * along * total + column % along
         stride, count, inside = along, total, True
@@ -239,11 +267,11 @@ def add_side(
         high = min(count, int(np.ceil(middle + reach + (1.0 if inward < 0 else 3.0))) + 1)
         first += low * stride
         heaviest = weigh_column(
-            first, stride, high - low, axis, inward, crossing, reach, degree, s, sides, node_position,
-            node_mass, table, h
+            first, stride, high - low, axis, inward, crossing, degree, s, sides, node_position, node_mass,
+            table, h
         )  # fmt: skip
         if heaviest > 0.0:
-            light, oblique = LIGHT * min(sides.cell_mass[s], 4.0 * heaviest), len(shift) > 1
+            light = LIGHT * min(sides.cell_mass[s], 4.0 * heaviest)
             rows = add_column(
                 rows, first, stride, high - low, inward, reach, oblique, sides.alone[s] == 1, light,
                 node_mass, table
@@ -269,8 +297,7 @@ def list_rows(
 @kernel
 def meet(
     rows: int, table: SideTable, directions: Floats, velocity: Floats, passes: int, agreed: float,
-    node_mass: Floats,
-    node_momentum: Floats, spacing: tuple[float, ...],
+    relaxation: float, node_mass: Floats, node_momentum: Floats, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """Give each of the ``rows`` in turn the impulse that meets it, until the change at the sides is at most
     ``agreed`` [m/s], in at most so many ``passes``; return the number of passes.
@@ -278,7 +305,8 @@ def meet(
     (m v)_k += λ A_rk e with λ = (V − Σ A_rk v_k·e) / Σ (A_rk² / m_k), along each prescribed direction e of
     the row's side, ``directions`` (n_sides, dim, dim), one a row. V is ``velocity`` (n_sides, dim) [m/s]; NaN
     leaves a component free. It is the least change of the momentum, in the norm of the masses, that meets the
-    row, and together they end at the least that meets all (Kaczmarz 1937). So a velocity that is linear from
+    row, and together they end at the least that meets all (Kaczmarz 1937), sooner with some ``relaxation``
+    above 1 where rows share many nodes. So a velocity that is linear from
     the side inwards keeps its gradient, an impulse acts where a traction on the side would, and no frequency
     of the body rises: the step needs no new limit."""
     dim = len(spacing)
@@ -300,10 +328,10 @@ def meet(
                         for d in range(dim):
                             missing -= scale * node_momentum[nodes[a], d] * directions[side[r], e, d]
                     for a in range(row[r], row[r + 1]):
-                        impulse = missing / compliance[r] * weights[a]
+                        impulse = relaxation * missing / compliance[r] * weights[a]
                         for d in range(dim):
                             node_momentum[nodes[a], d] += impulse * directions[side[r], e, d]
-                    table.work[0] += missing / compliance[r] * target[r] * prescribed
+                    table.work[0] += relaxation * missing / compliance[r] * target[r] * prescribed
                     largest = max(largest, target[r] * abs(missing))
         if largest <= agreed:
             return count + 1
