@@ -9,12 +9,13 @@ from mpmfw.contact.surfaces import search
 from mpmfw.contact.surfaces.assembly import assemble
 from mpmfw.contact.surfaces.detection import SurfaceRows
 from mpmfw.contact.surfaces.near_facets import VerletList
-from mpmfw.contact.surfaces.outline import Candidates, Outline
+from mpmfw.contact.surfaces.outline import Candidates
 from mpmfw.geometry.facets import neighbours_of, stars_of, tributaries_of
 from mpmfw.kernels import struct
 from mpmfw.kernels.contact import Records, match_rows
 from mpmfw.kernels.contact import pair_table as pair_of_bodies
 from mpmfw.kernels.surfaces import signed_distance
+from mpmfw.state.structs import Surface
 from mpmfw_contact.every_facet import find_penetrated
 from mpmfw_contact.penalty import spring_forces
 
@@ -48,7 +49,7 @@ class Loops:
         """All that as kernels take it, with the facets and every node's tributary length."""
         facets = np.stack([np.arange(len(self.body)), self.following], axis=1)
         first, star = stars_of(facets, len(self.body))
-        return Outline(
+        return Surface(
             position=self.position,
             displacement=self.displacement,
             tributary=tributaries_of(self.position, facets),
@@ -59,7 +60,6 @@ class Loops:
             neighbours=neighbours_of(facets),
             star_first=first,
             star=star,
-            covered=np.zeros(0, dtype=np.int64),
         )
 
 

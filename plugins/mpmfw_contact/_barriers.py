@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
+from mpmfw.api.types import Surface
 from mpmfw.contact.springs import SpringArrays, approach_of
 from mpmfw.contact.surfaces.assembly import Places
-from mpmfw.contact.surfaces.outline import Outline, hidden
+from mpmfw.contact.surfaces.outline import hidden
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.contact import Records, Rows
 from mpmfw.kernels.facets import read_point
@@ -112,7 +113,7 @@ def add_velocity(
 
 @device
 def time_to_reach(
-    s: int, m: int, share: Floats, normal: Floats, offset: Float, reach: Float, outline: Outline,
+    s: int, m: int, share: Floats, normal: Floats, offset: Float, reach: Float, outline: Surface,
     table: Table, mass: Floats, momentum: Floats, spacing: tuple[float, ...],
 ) -> Float:  # fmt: skip
     """Time in which node s and facet m, as they move, use up :data:`USED` of their distance along ``normal``,
@@ -146,7 +147,7 @@ def time_to_reach(
 
 @kernel
 def time_to_touch(
-    rows: Rows, count: int, places: Places, outline: Outline, table: Table, offset: Floats, reach: float,
+    rows: Rows, count: int, places: Places, outline: Surface, table: Table, offset: Floats, reach: float,
     mass: Floats, momentum: Floats, spacing: tuple[float, ...],
 ) -> float:  # fmt: skip
     """Least :func:`time_to_reach` of all rows, and of the facets beside theirs [s]."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from mpmfw.contact.surfaces.outline import Outline, opposition
+from mpmfw.api.types import Surface
+from mpmfw.contact.surfaces.outline import opposition
 from mpmfw.kernels import device, scratch
 from mpmfw.kernels.contact import Rows
 from mpmfw.kernels.facets import length_of, read_corners, write_gradients
@@ -18,7 +19,7 @@ LEAST_OVERLAP = 1e-9
 
 
 @device
-def set_midline(m: int, other: int, outline: Outline, normal: Floats, spacing: tuple[float, ...]) -> bool:
+def set_midline(m: int, other: int, outline: Surface, normal: Floats, spacing: tuple[float, ...]) -> bool:
     """Write the unit normal of the line between two segments, out of the second; False if none faces."""
     a, b = scratch.vector(spacing), scratch.vector(spacing)
     area_of(m, outline, a, spacing)
@@ -35,7 +36,7 @@ def set_midline(m: int, other: int, outline: Outline, normal: Floats, spacing: t
 
 
 @device
-def shadow(m: int, normal: Floats, outline: Outline, out: Floats) -> None:
+def shadow(m: int, normal: Floats, outline: Surface, out: Floats) -> None:
     """Write places of a segment's ends along the midline and above it, s_1, s_2, z_1, z_2, to ``out`` [m]."""
     for a in range(2):
         p = outline.facets[m, a]
@@ -74,7 +75,7 @@ def common_part(ends: Floats, other_ends: Floats) -> tuple[Float, Float]:
 
 @device
 def add_side(
-    c: int, m: int, sign: Float, xi: Float, half_gap: Float, outline: Outline, table: Table, rows: Rows,
+    c: int, m: int, sign: Float, xi: Float, half_gap: Float, outline: Surface, table: Table, rows: Rows,
     top: int, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """Entries and motion of the place ξ of segment m in row c, times ``sign``; the new top. The couple of a

@@ -27,7 +27,7 @@ from scipy.sparse.csgraph import connected_components
 from mpmfw.api import ContactRows, FloatArray, Grid, PairRecords, Setup, State
 from mpmfw.contact.springs import SpringLaw, SpringOptions
 from mpmfw.contact.surfaces import Surfaces
-from mpmfw.contact.surfaces.outline import node_error, outline_of
+from mpmfw.contact.surfaces.outline import node_error
 from mpmfw_contact._barriers import barrier_forces, set_barriers, time_to_touch
 
 #: b'' where −b' is a thousandth.
@@ -66,7 +66,6 @@ class BarrierLaw(SpringLaw):
     def prepare(self, setup: Setup) -> None:
         """Prepare as springs, and take the surfaces that the collision detection follows."""
         self.surface = setup.state.tracked_surface
-        self.outline = outline_of(self.surface)
         self.threshold = self.options.reach * setup.cell_size
         self.offset, self.placed = np.zeros(0), False
         #: Bodies that the scene puts together have one number, and one offset.
@@ -120,7 +119,7 @@ class BarrierLaw(SpringLaw):
     def longest_step(self, rows: Any, grid: Grid) -> float:
         """Return the time in which no node uses up half of its distance, as all move now [s]."""
         return time_to_touch(
-            rows, rows.count, rows.places, self.outline, self.surface.table, self.offset, self.threshold,
+            rows, rows.count, rows.places, self.surface, self.surface.table, self.offset, self.threshold,
             grid.mass, grid.momentum, grid.spacing,
         )  # fmt: skip
 

@@ -7,16 +7,17 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+from mpmfw.api.types import Surface
 from mpmfw.contact.surfaces import FacetOptions, Surfaces
 from mpmfw.contact.surfaces.near_facets import NearFacets
-from mpmfw.contact.surfaces.outline import Candidates, Outline, clear, hidden
+from mpmfw.contact.surfaces.outline import Candidates, clear, hidden
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.facets import project, read_corners, read_point
 from mpmfw.kernels.types import Float
 
 
 @device
-def is_behind(s: int, m: int, radius: Float, outline: Outline, spacing: tuple[float, ...]) -> Float:
+def is_behind(s: int, m: int, radius: Float, outline: Surface, spacing: tuple[float, ...]) -> Float:
     """Gap by eq. 10: g_n < 0 with the foot of node s on facet m, a corner within the radius; else 0."""
     dim, near, on_it = len(spacing), False, True
     x, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
@@ -34,7 +35,7 @@ def is_behind(s: int, m: int, radius: Float, outline: Outline, spacing: tuple[fl
 
 @kernel
 def find_penetrated(
-    radius: float, outline: Outline, near: NearFacets, candidates: Candidates, spacing: tuple[float, ...]
+    radius: float, outline: Surface, near: NearFacets, candidates: Candidates, spacing: tuple[float, ...]
 ) -> int:
     """List for every node the facets that it penetrates, up to the number of slots; return their number."""
     count, slots = 0, candidates.facet.shape[1]
@@ -66,5 +67,5 @@ class EveryFacet(Surfaces):
         if not self.near.update():
             return 0
         return find_penetrated(
-            self.radius, self.outline, self.near.near, self.candidates, self.state.grid.spacing
+            self.radius, self.surface, self.near.near, self.candidates, self.state.grid.spacing
         )

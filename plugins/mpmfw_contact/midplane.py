@@ -18,10 +18,10 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from mpmfw.api import ContactRows, Grid, Particles, Setup, Stencil
-from mpmfw.api.types import IntArray
+from mpmfw.api.types import IntArray, Surface
 from mpmfw.contact.surfaces import OnFacets
 from mpmfw.contact.surfaces.near_facets import NearFacets
-from mpmfw.contact.surfaces.outline import Outline, hidden
+from mpmfw.contact.surfaces.outline import hidden
 from mpmfw.kernels import kernel, scratch
 from mpmfw.kernels.contact import Rows, pair_index
 from mpmfw.kernels.types import Ints, Table
@@ -38,7 +38,7 @@ GAUSS = 3.0**-0.5
 
 @kernel
 def write_midlines(
-    near: NearFacets, reach: float, outline: Outline, pair_of: Ints, pair_first: Ints, table: Table,
+    near: NearFacets, reach: float, outline: Surface, pair_of: Ints, pair_first: Ints, table: Table,
     rows: Rows, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """Two rows for each two segments that face each other, at the Gauss points of their common part; their
@@ -126,7 +126,7 @@ class Midplane(OnFacets):
         self.fill(
             rows,
             lambda: write_midlines(
-                self.near.near, self.radius, self.outline, self.near.pair_of, self.near.first,
+                self.near.near, self.radius, self.surface, self.near.pair_of, self.near.first,
                 self.surface.table, rows, grid.spacing,
             ),
         )  # fmt: skip

@@ -5,12 +5,13 @@ import pytest
 
 from mpmfw.contact.surfaces.assembly import assemble
 from mpmfw.contact.surfaces.detection import SurfaceRows
-from mpmfw.contact.surfaces.outline import Candidates, Outline
+from mpmfw.contact.surfaces.outline import Candidates
 from mpmfw.contact.surfaces.turning import write_spins
 from mpmfw.geometry.facets import neighbours_of, stars_of
 from mpmfw.kernels import kernel, signed_distance, struct
 from mpmfw.kernels.contact import add_turned, pair_table
 from mpmfw.kernels.facets import project
+from mpmfw.state.structs import Surface
 
 SPACE = (1.0, 1.0, 1.0)
 #: Where the foot lies on facet (1, 2, 3) of the master, a tetrahedron of nodes 1 to 4: node 0 is the slave.
@@ -39,10 +40,10 @@ def outline_of(position, displacement):
     neighbours = np.zeros_like(FACETS)
     neighbours[:4] = neighbours_of(FACETS[:4])
     first, star = stars_of(FACETS[:4], 5)
-    return Outline(
+    return Surface(
         position=position, displacement=displacement, tributary=np.ones(5), body=np.array([0, 1, 1, 1, 1]),
         body_first=np.array([0, 1, 5]), facet_first=np.array([0, 0, 4]), facets=FACETS, neighbours=neighbours,
-        star_first=first, star=star, covered=np.zeros(0, dtype=np.int64),
+        star_first=first, star=star,
     )  # fmt: skip
 
 
@@ -187,11 +188,11 @@ def test_of_surfaces_that_turn_apart_it_is_the_mean(of_table, of_body):
     moved = [each - each @ turned_by(np.array([0.0, 0.0, angle])) for each, angle in parts]
     facets = np.concatenate([corners, corners + 4])
     first, star = stars_of(facets, 8)
-    outline = Outline(
+    outline = Surface(
         position=np.concatenate([table, body]), displacement=np.concatenate(moved), tributary=np.ones(8),
         body=np.repeat([0, 1], 4), body_first=np.array([0, 4, 8]), facet_first=np.array([0, 4, 8]),
         facets=facets,
-        neighbours=neighbours_of(facets), star_first=first, star=star, covered=np.zeros(0, dtype=np.int64),
+        neighbours=neighbours_of(facets), star_first=first, star=star,
     )  # fmt: skip
     rows = SurfaceRows(3, couples=True, spins=True, own={})
     rows.places.slave[:], rows.places.facet[:], rows.normal[:], rows.gap[:2] = (

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from mpmfw.contact.rows import ContactRows
-from mpmfw.kernels import Facets, kernel, scratch
+from mpmfw.kernels import kernel, scratch
 from mpmfw.kernels.boxes import BLOCK, block_boxes
 from mpmfw.kernels.facets import read_point
 from mpmfw.kernels.surfaces import closest_facet, signed_distance
@@ -52,13 +52,12 @@ class RigidSurfaces:
 
     def __init__(self, state: State) -> None:
         self.state, self.surface = state, state.tracked_surface
-        self.geometry = Facets(**{name: getattr(self.surface, name) for name in Facets.member_names})
 
     def measure(self, points: FloatArray, facets: slice) -> tuple[FloatArray, FloatArray]:
         """Return distance (n,) [m] and normal (n, dim) of points (n, dim) from a body's surface."""
         distance, normal = np.empty(len(points)), np.empty_like(points)
         measure_distances(
-            points, facets.start, facets.stop, self.geometry, distance, normal, self.state.grid.spacing
+            points, facets.start, facets.stop, self.surface, distance, normal, self.state.grid.spacing
         )
         return distance, normal
 

@@ -53,20 +53,17 @@ class ContactRows(Rows):
         self, dim: int, *, couples: bool, tilts: bool = False, spins: bool = False,
         own: Mapping[str, int | None] | None = None,
     ) -> None:  # fmt: skip
-        self.dim, self.count = dim, 0
+        has = {"couple": couples, "tilt": tilts, "spin": spins, "friction": False, "cohesion": False}
+        self._without = [name for name in has if not has[name]]
         self._own = dict(own or {})
-        self._without = [
-            name for name, has in (("couple", couples), ("tilt", tilts), ("spin", spins)) if not has
-        ]
-        self._without += ["friction", "cohesion"]
+        self.dim, self.count = dim, 0
         self.make_room(64, 1024)
 
     def allocate_friction(self, *, cohesion: bool) -> None:
         """Make room for ``friction``, and for ``cohesion`` if it is asked for."""
-        self._without = [
-            name for name in self._without if name not in ("friction", "cohesion")[: 1 + cohesion]
-        ]
-        self.make_room(64, 1024)
+        names = ("friction", "cohesion")[: 1 + cohesion]
+        self._without = [name for name in self._without if name not in names]
+        self.set(**{name: np.zeros(len(self.pair)) for name in names})
 
     def make_room(self, rows: int, entries: int) -> None:
         """Allocate so many ``rows`` and ``entries``; what was in them is lost."""

@@ -8,7 +8,6 @@ from __future__ import annotations
 import numpy as np
 
 from mpmfw.effects.series import StrainEnergies, kinetic_energy_of, negligible_energy
-from mpmfw.kernels import Facets
 from mpmfw.kernels.sides import fastest_approach, find_inside, least_own_gaps, node_normals
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Setup
@@ -52,7 +51,7 @@ class Verdict:
         ]
         self.springs = "" if setup.contact is None else f"{setup.contact.name}/energy"
         self.outlines, h, dim = Outlines(setup.state), setup.cell_size, setup.dim
-        self.stride = min(h, 0.5 * min(body.geometry.width for body in setup.scene.bodies.values()))
+        self.stride = min(h, 0.5 * min(body.width for body in setup.bodies))
         self.inside = np.full(self.outlines.surface.count, -1)
         self.overlap = np.zeros(0)  #: (pair,) deepest node at the start [m]
         self.overlap = self._depths(setup.state)[0]
@@ -256,7 +255,6 @@ class Outlines:
                 points, own = cKDTree(state.particles.position[body.particles]), self.surface.of(body.index)
                 self.carrier[own] = body.particles.start + points.query(self.surface.position[own])[1]
             self.offset = self.surface.position - state.particles.position[self.carrier]
-        self.facets = Facets(**{name: getattr(self.surface, name) for name in Facets.member_names})
         self.ends = np.zeros((0, 2), dtype=np.int64)  #: bodies of every pair
         self.start, self.start_normal = self.surface.position.copy(), self._normals(state)
 
@@ -270,7 +268,7 @@ class Outlines:
 
     def _normals(self, state: State) -> FloatArray:
         normal = np.zeros_like(self.surface.position)
-        node_normals(self.facets, normal, state.grid.spacing)
+        node_normals(self.surface, normal, state.grid.spacing)
         return normal
 
     def inside(self, state: State, inside: AnyArray) -> tuple[FloatArray, AnyArray]:
@@ -280,7 +278,7 @@ class Outlines:
             self.ends = state.pair_bodies
         depth, passed = np.zeros(len(pairs)), np.zeros(len(pairs), dtype=np.int64)
         find_inside(
-            self.ends[:, 0], self.ends[:, 1], surface.body_first, surface.facet_first, self.facets, inside,
+            self.ends[:, 0], self.ends[:, 1], surface.body_first, surface.facet_first, surface, inside,
             depth, passed, state.grid.spacing,
         )  # fmt: skip
         return depth, passed

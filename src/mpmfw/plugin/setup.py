@@ -198,7 +198,8 @@ class Setup:
             "pair": len(state.pairs),
             "surface_node": 0 if state.surface is None else len(state.surface.tributary),
         }
-        array = declaration.allocate({**lengths, **sizes})
+        lengths |= sizes
+        array = np.zeros([lengths[dim] for dim in declaration.dims], dtype=declaration.dtype)
         state.arrays[f"{owner}/{declaration.name}"] = array
         state.dims[f"{owner}/{declaration.name}"] = declaration.dims
         return array

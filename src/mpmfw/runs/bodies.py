@@ -55,9 +55,8 @@ def make_bodies(
     """Return the bodies, with a velocity field for each, or one for all."""
     bodies, start = [], 0
     moduli = {name: _moduli(material) for name, material in materials.items()}
-    for index, (name, model) in enumerate(scene.bodies.items()):
-        layout, count = layouts[index], len(layouts[index].volume)
-        rigid = isinstance(model, RigidBody)
+    for index, ((name, model), layout) in enumerate(zip(scene.bodies.items(), layouts, strict=True)):
+        count, rigid = len(layout.volume), isinstance(model, RigidBody)
         reach = np.abs(layout.half_edges).sum(axis=2)
         domains = [layout.position - reach, layout.position + reach]  # they bulge beyond an outline
         corners = np.concatenate(layout.outlines or domains)
@@ -78,6 +77,7 @@ def make_bodies(
                 thickness=1.0 if model.thickness is None else model.thickness,
                 rigid=rigid,
                 prescribed=model.prescribed,
+                width=model.geometry.width,
             )
         )
         start += count
@@ -87,12 +87,12 @@ def make_bodies(
 def _moduli(material: Material) -> tuple[float, float]:
     """Return K > 0 and G ≥ 0 of a material [Pa]; raise SceneError for others."""
     with naming(material, "its moduli"):
-        values = {name: getattr(material, name) for name in ("bulk_modulus", "shear_modulus")}
-    for name, value in values.items():
-        least, text = (np.nextafter(0.0, 1.0), "above") if name == "bulk_modulus" else (0.0, "from")
-        if not isinstance(value, int | float | np.number) or not least <= value < np.inf:
-            raise SceneError(f"{described(material)} has {name} {value!r}; expected a number {text} 0 in Pa")
-    return float(values["bulk_modulus"]), float(values["shear_modulus"])
+        bulk, shear = material.bulk_modulus, material.shear_modulus
+    for name, value, low in (("bulk_modulus", bulk, "above"), ("shear_modulus", shear, "from")):
+        number = isinstance(value, int | float | np.number)
+        if not number or not 0.0 <= value < np.inf or (value == 0.0 and low == "above"):
+            raise SceneError(f"{described(material)} has {name} {value!r}; expected a number {low} 0 in Pa")
+    return float(bulk), float(shear)
 
 
 def check_bodies(scene: Scene, layouts: tuple[Layout, ...], bodies: tuple[Body, ...]) -> None:
@@ -147,16 +147,15 @@ def make_particles(
     scene: Scene, layouts: tuple[Layout, ...], bodies: tuple[Body, ...], transfer: Transfer, n_fields: int
 ) -> Particles:
     """Return the material points of all bodies at rest."""
-    volume = np.concatenate([layout.volume for layout in layouts])
-    sizes = {"particle": len(volume), "axis": scene.dim, "axis2": scene.dim}
+    volume, dim = np.concatenate([layout.volume for layout in layouts]), scene.dim
+    sizes = {"particle": len(volume), "axis": dim, "axis2": dim}
     arrays: dict[str, Any] = {declared.name: declared.allocate(sizes) for declared in PARTICLE_FIELDS}
     arrays["position"][:] = np.concatenate([layout.position for layout in layouts])
     arrays["initial_volume"][:] = arrays["volume"][:] = volume
-    arrays["deformation_gradient"][:] = np.eye(scene.dim)
+    arrays["deformation_gradient"][:] = np.eye(dim)
     for body in bodies:
-        if body.rigid:
-            continue
-        arrays["mass"][body.particles] = body.areal_density * volume[body.particles]
+        if not body.rigid:
+            arrays["mass"][body.particles] = body.areal_density * volume[body.particles]
     thickness = None
     if any(body.thickness is not None for body in scene.bodies.values()):
         thickness = np.repeat([body.thickness for body in bodies], [len(layout.volume) for layout in layouts])

@@ -114,8 +114,9 @@ def _put_together(
         pic_fraction=scene.stepping.pic_fraction,
     )
     n_fields = len(bodies) if per_body else 1
-    grid = make_grid(scene.grid.cell_size, np.array(scene.grid.lower), np.array(scene.grid.upper), n_fields)
-    grid.rigid_fields = sum(body.rigid for body in bodies) if per_body else 0
+    lower, upper = np.array([scene.grid.lower, scene.grid.upper])
+    rigid = sum(body.rigid for body in bodies) if per_body else 0
+    grid = make_grid(scene.grid.cell_size, lower, upper, n_fields, rigid_fields=rigid)
     particles = make_particles(scene, layouts, bodies, transfer, n_fields)
     soft = [body for body in bodies if not body.rigid]
     for body in soft:  # neighbours become one slice, and take one call of a kernel
@@ -157,9 +158,8 @@ def _highest_frequency(scene: Scene, body: Body, courant: float) -> float:
 
     The shape function is stable up to the share ``courant`` of 2 / ω: its waves are that much faster.
     """
-    table = scene.bodies[body.name]
-    frequency = 2.0 * body.wave_speed / stable_length(scene.grid.cell_size, table.geometry.width)
-    if (damping := scene.materials[table.material].damping) is None:
+    frequency = 2.0 * body.wave_speed / stable_length(scene.grid.cell_size, body.width)
+    if (damping := scene.materials[scene.bodies[body.name].material].damping) is None:
         return frequency
     bulk, shear = damping.times
     viscosity = bulk * body.bulk_modulus + 4.0 / 3.0 * shear * body.shear_modulus

@@ -134,7 +134,7 @@ def _treatment(setup: Setup, body: Body, held: bool) -> tuple[str, str]:
     """Return ``spin``, ``exact`` or ``lumped``, and why: local spin for a free body with a velocity field of
     its own, unless the shape function has another default."""
     model, contact = setup.scene.bodies[body.name], setup.contact
-    asked, connected = model.rotation, model.geometry.is_connected
+    asked = model.rotation
     if asked == "lumped":
         return "lumped", "given"
     if not setup.field_per_body:
@@ -145,10 +145,10 @@ def _treatment(setup: Setup, body: Body, held: bool) -> tuple[str, str]:
         return "lumped", "prescribed sides or boundary conditions hold it"
     if asked is None:
         how = setup.shape_function.auto_rotation
-        if how == "exact" and not connected:
+        if how == "exact" and not model.geometry.is_connected:
             return "lumped", "not connected"
         return how, "free body" if how == "spin" else f"the default of shape function '{setup.shape}'"
-    if asked == "exact" and (held or not connected):
+    if asked == "exact" and (held or not model.geometry.is_connected):
         kind, has = ("free", "prescribed sides") if held else ("connected", "parts")
         raise SceneError(
             f"'exact' is for a {kind} body, and this one has {has}; expected 'spin' or 'lumped'",

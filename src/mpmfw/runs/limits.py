@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -65,24 +65,22 @@ def most_memory(scene: Scene) -> float:
 def check_memory(scene: Scene) -> None:
     """Refuse more memory or nodes than there can be, and bodies outside the grid or far thinner than a
     cell."""
-    cell = scene.grid.cell_size
+    cell, each, counts = scene.grid.cell_size, np.array(BYTES[scene.dim]), {}
     for name, body in scene.bodies.items():
-        lower, upper = body.geometry.bounds
-        if isinstance(body, RigidBody):
-            continue
-        check_box_inside(scene, name, lower, upper, slack=cell)
-        if not (least := float(np.subtract(upper, lower).min())) > THINNEST * cell:
-            raise SceneError(
-                f"the body is {least:.3g} m across at its thinnest, less than {THINNEST:g} of a cell of "
-                f"{cell:g} m; expected a larger body, or smaller cells",
-                key=f"bodies.{name}.geometry",
-            )
-    counts = {name: largest_counts(body, cell) for name, body in scene.bodies.items()}
-    amounts = {name: count * BYTES[scene.dim] for name, count in counts.items()}
-    needed = sum(float(amount.sum()) for amount in amounts.values())
+        if not isinstance(body, RigidBody):
+            lower, upper = body.geometry.bounds
+            check_box_inside(scene, name, lower, upper, slack=cell)
+            if not (least := float(np.subtract(upper, lower).min())) > THINNEST * cell:
+                raise SceneError(
+                    f"the body is {least:.3g} m across at its thinnest, less than {THINNEST:g} of a cell of "
+                    f"{cell:g} m; expected a larger body, or smaller cells",
+                    key=f"bodies.{name}.geometry",
+                )
+        counts[name] = largest_counts(body, cell)
+    needed = sum(float(count @ each) for count in counts.values())
     if needed > (limit := min(_memory_limits(), default=math.inf)):
-        name = max(amounts, key=lambda name: float(amounts[name].sum()))
-        body, part = scene.bodies[name], int(np.argmax(amounts[name]))
+        name = max(counts, key=lambda name: float(counts[name] @ each))
+        body, part = scene.bodies[name], int(np.argmax(counts[name] * each))
         key, what = (
             (f"bodies.{name}.particles.size",
              f"material points of {getattr(body.particles, 'size', 0.0):g} m"),
@@ -128,15 +126,13 @@ def check_box_inside(
     """Refuse a body that leaves the grid by more than ``slack`` [m]."""
     grid = scene.grid
     if (lower < np.array(grid.lower) - slack).any() or (upper > np.array(grid.upper) + slack).any():
+        ends = (lower, upper, grid.lower, grid.upper)
+        low, high, first, last = ("(" + ", ".join(f"{x:.6g}" for x in end) + ")" for end in ends)
         raise SceneError(
-            f"the body from {_point(lower)} to {_point(upper)} m is not inside the grid from "
-            f"{_point(grid.lower)} to {_point(grid.upper)} m; expected a larger grid.lower … grid.upper",
+            f"the body from {low} to {high} m is not inside the grid from {first} to {last} m; expected a "
+            "larger grid.lower … grid.upper",
             key=f"bodies.{name}",
         )
-
-
-def _point(x: Iterable[float]) -> str:
-    return "(" + ", ".join(f"{value:.6g}" for value in x) + ")"
 
 
 def _box(body: Body) -> str:
@@ -210,12 +206,11 @@ def check_length(simulation: Simulation) -> None:
 
 def remarks_on_threads(threads: int) -> list[str]:
     """Return a remark on more threads than cores."""
-    if threads <= cores():
-        return []
-    return [
+    text = (
         f"threads: {threads} are more than the {cores()} cores that this process may use; they wait for each "
         "other, and the run takes longer than with fewer"
-    ]
+    )
+    return [text] if threads > cores() else []
 
 
 def cores() -> int:
@@ -227,12 +222,11 @@ def cores() -> int:
 def remarks_on_results(scene: Scene, header: RunHeader) -> list[str]:
     """Return a remark on a file with this header that will be large."""
     frames, each, size = results_size(scene, header)
-    if size <= LARGE_RESULTS:
-        return []
-    return [
+    text = (
         f"the results take up to {shown_bytes(size)}: {frames:g} frames of {shown_bytes(each)}; a longer "
         "time.output_interval or output.particle_interval, or output.particles = false, makes them smaller"
-    ]
+    )
+    return [text] if size > LARGE_RESULTS else []
 
 
 def results_size(scene: Scene, header: RunHeader) -> tuple[float, float, float]:

@@ -70,6 +70,7 @@ class Body:
     thickness: float = 1.0  #: across the plane [m]; in space 1
     rigid: bool = False  #: it has no material points; density, K and wave speed are infinite, G is 0
     prescribed: bool = False  #: it is rigid, and no force moves it
+    width: float = np.inf  #: smallest extent [m]
     areal_density: float = dataclasses.field(init=False)  #: ρ times the thickness [kg/m²], in space ρ [kg/m³]
     p_wave_modulus: float = dataclasses.field(init=False)  #: M = K + 4 G / 3 [Pa]
     wave_speed: float = dataclasses.field(init=False)  #: c = sqrt(M / ρ) [m/s]
@@ -201,28 +202,36 @@ class Grid(Struct):
         return slice(int(self.offset[index]), int(self.offset[index + 1]))
 
 
-@dataclass(slots=True)
-class Surface:
+@dataclass(eq=False)
+class Surface(Struct):
     """Closed surfaces of all bodies: segments in the plane, or triangles."""
 
+    member_names = (
+        "position", "displacement", "tributary", "body", "body_first", "facet_first", "facets", "neighbours",
+        "star_first", "star", "covered",
+    )  # fmt: skip
     history = ("position", "displacement")
 
     position: FloatArray  #: (n_s, dim) x_s [m]
     displacement: FloatArray  #: (n_s, dim) motion over the last step [m]
     tributary: FloatArray  #: (n_s,) [m^(dim−1)]
+    body: IntArray  #: (n_s,) index of the body
+    body_first: IntArray  #: (n_bodies + 1,) surface nodes of body b are body_first[b]:body_first[b + 1]
+    facet_first: IntArray  #: (n_bodies + 1,) facets of body b
     facets: IntArray  #: (n_f, dim) surface nodes of every facet; in the plane facet s runs from node s
     neighbours: IntArray  #: (n_f, dim) facet across the side that is opposite each corner
     star_first: IntArray  #: (n_s + 1,) facets round node s are star[star_first[s]:star_first[s + 1]]
     star: IntArray  #: (n_f dim,) in the plane the segment that ends there, then the one that starts
-    body: IntArray  #: (n_s,) index of the body
-    first: IntArray  #: (n_fields + 1,) surface nodes of velocity field f
-    body_first: IntArray  #: (n_bodies + 1,) surface nodes of body b
-    facet_first: IntArray  #: (n_bodies + 1,) facets of body b
+    #: (n_f,) body that lies flush on the facet near a third body, −1 for none; (0,) unless it is needed
+    covered: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    first: IntArray = field(default_factory=lambda: np.zeros(1, dtype=np.int64))
+    """(n_fields + 1,) surface nodes of velocity field f"""
     stage: str = "contact"  #: stage of the clock that pays for it: ``gap`` if only the diagnostic uses it
     stencil: Stencil | None = None  #: N_i(x_s) of this step
-    covered: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
-    """(n_f,) body that lies flush on the facet near a third body, −1 for none; (0,) unless it is needed"""
     rigid_nodes: int = 0  #: number of nodes of rigid bodies, the last ones
+
+    def __post_init__(self) -> None:
+        self.set()
 
     @property
     def count(self) -> int:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from mpmfw.geometry.facets import neighbours_of, stars_of, tributaries_of
-from mpmfw.kernels import Facets
 from mpmfw.kernels.surfaces import minimum_gaps
 from mpmfw.state.fields import FloatArray, IntArray
 from mpmfw.state.structs import Body, Surface
@@ -46,6 +45,5 @@ def make_surface(bodies: tuple[Body, ...], n_fields: int, stage: str) -> Surface
 def least_gaps(surface: Surface, first: IntArray, second: IntArray, spacing: tuple[float, ...]) -> FloatArray:
     """Return the least node-to-facet distance of every two bodies, (n,) [m]."""
     gaps = np.zeros(len(first))
-    geometry = Facets(**{name: getattr(surface, name) for name in Facets.member_names})
-    minimum_gaps(first, second, surface.body_first, surface.facet_first, geometry, gaps, spacing)
+    minimum_gaps(first, second, surface.body_first, surface.facet_first, surface, gaps, spacing)
     return gaps

@@ -20,7 +20,9 @@ MARGIN = 3
 FEW = 32
 
 
-def make_grid(cell_size: float, lower: FloatArray, upper: FloatArray, n_fields: int) -> Grid:
+def make_grid(
+    cell_size: float, lower: FloatArray, upper: FloatArray, n_fields: int, *, rigid_fields: int = 0
+) -> Grid:
     """Return an empty grid from ``lower`` to at least ``upper``."""
     dim = len(lower)
     cells = np.ceil((upper - lower) / cell_size - 1e-9).astype(np.int64)
@@ -35,6 +37,7 @@ def make_grid(cell_size: float, lower: FloatArray, upper: FloatArray, n_fields: 
         offset=np.zeros(n_fields + 1, dtype=np.int64),
         **arrays,
         spacing=(float(cell_size),) * dim,
+        rigid_fields=rigid_fields,
     )
 
 

@@ -57,8 +57,8 @@ class TimeStep:
         self.state, self.limiting = setup.state, limiting
         self.bulk_limit = 2.0 / setup.bulk_frequency
         thinner = (1.0 - 1e-9) * setup.cell_size
-        thin = any(table.geometry.width < thinner for table in setup.scene.bodies.values())
-        thin &= all(self.bulk_limit < thinner / body.wave_speed for body in setup.state.soft_bodies)
+        thin = any(body.width < thinner for body in setup.bodies)
+        thin &= all(body.rigid or self.bulk_limit < thinner / body.wave_speed for body in setup.bodies)
         length, courant = "√(h w)" if thin else "h", setup.shape_function.courant
         damped = ", with damping" if setup.plugin("material_damping") is not None else ""
         self._bulk = (self.bulk_limit, f"bulk wave speed ({length} / c){damped}")

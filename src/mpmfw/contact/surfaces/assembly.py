@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from mpmfw.contact.surfaces.outline import (
     Candidates,
-    Outline,
     body_of,
     distance_to,
     hidden,
@@ -25,6 +24,7 @@ from mpmfw.kernels.facets import (
 from mpmfw.kernels.stencil import entries
 from mpmfw.kernels.surfaces import area_of
 from mpmfw.kernels.types import Float, Floats, Ints, Table
+from mpmfw.state.structs import Surface
 
 #: Difference of distances, in lengths of a facet, below which two facets are equally close: rounding.
 TIE = 1e-9
@@ -41,7 +41,7 @@ class Places(Struct):
 
 
 @device
-def measure_across(m: int, normal: Floats, outline: Outline, spacing: tuple[float, ...]) -> Float:
+def measure_across(m: int, normal: Floats, outline: Surface, spacing: tuple[float, ...]) -> Float:
     """Measure of facet m across ``normal``, 0 from behind: length [m], in space twice the area [m²]."""
     area = scratch.vector(spacing)
     area_of(m, outline, area, spacing)
@@ -51,7 +51,7 @@ def measure_across(m: int, normal: Floats, outline: Outline, spacing: tuple[floa
 @device
 def equally_close(
     s: int, m: int, share: Floats, gap: Float, normal: Floats, other_share: Floats, other_normal: Floats,
-    outline: Outline, spacing: tuple[float, ...],
+    outline: Surface, spacing: tuple[float, ...],
 ) -> tuple[int, Float]:  # fmt: skip
     """The neighbour of facet m to which node s is as close, and the part of the contact that it takes; 0
     without a tie, 1 if facet m has no measure across the normal.
@@ -87,7 +87,7 @@ def equally_close(
 
 
 @device
-def share_across(s: int, normal: Floats, outline: Outline, spacing: tuple[float, ...]) -> Float:
+def share_across(s: int, normal: Floats, outline: Surface, spacing: tuple[float, ...]) -> Float:
     """The part of a node's facets that lies across e_n and faces it; 1 on a flat face."""
     area, across, whole = scratch.vector(spacing), 0.0, 0.0
     for k in range(outline.star_first[s], outline.star_first[s + 1]):
@@ -99,7 +99,7 @@ def share_across(s: int, normal: Floats, outline: Outline, spacing: tuple[float,
 
 @device
 def write_geometry(
-    c: int, share: Floats, normal: Floats, outline: Outline, rows: Rows, places: Places,
+    c: int, share: Floats, normal: Floats, outline: Surface, rows: Rows, places: Places,
     spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """Normal, barycentric coordinates, couple and tilt of row c.
@@ -126,7 +126,7 @@ def write_geometry(
 
 
 @device
-def write_motion(c: int, outline: Outline, rows: Rows, places: Places, spacing: tuple[float, ...]) -> None:
+def write_motion(c: int, outline: Surface, rows: Rows, places: Places, spacing: tuple[float, ...]) -> None:
     """B v Δt of row c over the last step, of the surface nodes' displacements."""
     dim = len(spacing)
     for d in range(dim):
@@ -200,7 +200,7 @@ def next_slot(s: int, last: int, facet: Ints) -> int:
 
 @kernel
 def assemble(
-    rank: Ints, across: bool, ties: bool, candidates: Candidates, outline: Outline, pair_of: Ints,
+    rank: Ints, across: bool, ties: bool, candidates: Candidates, outline: Surface, pair_of: Ints,
     pair_first: Ints, table: Table, place: Ints, rows: Rows, places: Places, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """A row for each candidate, two where it meets two facets alike; their number, or −1 without room.

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from mpmfw.contact.surfaces.outline import Outline, Partners, hidden
+from mpmfw.contact.surfaces.outline import Partners, hidden
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.boxes import Boxes, boxes_apart, read_box, square_between
 from mpmfw.kernels.facets import at_rim, closest_point, dot, length_of, read_corners, read_point
 from mpmfw.kernels.surfaces import area_of
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
+from mpmfw.state.structs import Surface
 
 #: Distance from another body up to which a facet's corner is covered, in cells.
 FLUSH = 0.05
@@ -61,7 +62,7 @@ def seam_box(
 
 @device
 def list_within(
-    body: int, lower: Floats, upper: Floats, begin: int, outline: Outline, out: Indices,
+    body: int, lower: Floats, upper: Floats, begin: int, outline: Surface, out: Indices,
     spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """List the facets of a body that touch the box in ``out[begin:]``; return where they end."""
@@ -75,7 +76,7 @@ def list_within(
 
 
 @device
-def is_flush(p: int, m: int, normal: Floats, outline: Outline, spacing: tuple[float, ...]) -> bool:
+def is_flush(p: int, m: int, normal: Floats, outline: Surface, spacing: tuple[float, ...]) -> bool:
     """Return True if surface node p, on a facet with the unit ``normal``, lies on facet m of another body.
 
     It may be away along the normal, and beyond the rim along the normals of facets round an edge: seams are
@@ -110,7 +111,7 @@ def is_flush(p: int, m: int, normal: Floats, outline: Outline, spacing: tuple[fl
 
 @device
 def is_covered(
-    m: int, listed: Indices, begin: int, end: int, outline: Outline, spacing: tuple[float, ...]
+    m: int, listed: Indices, begin: int, end: int, outline: Surface, spacing: tuple[float, ...]
 ) -> bool:
     """Return True if opposite facets ``listed[begin:end]`` are flush with every corner of facet m."""
     normal, other = scratch.vector(spacing), scratch.vector(spacing)
@@ -131,7 +132,7 @@ def is_covered(
 
 @kernel
 def find_covered(
-    first: Ints, second: Ints, reach: float, outline: Outline, boxes: Boxes, partners: Partners,
+    first: Ints, second: Ints, reach: float, outline: Surface, boxes: Boxes, partners: Partners,
     listed: Indices, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """Write the body that covers each facet within ``reach`` [m] of a third one, of the pairs of bodies, else
@@ -154,7 +155,7 @@ def find_covered(
 
 @device
 def past_a_seam(
-    s: int, m: int, share: Floats, normal: Floats, outline: Outline, spacing: tuple[float, ...]
+    s: int, m: int, share: Floats, normal: Floats, outline: Surface, spacing: tuple[float, ...]
 ) -> bool:  # fmt: skip
     """Return True if node s is past a rim of facet m where another body's surface goes on.
 

@@ -12,7 +12,7 @@ from mpmfw.contact.rows import ContactRows, Detection
 from mpmfw.contact.strategy import ranks_of, stiffness_ranks
 from mpmfw.contact.surfaces.assembly import Places, assemble
 from mpmfw.contact.surfaces.near_facets import TravelLimit, VerletList
-from mpmfw.contact.surfaces.outline import no_candidates, node_error, outline_of
+from mpmfw.contact.surfaces.outline import no_candidates, node_error
 from mpmfw.contact.surfaces.search import find_candidates
 from mpmfw.contact.surfaces.tracking import CROSSED
 from mpmfw.errors import SceneError, SimulationError
@@ -85,12 +85,14 @@ class OnFacets(Detection):
         """Take the tracked surfaces, rank the bodies, and make the lists of near facets."""
         self.state, self.has_friction = setup.state, setup.has_friction
         self.surface, self.cell_size = setup.state.tracked_surface, setup.cell_size
-        self.outline, self.radius = outline_of(self.surface), self.reach(setup.cell_size)
+        if len(setup.bodies) > 2:
+            self.surface.covered = np.full(len(self.surface.facets), -1)
+        self.radius = self.reach(setup.cell_size)
         self.rank = self.rank_bodies(setup, owner)
-        items, first = np.arange(self.surface.count)[:, np.newaxis], self.outline.body_first
+        items, first = np.arange(self.surface.count)[:, np.newaxis], self.surface.body_first
         if self.of_facets:
-            items, first = self.outline.facets, self.outline.facet_first
-        self.near = VerletList(items, first, self.outline, self.radius, setup.state.grid.spacing)
+            items, first = self.surface.facets, self.surface.facet_first
+        self.near = VerletList(items, first, self.surface, self.radius, setup.state.grid.spacing)
         self.list_pairs(setup.state)
 
     def rank_bodies(self, setup: Setup, owner: str) -> IntArray:
@@ -203,21 +205,21 @@ class Surfaces(OnFacets):
         self.fill(
             rows,
             lambda: assemble(
-                self.rank, closest, closest, self.candidates, self.outline, self.near.pair_of,
+                self.rank, closest, closest, self.candidates, self.surface, self.near.pair_of,
                 self.near.first, self.surface.table, self.place, rows, rows.places, grid.spacing,
             ),
         )  # fmt: skip
         if len(rows.spin):
             from mpmfw.contact.surfaces.turning import write_spins  # not called for in the plane
 
-            write_spins(rows.count, self.law_range, self.outline, rows, rows.places, grid.spacing)
+            write_spins(rows.count, self.law_range, self.surface, rows, rows.places, grid.spacing)
 
     def search(self) -> int:
         """Fill the candidates; return their number. Raise SimulationError if bodies crossed."""
         if not self.near.update() and self.count == 0:
             return 0
         count = find_candidates(
-            self.radius, self.outline, self.near.near, self.candidates, self.through, self.state.grid.spacing,
+            self.radius, self.surface, self.near.near, self.candidates, self.through, self.state.grid.spacing,
         )  # fmt: skip
         if self.through[0] > CROSSED * self.cell_size:
             raise self._crossed()
@@ -254,7 +256,7 @@ class Surfaces(OnFacets):
         """Return contact forces of the surface nodes; corners share those of facets."""
         assert isinstance(rows, SurfaceRows)
         n, at = slice(rows.count), rows.places
-        force, normal, corners = rows.force[n], rows.normal[n], self.outline.facets[at.facet[n]]
+        force, normal, corners = rows.force[n], rows.normal[n], self.surface.facets[at.facet[n]]
         self.force.fill(0.0)
         np.add.at(self.force, at.slave[n], force)
         for a in range(corners.shape[1]):

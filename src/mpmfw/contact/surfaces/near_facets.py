@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from mpmfw.contact.surfaces.covering import find_covered
-from mpmfw.contact.surfaces.outline import Outline, Partners, partners_of
+from mpmfw.contact.surfaces.outline import Partners, partners_of
 from mpmfw.kernels import Struct, device, kernel, scratch
 from mpmfw.kernels.boxes import (
     BLOCK,
@@ -27,11 +27,11 @@ from mpmfw.kernels.types import Float, Floats, Indices, Ints
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import IntArray
-from mpmfw.state.structs import State
+from mpmfw.state.structs import State, Surface
 
 
 @kernel
-def near_boxes(first: Ints, second: Ints, reach: float, outline: Outline, boxes: Boxes) -> bool:
+def near_boxes(first: Ints, second: Ints, reach: float, outline: Surface, boxes: Boxes) -> bool:
     """Fill the boxes of all bodies; return true if those of any pair are within ``reach`` [m]."""
     bounding_boxes(outline.body_first, outline.position, boxes.lower, boxes.upper)
     near = False
@@ -55,7 +55,7 @@ class NearFacets(Struct):
 
 @device
 def list_body(
-    body: int, lower: Floats, upper: Floats, cutoff: Float, count: int, outline: Outline, blocks: Floats,
+    body: int, lower: Floats, upper: Floats, cutoff: Float, count: int, outline: Surface, blocks: Floats,
     near: NearFacets, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """Add a body's facets within ``cutoff`` [m]; return the number, stored or not."""
@@ -77,7 +77,7 @@ def list_body(
 
 @kernel
 def list_near(
-    items: Ints, item_first: Ints, cutoff: float, outline: Outline, boxes: Boxes, partners: Partners,
+    items: Ints, item_first: Ints, cutoff: float, outline: Surface, boxes: Boxes, partners: Partners,
     blocks: Floats, near: NearFacets, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """List for every item the facets of its body's partners within ``cutoff`` [m]; return the number of
@@ -101,7 +101,7 @@ def list_near(
 
 
 @kernel
-def measure_motion(outline: Outline, position: Floats, moved: Floats) -> float:
+def measure_motion(outline: Surface, position: Floats, moved: Floats) -> float:
     """Write how far bodies ``moved`` from ``position``; return the two largest's sum [m]."""
     most, second = 0.0, 0.0
     for b in range(len(moved)):
@@ -131,7 +131,7 @@ class VerletList:
     """
 
     def __init__(
-        self, items: IntArray, item_first: IntArray, outline: Outline, radius: float,
+        self, items: IntArray, item_first: IntArray, outline: Surface, radius: float,
         spacing: tuple[float, ...],
     ) -> None:  # fmt: skip
         self.items, self.item_first, self.outline = items, item_first, outline
@@ -195,7 +195,7 @@ SHARE = 0.5
 
 @kernel
 def fewest_steps(
-    first: Ints, second: Ints, outline: Outline, begins: bool, boxes: Boxes, motions: Boxes, band: float
+    first: Ints, second: Ints, outline: Surface, begins: bool, boxes: Boxes, motions: Boxes, band: float
 ) -> float:
     """Least (distance of the boxes + ``band``) / relative motion of all pairs: steps that are left to them.
     ``motions``, bounds of the last displacements [m], are filled unless the run ``begins``."""

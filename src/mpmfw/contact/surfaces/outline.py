@@ -14,30 +14,6 @@ from mpmfw.state.fields import Field, IntArray
 from mpmfw.state.structs import State, Surface
 
 
-class Outline(Struct):
-    """Closed surfaces of all bodies, with the members of :class:`mpmfw.kernels.Facets`."""
-
-    position: Floats  #: (n_s, dim) [m]
-    displacement: Floats  #: (n_s, dim) motion over the last step [m]
-    tributary: Floats  #: (n_s,) [m^(dim−1)]
-    body: Ints  #: (n_s,)
-    body_first: Ints  #: (n_bodies + 1,) surface nodes of body b are ``body_first[b]:body_first[b + 1]``
-    facet_first: Ints  #: (n_bodies + 1,) its facets ``facet_first[b]:facet_first[b + 1]``
-    facets: Ints  #: (n_f, dim) surface nodes of every facet
-    neighbours: Ints  #: (n_f, dim) facet across the side opposite each corner
-    star_first: Ints  #: (n_s + 1,) facets round node s are ``star[star_first[s]:star_first[s + 1]]``
-    star: Ints  #: (n_f dim,)
-    #: (n_f,) body that lies flush on the facet near a third body, −1 for none; (0,) with two bodies
-    covered: Ints
-
-
-def outline_of(surface: Surface) -> Outline:
-    """Return the arrays of the tracked ``surface``, written in place."""
-    if len(surface.body_first) > 3 and len(surface.covered) == 0:
-        surface.covered = np.full(len(surface.facets), -1)
-    return Outline(**{name: getattr(surface, name) for name in Outline.member_names})
-
-
 def node_error(state: State, surface: Surface, node: int, text: str, *, advice: str) -> SimulationError:
     """Return the error of a surface ``node``: body, index, place and ``text``."""
     body = state.bodies[int(surface.body[node])]
@@ -53,7 +29,7 @@ def node_error(state: State, surface: Surface, node: int, text: str, *, advice: 
 
 @device
 def distance_to(
-    s: int, m: int, outline: Outline, share: Floats, normal: Floats, spacing: tuple[float, ...]
+    s: int, m: int, outline: Surface, share: Floats, normal: Floats, spacing: tuple[float, ...]
 ) -> Float:
     """Signed distance of node s from facet m [m]; coordinates into ``share``, e_n into ``normal``."""
     x = scratch.vector(spacing)
@@ -62,7 +38,7 @@ def distance_to(
 
 
 @device
-def square_of(s: int, m: int, outline: Outline, spacing: tuple[float, ...]) -> Float:
+def square_of(s: int, m: int, outline: Surface, spacing: tuple[float, ...]) -> Float:
     """Squared distance of node s from facet m [m²]."""
     x, corners = scratch.vector(spacing), scratch.matrix(spacing, spacing)
     read_point(s, outline.position, x, spacing)
@@ -71,14 +47,14 @@ def square_of(s: int, m: int, outline: Outline, spacing: tuple[float, ...]) -> F
 
 
 @device
-def body_of(m: int, outline: Outline) -> int:
+def body_of(m: int, outline: Surface) -> int:
     """Body of facet m."""
     body: int = outline.body[outline.facets[m, 0]]
     return body
 
 
 @device
-def hidden(m: int, body: int, outline: Outline) -> bool:
+def hidden(m: int, body: int, outline: Surface) -> bool:
     """Return True if a third body covers facet m, so that ``body`` cannot touch it."""
     return len(outline.covered) > 0 and outline.covered[m] >= 0 and outline.covered[m] != body
 
@@ -89,7 +65,7 @@ LEAST_COSINE = 0.02
 
 
 @device
-def opposition(outward: Floats, m: int, outline: Outline, spacing: tuple[float, ...]) -> Float:
+def opposition(outward: Floats, m: int, outline: Surface, spacing: tuple[float, ...]) -> Float:
     """Cosine between the reversed ``outward`` normal of a node or facet and that of facet m."""
     area = scratch.vector(spacing)
     area_of(m, outline, area, spacing)
@@ -97,14 +73,14 @@ def opposition(outward: Floats, m: int, outline: Outline, spacing: tuple[float, 
 
 
 @device
-def opposes(outward: Floats, m: int, outline: Outline, spacing: tuple[float, ...]) -> bool:
+def opposes(outward: Floats, m: int, outline: Surface, spacing: tuple[float, ...]) -> bool:
     """Return true if facet m faces a node or facet with the normal ``outward``."""
     facing: bool = opposition(outward, m, outline, spacing) > LEAST_COSINE
     return facing
 
 
 @device
-def node_outward(s: int, other: int, outline: Outline, outward: Floats, spacing: tuple[float, ...]) -> None:
+def node_outward(s: int, other: int, outline: Surface, outward: Floats, spacing: tuple[float, ...]) -> None:
     """Normal of surface node s for body ``other``, without covered facets."""
     for d in range(len(spacing)):
         outward[d] = 0.0

@@ -11,7 +11,6 @@ from mpmfw.contact.surfaces.covering import past_a_seam
 from mpmfw.contact.surfaces.near_facets import NearFacets
 from mpmfw.contact.surfaces.outline import (
     Candidates,
-    Outline,
     body_of,
     clear,
     distance_to,
@@ -25,6 +24,7 @@ from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.facets import extent_of, length_of, read_corners, squared_distance
 from mpmfw.kernels.surfaces import area_of
 from mpmfw.kernels.types import Float, Floats
+from mpmfw.state.structs import Surface
 
 #: How far, in search radii, a facet that faces the node may be from the closest point, round a corner or
 #: through a thin body.
@@ -36,7 +36,7 @@ FLUSH = 0.05
 
 @device
 def facing_facet(
-    s: int, outward: Floats, m: int, share: Floats, reach: Float, outline: Outline, near: NearFacets,
+    s: int, outward: Floats, m: int, share: Floats, reach: Float, outline: Surface, near: NearFacets,
     spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """Return the facet nearest to a point of facet m, of the same body, that faces node s; −1 if none is
@@ -62,7 +62,7 @@ def facing_facet(
 
 @device
 def reorient(
-    s: int, radius: Float, outline: Outline, near: NearFacets, candidates: Candidates,
+    s: int, radius: Float, outline: Surface, near: NearFacets, candidates: Candidates,
     spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """Replace candidates of node s that do not face it by a facet round the corner that does, or drop them.
@@ -101,7 +101,7 @@ SLOTS = (0.0,) * 3
 
 
 @device
-def slot_for(s: int, other: int, outline: Outline, candidates: Candidates) -> int:
+def slot_for(s: int, other: int, outline: Surface, candidates: Candidates) -> int:
     """Slot of node s with a facet of body ``other``, else free, else with the farthest."""
     facet, gap, slot = candidates.facet, candidates.gap, 0
     for j in range(facet.shape[1]):
@@ -116,7 +116,7 @@ def slot_for(s: int, other: int, outline: Outline, candidates: Candidates) -> in
 
 @device
 def keep_nearest(
-    s: int, m: int, least: Float, radius: Float, outline: Outline, candidates: Candidates,
+    s: int, m: int, least: Float, radius: Float, outline: Surface, candidates: Candidates,
     spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """Keep facet m, at least ``least`` [m] away, if no other of its body is as close to node s. The first of
@@ -137,7 +137,7 @@ def keep_nearest(
 
 @device
 def search_node(
-    s: int, radius: Float, outline: Outline, near: NearFacets, candidates: Candidates,
+    s: int, radius: Float, outline: Surface, near: NearFacets, candidates: Candidates,
     spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """Find the closest facets of node s; those of the last step rule out most others."""
@@ -158,7 +158,7 @@ def search_node(
 
 @kernel
 def find_candidates(
-    radius: float, outline: Outline, near: NearFacets, candidates: Candidates, through: Floats,
+    radius: float, outline: Surface, near: NearFacets, candidates: Candidates, through: Floats,
     spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """Find for every node the closest point of each other body within ``radius``, on a facet that faces it;

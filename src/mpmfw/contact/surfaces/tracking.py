@@ -9,7 +9,6 @@ from mpmfw.contact.surfaces.near_facets import NearFacets
 from mpmfw.contact.surfaces.outline import (
     LEAST_COSINE,
     Candidates,
-    Outline,
     body_of,
     distance_to,
     hidden,
@@ -20,6 +19,7 @@ from mpmfw.contact.surfaces.outline import (
 from mpmfw.kernels import device, scratch
 from mpmfw.kernels.facets import at_rim, dot, length_of, project
 from mpmfw.kernels.types import Float, Floats
+from mpmfw.state.structs import Surface
 
 #: Least cosine between a slave node's normal and the direction out of a body by which the node has gone
 #: through it: one that leaves as it came, or round a corner, has 90° or more, or little less.
@@ -33,7 +33,7 @@ THIN = 0.05
 
 
 @device
-def nearest_facet(s: int, first: int, last: int, outline: Outline, spacing: tuple[float, ...]) -> int:
+def nearest_facet(s: int, first: int, last: int, outline: Surface, spacing: tuple[float, ...]) -> int:
     """Of the facets ``first:last`` the one nearest to node s; of equally near ones the first."""
     nearest, closest = math.inf, first
     for m in range(first, last):
@@ -46,7 +46,7 @@ def nearest_facet(s: int, first: int, last: int, outline: Outline, spacing: tupl
 
 
 @device
-def walk(s: int, m: int, outward: Floats, outline: Outline, spacing: tuple[float, ...]) -> int:
+def walk(s: int, m: int, outward: Floats, outline: Surface, spacing: tuple[float, ...]) -> int:
     """Walk from facet m to the locally nearest one that faces node s, or faces it more."""
     least = square_of(s, m, outline, spacing)
     for _ in range(len(outline.facets)):
@@ -66,7 +66,7 @@ def walk(s: int, m: int, outward: Floats, outline: Outline, spacing: tuple[float
 
 
 @device
-def slot_for_lost(s: int, other: int, outline: Outline, candidates: Candidates) -> int:
+def slot_for_lost(s: int, other: int, outline: Surface, candidates: Candidates) -> int:
     """Slot of node s with the widest gap; −1 if one has a facet of body ``other``."""
     facet, gap, slot = candidates.facet, candidates.gap, 0
     for j in range(facet.shape[1]):
@@ -79,7 +79,7 @@ def slot_for_lost(s: int, other: int, outline: Outline, candidates: Candidates) 
 
 @device
 def put_behind(
-    s: int, j: int, m: int, outline: Outline, candidates: Candidates, spacing: tuple[float, ...]
+    s: int, j: int, m: int, outline: Surface, candidates: Candidates, spacing: tuple[float, ...]
 ) -> None:
     """Put facet m into slot j of node s, unless the node is in front of it. On the rim it is behind whatever
     the pseudo-normal says: a nearer facet may be round the corner."""
@@ -93,7 +93,7 @@ def put_behind(
 
 @device
 def keep_inside(
-    s: int, last: int, outline: Outline, candidates: Candidates, through: Floats, spacing: tuple[float, ...],
+    s: int, last: int, outline: Surface, candidates: Candidates, through: Floats, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """Give node s, which was behind facet ``last`` of a body, the closest facet of it that faces the node, if
     the search has found none.
@@ -121,7 +121,7 @@ def keep_inside(
 
 @device
 def foot_then(
-    s: int, m: int, back: Float, outline: Outline, share: Floats, spacing: tuple[float, ...]
+    s: int, m: int, back: Float, outline: Surface, share: Floats, spacing: tuple[float, ...]
 ) -> Float:
     """Gap [m] of node s from facet m, and its foot, the part ``back`` of a step ago."""
     dim, moved = len(spacing), outline.displacement
@@ -135,7 +135,7 @@ def foot_then(
 
 
 @device
-def crosses(s: int, m: int, outline: Outline, spacing: tuple[float, ...]) -> bool:
+def crosses(s: int, m: int, outline: Surface, spacing: tuple[float, ...]) -> bool:
     """Return true if node s came through facet m from its front in the last step."""
     share = scratch.vector(spacing)
     now = foot_then(s, m, 0.0, outline, share, spacing)
@@ -152,7 +152,7 @@ def crosses(s: int, m: int, outline: Outline, spacing: tuple[float, ...]) -> boo
 
 
 @device
-def farthest_motion(outline: Outline) -> Float:
+def farthest_motion(outline: Surface) -> Float:
     """Largest displacement of any node along any axis in the last step [m]."""
     farthest = 0.0
     for s in range(len(outline.body)):
@@ -163,7 +163,7 @@ def farthest_motion(outline: Outline) -> Float:
 
 @device
 def add_crossings(
-    s: int, outline: Outline, near: NearFacets, candidates: Candidates, spacing: tuple[float, ...]
+    s: int, outline: Surface, near: NearFacets, candidates: Candidates, spacing: tuple[float, ...]
 ) -> None:
     """Add facets through which node s came in the last step, if the search missed it."""
     for k in range(near.first[s], near.first[s + 1]):

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from mpmfw.contact.surfaces.assembly import Places
-from mpmfw.contact.surfaces.outline import Outline
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.contact import Rows
 from mpmfw.kernels.facets import area_vector, length_of, read_corners, read_point, write_own_gradients
 from mpmfw.kernels.types import Float, Floats
+from mpmfw.state.structs import Surface
 
 
 @device
-def facet_turn(m: int, normal: Floats, outline: Outline, spacing: tuple[float, ...]) -> tuple[Float, Float]:
+def facet_turn(m: int, normal: Floats, outline: Surface, spacing: tuple[float, ...]) -> tuple[Float, Float]:
     """Angle by which facet m of a surface in space turned about ``normal`` over the last step [rad], and
     twice its area across that [m^2], negative from behind.
 
@@ -44,7 +44,7 @@ def facet_turn(m: int, normal: Floats, outline: Outline, spacing: tuple[float, .
 
 
 @device
-def node_turn(s: int, normal: Floats, without: Float, outline: Outline, spacing: tuple[float, ...]) -> Float:
+def node_turn(s: int, normal: Floats, without: Float, outline: Surface, spacing: tuple[float, ...]) -> Float:
     """Mean by area of the angles of node s's facets that face ``normal`` [rad], else ``without``."""
     total, whole = 0.0, 0.0
     for k in range(outline.star_first[s], outline.star_first[s + 1]):
@@ -56,7 +56,7 @@ def node_turn(s: int, normal: Floats, without: Float, outline: Outline, spacing:
 
 @kernel
 def write_spins(
-    count: int, widest: float, outline: Outline, rows: Rows, places: Places, spacing: tuple[float, ...]
+    count: int, widest: float, outline: Surface, rows: Rows, places: Places, spacing: tuple[float, ...]
 ) -> None:  # fmt: skip
     """Mean of the angles by which the surfaces of every row turned about its normal over the last step
     [rad]; 0 where the gap is wider than ``widest`` [m]."""
