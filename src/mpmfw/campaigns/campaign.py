@@ -16,6 +16,7 @@ from mpmfw.campaigns.judging import judge_all
 from mpmfw.campaigns.measures import exact_of, measure_of, names_of_measures
 from mpmfw.campaigns.running import Event, Execution, Running
 from mpmfw.campaigns.store import COSTS, store_of
+from mpmfw.codes.code import codes_of
 from mpmfw.errors import ResultsWarning, SceneError, status_code
 from mpmfw.plugin.discovery import Kind, object_of
 from mpmfw.plugin.measure import About
@@ -138,6 +139,7 @@ def compare(
     shape: Sequence[Any],
     vary: Mapping[str, Sequence[Any]] | None = None,
     *,
+    code: Sequence[Any] = (),
     output: str | os.PathLike[str] | None = None,
     set: Mapping[str, Any] | None = None,
     measures: Iterable[str] | None = None,
@@ -155,6 +157,9 @@ def compare(
     vary
         Scene keys and their values, such as ``{"grid.cell_size": [0.4, 0.2]}``; the key's last part names the
         dimension.
+    code
+        Other codes, each a label of the dimension ``contact``: names with or without options, or adapters. A
+        bare name stands for a code's plainest and its best settings. A code runs once, whatever the shape.
     output
         NetCDF file to write, brought up to date after every run. Finished runs are kept in the folder
         ``<output>.runs``, from which another start goes on.
@@ -180,6 +185,7 @@ def compare(
     methods = {"contact": _methods("contact", contact), "shape": _methods("shape", shape)}
     varied = dict(vary or {})
     check_compared(scene, methods, set or {}, varied)
+    methods["contact"] += codes_of(code)
     for key, values in varied.items():
         _check_values(key, values)
     if output is not None:

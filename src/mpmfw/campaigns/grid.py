@@ -16,10 +16,12 @@ from mpmfw.campaigns.keys import (
     dimension_names,
     full_key,
     is_numerical,
+    is_own_method,
     overrides_of,
     written_alike,
 )
 from mpmfw.campaigns.work import Task
+from mpmfw.codes.code import Code
 from mpmfw.errors import SceneError, SceneProblem
 from mpmfw.plugin.discovery import load
 from mpmfw.runs.identity import code_of, key_of
@@ -108,7 +110,9 @@ class RunGrid:
 def make_grid(
     scenes: Mapping[str, Any], vary: Mapping[str, Sequence[Any]], shared: Mapping[str, Any]
 ) -> RunGrid:
-    """Expand ``vary``, values by key, over scenes by label; ``shared`` are values of all runs."""
+    """Expand ``vary``, values by key, over scenes by label; ``shared`` are values of all runs.
+
+    Among the values of ``contact`` may be adapters to other codes."""
     names = dimension_names(vary)
     coords: dict[str, list[Any]] = {"scene": list(scenes)} if list(scenes) != [""] else {}
     offset = len(coords)
@@ -130,6 +134,8 @@ def _combination(
         for kind in ("contact", "shape")
         if (value := methods.get(f"{kind}.method")) is not None and not isinstance(value, str)
     }
+    if isinstance(objects.get("contact"), Code):  # it has methods of its own
+        values = {key: value for key, value in values.items() if not is_own_method(key)}
     try:
         overrides = dict(shared)
         for key, value in values.items():
@@ -144,7 +150,11 @@ def _combination(
         said |= {
             f"{kind}.method": f"{kind} {labels[kind]}" for kind in ("contact", "shape") if kind in values
         }
-        return Combination(labels, load_scene(scene, set=overrides, said=said), **objects)
+        loaded = load_scene(scene, set=overrides, said=said)
+        code = objects.get("contact")
+        if isinstance(code, Code) and (problems := code.problems(loaded)):
+            return Combination(labels, None, problems)
+        return Combination(labels, loaded, **objects)
     except SceneError as error:
         return Combination(labels, None, error.problems)
 
@@ -178,7 +188,8 @@ def _without_twins(combinations: Mapping[Index, Combination]) -> dict[Index, Com
     kept = {}
     for index, one in combinations.items():
         if one.scene is not None:
-            chosen = (one.key, *(str(one.labels.get(dim, "")) for dim in ("scene", "contact", "shape")))
+            dims = ("scene", "contact") if isinstance(one.contact, Code) else ("scene", "contact", "shape")
+            chosen = (one.key, *(str(one.labels.get(dim, "")) for dim in dims))
             twin = first.setdefault(chosen, one)
             if twin is not one:
                 changed = [dim for dim in one.labels if one.labels[dim] != twin.labels[dim]]

@@ -36,6 +36,11 @@ _NUMERICAL = re.compile(
     r"|bodies\.[^.]+\.(particles|segment|rotation)"
 )
 
+#: Keys of mpmfw's own methods, which other codes do not read.
+_OWN_METHODS = re.compile(
+    r"contact\.(?!friction|pairs|method)|shape\.|stepping\.|time\.(safety|step)$|bodies\.[^.]+\.(segment|rotation)"
+)
+
 #: Names that a dataset has for itself.
 _TAKEN = ("scene", "stage", "time", "body", "pair", "axis", "rotation", "frame", "repeat", "load")
 
@@ -64,6 +69,11 @@ def is_numerical(key: str) -> bool:
     full = full_key(key)
     of_friction_law = full.startswith("contact.") and full.split(".")[1] in available("friction")
     return _NUMERICAL.match(full) is not None and not of_friction_law
+
+
+def is_own_method(key: str) -> bool:
+    """Return True if a key has a meaning for mpmfw's methods alone, and none for another code."""
+    return _OWN_METHODS.match(full_key(key)) is not None
 
 
 def finer(key: str) -> int:

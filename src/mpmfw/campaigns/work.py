@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import functools
 import hashlib
+import json
 import logging
 import math
 import os
@@ -22,6 +23,8 @@ from typing import Any
 import xarray as xr
 
 from mpmfw.campaigns.store import COSTS, Cost, Finished, Outcome
+from mpmfw.codes.code import Code
+from mpmfw.codes.outputs import run_code
 from mpmfw.errors import MpmfwError, ResultsWarning, SceneError, SimulationError
 from mpmfw.plugin.checks import cause
 from mpmfw.runs.identity import code_of
@@ -133,16 +136,7 @@ def _try(
                 "failed: this worker has another version of mpmfw, a plug-in or a library", lasting=False
             )
         _begun += 1
-        tree = run(
-            task.scene,
-            contact=copy.deepcopy(task.contact),
-            shape=copy.deepcopy(task.shape),
-            output=path,
-            progress=progress,
-            force=task.force,
-            threads=task.threads,
-            checkpoint=None if path is None else math.inf,
-        )
+        tree = _run(task, path, progress)
     except SceneError as error:
         return ended(f"refused: {error}")
     except SimulationError as error:
@@ -157,6 +151,25 @@ def _try(
     return ended(str(tree.attrs.get("status", "ok")), tree)
 
 
+def _run(task: Task, path: Path | None, progress: Callable[[float, int], None] | None) -> xr.DataTree:
+    if isinstance(task.contact, Code):
+        with tempfile.TemporaryDirectory(prefix="mpmfw-code-") as folder:
+            tree = run_code(task.contact, task.scene, Path(folder), path)
+        if notes := json.loads(tree.attrs["notes"]):
+            warnings.warn("; ".join(notes), ResultsWarning, stacklevel=2)
+        return tree
+    return run(
+        task.scene,
+        contact=copy.deepcopy(task.contact),
+        shape=copy.deepcopy(task.shape),
+        output=path,
+        progress=progress,
+        force=task.force,
+        threads=task.threads,
+        checkpoint=None if path is None else math.inf,
+    )
+
+
 @contextmanager
 def _warnings() -> Iterator[list[warnings.WarningMessage]]:
     with warnings.catch_warnings(record=True) as caught:
@@ -168,7 +181,7 @@ def _warnings() -> Iterator[list[warnings.WarningMessage]]:
 def _cost(tree: xr.DataTree, task: Task, others: float, first: bool) -> Cost:
     timing = task.timing if task.threads == 1 else "shared cores"  # threads that wait take CPU time as well
     attributes = {"settle_steps": 0, **tree.attrs}
-    if not first:
+    if not first and not isinstance(task.contact, Code):  # a code has a process of its own
         attributes.pop("peak_memory", None)
     values = {name: float(attributes.get(name, math.nan)) for name, _, _ in COSTS}
     stages = {stage: float(attributes.get(f"cpu_{stage}", math.nan)) for stage in STEP_STAGES}

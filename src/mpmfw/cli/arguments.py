@@ -29,6 +29,10 @@ Shape: TypeAlias = Annotated[str | None, Option(metavar="NAME", help="Shape func
 Contacts: TypeAlias = Annotated[
     str | None, Option("--contact", metavar="A,B,…", help="Contacts, such as 'none,penalty(kappa=2)'.")
 ]
+Codes: TypeAlias = Annotated[
+    str | None,
+    Option("--code", metavar="A,B,…", help="Other codes, such as 'newton': plainest and best settings."),
+]
 Shapes: TypeAlias = Annotated[str | None, Option("--shape", metavar="A,B,…", help="Shape functions.")]
 Set: TypeAlias = Annotated[
     list[str] | None,

@@ -23,6 +23,7 @@ def compare(
     scene: args.SceneName,
     contact: args.Contacts = None,
     shape: args.Shapes = None,
+    code: args.Codes = None,
     vary: Annotated[
         list[str] | None, Option(metavar="KEY=A,B,…", help="A key and its values; repeatable.")
     ] = None,
@@ -46,6 +47,7 @@ def compare(
     from mpmfw.scene.requested import check_compared
 
     contacts, shapes = args.names(contact, "contact"), args.names(shape, "shape")
+    codes = args.names(code, "code")
     varied, shared = args.variations(vary), args.assignments(set_)
     loaded = load_scene(scene, set=shared, trust=trust)
     path = args.result_path(output, loaded, "compare", force, report=report)
@@ -65,7 +67,8 @@ def compare(
         "output": path,
     }
     with campaign_progress() as reports:
-        dataset = run_all(loaded, contact=contacts, shape=shapes, vary=varied, **running, **reports)
+        methods: dict[str, Any] = {"contact": contacts, "shape": shapes, "code": codes or ()}
+        dataset = run_all(loaded, vary=varied, **methods, **running, **reports)
     alone = form is not Format.table
     if alone:
         write_rows(table(dataset), form)

@@ -41,6 +41,7 @@ def study(
     jobs: args.Jobs = None,
     scheduler: args.Scheduler = None,
     repeats: args.Repeats = None,
+    code: args.Codes = None,
     under: Annotated[
         str | None, Option(metavar="ERROR", help="Name the cheapest below this error: 1% or 0.01.")
     ] = None,
@@ -77,6 +78,7 @@ def study(
     about = args.named(body=body, pair=pair, axis=axis)
     with campaign_progress() as reports:
         running |= {"progress": reports["progress"], "timing": timing.value}
+        running |= {"code": args.names(code, "code")}
         dataset = run_study(loaded, under=under, about=about, **running)
     if form is not Format.table:
         write_rows(list(rows(dataset)), form)
@@ -131,6 +133,7 @@ def choose(
     axis: args.Axis = None,
     contact: args.Contacts = None,
     shape: args.Shapes = None,
+    code: args.Codes = None,
     coarsest: Annotated[
         str | None, Option(metavar="LENGTH", help="Largest cell size; twice the scene's by default.")
     ] = None,
@@ -167,7 +170,8 @@ def choose(
     about = args.named(measure=measure, body=body, pair=pair, axis=axis, coarsest=coarsest, finest=finest)
     running: dict[str, Any] = {**about, **args.workers(jobs, scheduler), "force": force, "output": path}
     with campaign_progress() as reports:
-        dataset = run_ladder(loaded, error, contact=contacts, shape=shapes, **running, **reports)
+        running |= {"contact": contacts, "shape": shapes, "code": args.names(code, "code") or ()}
+        dataset = run_ladder(loaded, error, **running, **reports)
     _print_choice(dataset, form)
     typer.echo(f"{path}: runs and answer", err=form is not Format.table)
 

@@ -16,7 +16,7 @@ from mpmfw.errors import SceneError
 
 Kind: TypeAlias = Literal[
     "contact", "detection", "law", "friction", "shape", "material", "load", "boundary", "output", "geometry",
-    "measure", "reference",
+    "measure", "reference", "code",
 ]  # fmt: skip
 KINDS: tuple[Kind, ...] = get_args(Kind)
 

@@ -77,7 +77,7 @@ COLUMNS: dict[str, Column] = {
 }
 
 #: Columns of words, which ``auto`` leaves to the shape function.
-CHOICES = ("scheme", "transfer")
+CHOICES = ("scheme", "transfer", "code")
 
 #: Columns of the table of costs.
 COSTS = ("cpu_time", "cpu_time_spread", "settle_time", "cost", "steps", "material_points")
@@ -102,6 +102,8 @@ def table(dataset: xr.Dataset) -> list[dict[str, Any]]:
     for labels, one in points_of(dataset, method_dims(dataset)):
         row = labels | {name: str(one[name].item()) for name in CHOICES if name in dataset.data_vars}
         row["status"] = str(one["status"].item())
+        if row.get("code"):
+            row["shape"] = "its own"
         reference = references.reference_of(own_attributes(one))
         if isinstance(reference, RollingReference):
             row |= rolling_measures(one, reference)

@@ -14,10 +14,11 @@ from mpmfw.results.reading import output_times
 from mpmfw.results.selection import same_points
 from mpmfw.state.fields import COSTS, STAGES, AnyArray, FloatArray
 
-#: Root attributes of a run that ``auto`` leaves to the shape function.
+#: Root attributes of a run that are words: two that ``auto`` leaves to the shape function, and another code.
 STEPPING: tuple[tuple[str, str], ...] = (
     ("scheme", "order of the step"),
     ("transfer", "between points and grid"),
+    ("code", "other code that ran it: version, float width and processor"),
 )
 
 #: Attributes that differ between the runs of a comparison, and costs.

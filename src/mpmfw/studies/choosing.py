@@ -18,6 +18,7 @@ from mpmfw.campaigns.grid_runs import GridRuns
 from mpmfw.campaigns.judging import ErrorTable, Judge, check_names
 from mpmfw.campaigns.measures import MEASURES, exact_of, measure_of, names_of_measures, outputs_for
 from mpmfw.campaigns.running import Execution, Running
+from mpmfw.codes.code import codes_of
 from mpmfw.errors import SceneError
 from mpmfw.plugin.measure import About, Measure
 from mpmfw.results.provenance import provenance
@@ -49,6 +50,7 @@ def choose(
     measure: str | None = None,
     contact: Sequence[Any] | None = None,
     shape: Sequence[Any] | None = None,
+    code: Sequence[Any] = (),
     coarsest: float | str | None = None,
     finest: float | str | None = None,
     **request: Unpack[Request],
@@ -71,6 +73,8 @@ def choose(
     contact, shape
         Methods to choose among, as :func:`mpmfw.compare` takes them, the cheap ones first. By default
         ``CONTACTS`` and ``SHAPES``.
+    code
+        Other codes to choose among as well, as :func:`mpmfw.compare` takes them.
     coarsest, finest
         Largest and smallest cell size [m], by default twice and a quarter of the scene's; each is half of the
         one before.
@@ -107,6 +111,7 @@ def choose(
     if base.contact is None and contact:
         raise SceneError("contact: the scene has none, so that there is none to choose")
     contacts = ["none"] if base.contact is None else list(contact or CONTACTS)
+    contacts += codes_of(code)
     vary = {"contact": contacts, "shape": list(shape or SHAPES), "cell_size": sizes}
     grid = make_grid({"": base}, vary, {})
     if not grid.runnable:

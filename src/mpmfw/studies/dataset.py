@@ -16,6 +16,7 @@ from mpmfw.campaigns.grid_runs import GridRuns, costs_of, least, over_repeats, t
 from mpmfw.campaigns.judging import Judge
 from mpmfw.campaigns.measures import measure_of
 from mpmfw.campaigns.store import COSTS, Cost
+from mpmfw.codes.code import Code
 from mpmfw.plugin.discovery import load
 from mpmfw.results.concatenation import STEPPING
 from mpmfw.results.provenance import provenance
@@ -61,14 +62,15 @@ def _methods(grid: RunGrid) -> dict[str, Any]:
 
 
 def _stepping(grid: RunGrid) -> dict[str, xr.DataArray]:
-    chosen = {
-        index: scene.stepping.chosen(load("shape", scene.shape.method))
-        for index, scene in grid.runnable.items()
-    }
+    chosen: dict[Index, tuple[str, ...]] = {}
+    for index, scene in grid.runnable.items():
+        contact = grid.combinations[index].contact
+        own = (*scene.stepping.chosen(load("shape", scene.shape.method)), "")
+        chosen[index] = ("", "", contact.title) if isinstance(contact, Code) else own
     return {
-        name: grid.array({index: both[k] for index, both in chosen.items()}, meaning)
+        name: grid.array({index: words[k] for index, words in chosen.items()}, meaning)
         for k, (name, meaning) in enumerate(STEPPING)
-        if name not in grid.coords
+        if name not in grid.coords and any(words[k] for words in chosen.values())
     }
 
 

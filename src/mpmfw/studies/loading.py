@@ -47,6 +47,7 @@ class StudyTables(Table):
     scenes: dict[str, SceneChoice] = Field(default={})  #: several by label, the dimension ``scene``
     #: values by short name or dotted key, a dimension each
     vary: Annotated[dict[str, Values], Field(min_length=1)]
+    code: list[str] = Field(default=[])  #: other codes, whose runs stand beside those of ``vary.contact``
     set: dict[str, Any] = Field(default={})  #: values that all runs share
     error: ErrorTable
     cost: CostTable = CostTable()

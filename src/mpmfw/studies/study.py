@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal, Unpack, get_args
@@ -17,6 +17,7 @@ from mpmfw.campaigns.judging import Judge
 from mpmfw.campaigns.keys import overrides_of
 from mpmfw.campaigns.measures import measure_of, outputs_for
 from mpmfw.campaigns.running import Execution, Running
+from mpmfw.codes.code import codes_of
 from mpmfw.errors import Interrupted, NoSuchFileError, SceneError, SceneProblem
 from mpmfw.results.replacing import check_replaceable, replace_dataset
 from mpmfw.scene import Scene, load_scene
@@ -34,6 +35,7 @@ def study(
     output: str | os.PathLike[str] | None = None,
     timing: Timing = "shared",
     under: float | str | None = None,
+    code: Sequence[str] | None = None,
     trust: bool = False,
     about: Mapping[str, str] | None = None,
     **running: Unpack[Running],
@@ -52,6 +54,8 @@ def study(
     under, about
         Replace the study's ``under``, such as 0.01 or ``"1 %"``, and its ``error.body``, ``pair`` and
         ``axis``.
+    code
+        Replaces the study's other codes; names as :func:`mpmfw.compare` takes them.
     **running
         As :class:`mpmfw.campaigns.running.Execution` takes them. Jobs are by default one for each core, for
         exclusive costs a single one.
@@ -69,7 +73,7 @@ def study(
     SceneError
         The request is wrong: one line for each problem.
     """
-    loaded = _with(load_study(study, trust), running.get("repeats"), under, about)
+    loaded = _with(load_study(study, trust), running.get("repeats"), under, about, code)
     if timing not in get_args(Timing):
         raise SceneError(f"timing: '{timing}' is unknown; expected one of {', '.join(get_args(Timing))}")
     path = None if output is None else Path(output)
@@ -97,13 +101,18 @@ def study(
 
 
 def _with(
-    study: Study, repeats: int | None, under: float | str | None, about: Mapping[str, str] | None
+    study: Study,
+    repeats: int | None,
+    under: float | str | None,
+    about: Mapping[str, str] | None,
+    code: Sequence[str] | None,
 ) -> Study:
     limit = None if under is None else relative_error(under)
     tables = study.tables
     cost = tables.cost if repeats is None else tables.cost.model_copy(update={"repeats": repeats})
     error = tables.error.model_validate(tables.error.model_dump() | dict(about or {}))
-    update = {"cost": cost, "error": error, **({} if under is None else {"under": limit})}
+    update: dict[str, Any] = {"cost": cost, "error": error, **({} if under is None else {"under": limit})}
+    update |= {} if code is None else {"code": list(code)}
     return replace(study, tables=tables.model_copy(update=update))
 
 
@@ -130,8 +139,13 @@ def positive(name: str, given: float | str, unit: str, expected: str) -> float:
 def make_grid(study: Study) -> RunGrid:
     """Expand a study; refuse what no combination can run."""
     scenes = {label: _base(study, label, scene) for label, scene in study.scenes.items()}
-    grid = make_points(scenes, study.tables.vary, {})
-    _check(study, grid)
+    varied = dict(study.tables.vary)
+    if study.tables.code:
+        if "contact" not in varied:
+            raise study.at(("vary",), "has no contact, whose dimension has the codes as well")
+        varied["contact"] = [*varied["contact"], *codes_of(study.tables.code)]
+    grid = make_points(scenes, varied, {})
+    _check(study, grid, varied)
     return grid
 
 
@@ -151,8 +165,8 @@ def _base(study: Study, label: str, chosen: Any) -> Scene:
         raise study.at(("set", blamed) if blamed else ("set",), error.problems[0].plain) from error
 
 
-def _check(study: Study, grid: RunGrid) -> None:
-    varied, combinations = study.tables.vary, grid.combinations
+def _check(study: Study, grid: RunGrid, varied: Mapping[str, Sequence[Any]]) -> None:
+    combinations = grid.combinations
     first = next(iter(combinations.values()))
     if not grid.runnable:
         scene = next(iter(grid.scenes.values()))

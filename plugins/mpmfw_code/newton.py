@@ -1,0 +1,184 @@
+"""Newton's implicit MPM against a rigid plane (newton-physics, with Warp)."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import math
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from mpmfw.api import MpmfwError, Time
+from mpmfw.api.code import Code, MotionOutputs, MovingPoints, Scene, elastic_constants, points_of_body
+
+#: Versions that the adapter was written for and measured with.
+VERSIONS = ("1.8",)
+
+#: Cells across a plane scene, which Newton has as a slab that is free on both sides.
+SLAB = 2.0
+
+_MODELS = ("neo_hookean", "linear_elastic")
+
+
+class NewtonOptions(BaseModel):
+    """Settings of Newton's solver; those without a word here keep Newton's own values."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    collider_basis: Literal["S2", "Q1", "pic", "pic8", "pic27"] = Field(
+        default="S2", description="contact at nodes (S2, quadratic; Q1) or at material points (pic…)"
+    )
+    velocity_basis: Literal["Q1", "B2", "B3"] = Field(default="Q1", description="basis of the velocity")
+    step: Time = Field(default=1.0 / 480.0, gt=0, description="longest time step, 1/480 s by default")
+    tolerance: float = Field(default=1e-4, gt=0, description="of the solver of a step")
+    max_iterations: int = Field(default=250, ge=1, description="of the solver of a step")
+    device: Literal["cpu", "cuda"] = Field(default="cpu", description="processor that it runs on")
+
+
+class Newton(Code):
+    """Newton, implicit MPM in single precision: one elastic body on a rigid plane.
+
+    Its points are mpmfw's. A plane scene becomes a slab of two cells, free on both sides. Steps are of
+    ``step`` or shorter, so that every output is met. Rest before the motion is found by steps that are ten
+    times as long, after each of which the body stops."""
+
+    name = "newton"
+    title = "Newton"
+    install = "pip install 'mpmfw[newton]'"
+    best: ClassVar = {"collider_basis": "pic27"}
+    reads = frozenset({"gravity", "settle"})
+    Options = NewtonOptions
+    options: NewtonOptions
+
+    def refusals(self, scene: Scene) -> Iterator[tuple[str, str]]:
+        """Yield what Newton cannot do."""
+        soft = [name for name, body in scene.bodies.items() if not body.prescribed]
+        rigid = [name for name, body in scene.bodies.items() if body.prescribed]
+        if len(soft) != 1:
+            yield "bodies", "has no contact between bodies of material points; expected one and rigid = true"
+        if len(rigid) != 1:
+            yield "bodies", f"is run with one rigid body; the scene has {len(rigid)}"
+        for name in soft:
+            body: Any = scene.bodies[name]
+            if body.sides:
+                yield f"bodies.{name}.sides", "conditions on sides are not written"
+            model = scene.materials[body.material].model
+            if model not in _MODELS:
+                yield f"materials.{body.material}.model", f"'{model}' is not one of {' and '.join(_MODELS)}"
+        for name in rigid:
+            shape = scene.bodies[name].geometry
+            upright = not np.any(getattr(shape, "angle", 0.0)) and not np.any(getattr(shape, "angles", 0.0))
+            if type(shape).__name__ not in ("Rectangle", "Box") or not upright:
+                yield (
+                    f"bodies.{name}.geometry",
+                    "stands as a level plane; expected an upright rectangle or box",
+                )
+            elif any(_lowest(scene, other) < shape.bounds[1][1] - 1e-9 for other in soft):
+                yield f"bodies.{name}.geometry", "stands as a level plane; expected the other body above it"
+
+    def write(self, scene: Scene, folder: Path) -> None:
+        """Write ``newton.json`` and the points, ``points.npz``, in three dimensions, y upwards."""
+        (name,) = (name for name, body in scene.bodies.items() if not body.prescribed)
+        (plane,) = (body for body in scene.bodies.values() if body.prescribed)
+        body, cell = scene.bodies[name], float(scene.grid.cell_size)
+        layout = points_of_body(scene, name)
+        position, volume, layers = layout.position, layout.volume, 1
+        if scene.dim == 2:
+            layers = max(2, round(SLAB * cell / float(body.particles.size)))
+            depth = SLAB * cell * (np.arange(layers) + 0.5) / layers
+            position = np.column_stack([np.repeat(position, layers, axis=0), np.tile(depth, len(volume))])
+            volume = np.repeat(volume * SLAB * cell / layers, layers)
+        velocity = np.zeros_like(position)
+        velocity[:, : scene.dim] += body.velocity or 0.0
+        if body.angular_velocity is not None:
+            spin = np.zeros(3)
+            spin[-np.size(body.angular_velocity) :] = body.angular_velocity
+            velocity += np.cross(spin, position - volume @ position / volume.sum())
+        young, poisson = elastic_constants(scene, name)
+        settle = scene.settle
+        at_rest = None if settle is None else _upright(scene, settle.gravity or scene.gravity)
+        interval, end = float(scene.time.output_interval), float(scene.time.end)
+        times = np.append(interval * np.arange(math.ceil(end / interval - 1e-9)), end)
+        facts = {
+            "cell_size": cell,
+            "density": scene.materials[body.material].density,
+            "young_modulus": young,
+            "poisson_ratio": poisson,
+            "height": float(plane.geometry.bounds[1][1]),
+            "friction": scene.pairs[0][2],
+            "gravity": _upright(scene, scene.gravity),
+            "settle_gravity": at_rest,
+            "settle_tolerance": None if settle is None else settle.tolerance,
+            "times": times.tolist(),
+            **self.options.model_dump(),
+        }
+        (folder / "newton.json").write_text(json.dumps(facts, indent=1), encoding="utf-8")
+        np.savez(folder / "points.npz", position=position, volume=volume, velocity=velocity)
+
+    def program(self) -> str | None:
+        """Return this interpreter, if it has Newton."""
+        found = all(importlib.util.find_spec(name) for name in ("newton", "warp"))
+        return sys.executable if found else None
+
+    def command(self, program: str, folder: Path) -> Sequence[str]:
+        """Return the arguments: the driver beside this file, isolated from names of this package."""
+        return [program, "-I", str(Path(__file__).with_name("newton_driver.py")), str(folder)]
+
+    def outputs(self, scene: Scene, folder: Path) -> MotionOutputs:
+        """Read ``motion.npz`` and ``motion.json``, which the driver writes last."""
+        facts = json.loads((folder / "motion.json").read_text(encoding="utf-8"))
+        asked = json.loads((folder / "newton.json").read_text(encoding="utf-8"))
+        with np.load(folder / "motion.npz", allow_pickle=False) as file:
+            time, position, velocity = (
+                np.array(file[key], float) for key in ("time", "position", "velocity")
+            )
+        with np.load(folder / "points.npz", allow_pickle=False) as file:
+            mass = asked["density"] * np.array(file["volume"], float)
+        if facts["error"]:
+            raise MpmfwError(f"{self.title}: {facts['error']}")
+        notes = [
+            "Newton's elastic law is Hooke's in logarithmic strain, with the scene's moduli at small strain",
+            f"implicit steps of {facts['step']:.3g} s; its time step has no limit of stability",
+        ]
+        if scene.dim == 2:
+            width = SLAB * asked["cell_size"]
+            mass = mass / width
+            notes.append(f"a slab of {width:g} m, free on both sides, instead of plane strain")
+        if asked["settle_gravity"] is not None and not facts["settled"]:
+            notes.append(f"it was not at rest after {facts['settle_steps']} steps of settling")
+        if asked["device"] == "cuda":
+            notes.append("costs are those of a graphics processor and one core beside it")
+        version = str(facts["versions"]["newton"])
+        known = version.rpartition(".")[0] in VERSIONS
+        status = (
+            "ok" if known else f"suspect: the adapter was measured with {', '.join(VERSIONS)}, not {version}"
+        )
+        (name,) = (name for name, body in scene.bodies.items() if not body.prescribed)
+        points = MovingPoints(mass, position[..., : scene.dim], velocity[..., : scene.dim])
+        return MotionOutputs(
+            time=time,
+            bodies={name: points},
+            code=f"Newton {version}, float32, {facts['device']}",
+            steps=int(facts["steps"]),
+            costs={
+                key: float(facts[key]) for key in ("cpu_time", "wall_time", "settle_time", "compile_time")
+            },
+            status=status,
+            notes=tuple(notes),
+            versions={str(key): str(value) for key, value in facts["versions"].items()},
+        )
+
+
+def _lowest(scene: Scene, name: str) -> float:
+    return float(scene.bodies[name].geometry.bounds[0][1])
+
+
+def _upright(scene: Scene, gravity: Any) -> list[float]:
+    """Return gravity in three dimensions [m/s²]."""
+    given = [0.0] * scene.dim if gravity is None else [float(part) for part in gravity.at(0.0)]
+    return given + [0.0] * (3 - scene.dim)

@@ -1,0 +1,175 @@
+"""Base class of adapters to other codes, and the codes that a request names."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, Self
+
+from mpmfw.codes.outputs import MotionOutputs, RunCost, results_of
+from mpmfw.codes.process import ProcessLimits, run_process
+from mpmfw.errors import MpmfwError, SceneError, SceneProblem
+from mpmfw.geometry import Layout, discretise
+from mpmfw.plugin.base import PlugIn
+from mpmfw.plugin.discovery import load
+from mpmfw.scene import load_scene
+from mpmfw.scene.specification import checked_specification
+from mpmfw.scene.tables import RigidBody
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from mpmfw.scene import Scene
+
+#: Files that every adapter has in its folder.
+SCENE, COST, LOG = "scene.toml", "cost.json", "log.txt"
+
+#: Tables of a scene that a code must say that it reads.
+_OPTIONAL = ("gravity", "loads", "boundaries", "settle")
+
+
+class Code(PlugIn):
+    """Base of adapters, announced under ``mpmfw.code``.
+
+    A code runs in a folder of its own: :meth:`prepare` writes its input, :meth:`run` starts its process and
+    :meth:`read` returns its results as those of a run. A folder can be kept, and read where the code is not
+    installed. Subclasses implement :meth:`refusals`, :meth:`write`, :meth:`program`, :meth:`command` and
+    :meth:`outputs`. The program is that of the environment's variable ``MPMFW_CODE_NAME``, if it is set;
+    a scene never names it.
+    """
+
+    title: ClassVar[str]  #: what tables call the code
+    install: ClassVar[str]  #: command that installs it
+    #: options of its best settings, which run beside the plainest where no options are named
+    best: ClassVar[Mapping[str, Any]] = {}
+    #: optional tables of a scene that it reads, of gravity, loads, boundaries and settle
+    reads: ClassVar[frozenset[str]] = frozenset()
+    limits: ClassVar[ProcessLimits] = ProcessLimits()
+
+    @property
+    def label(self) -> str:
+        """Title and the options that were set."""
+        return self.title + super().label.removeprefix(self.name)
+
+    # -- to implement
+
+    def refusals(self, scene: Scene) -> Iterator[tuple[str, str]]:
+        """Yield key and reason of everything in a scene that the code cannot do."""
+        raise NotImplementedError
+
+    def write(self, scene: Scene, folder: Path) -> None:
+        """Write the code's input to a folder."""
+        raise NotImplementedError
+
+    def program(self) -> str | None:
+        """Return the path of the code's program, or None if it is not installed."""
+        raise NotImplementedError
+
+    def command(self, program: str, folder: Path) -> Sequence[str]:
+        """Return the arguments that start the code on the input of a folder."""
+        raise NotImplementedError
+
+    def outputs(self, scene: Scene, folder: Path) -> MotionOutputs:
+        """Read the code's output; any error but MpmfwError means that it is damaged."""
+        raise NotImplementedError
+
+    # -- what campaigns call
+
+    def problems(self, scene: Scene) -> tuple[SceneProblem, ...]:
+        """Return everything in a scene that the code cannot do."""
+        found = [*self._unread(scene), *self.refusals(scene)]
+        return tuple(SceneProblem(f"{self.title}: {reason}", key) for key, reason in found)
+
+    def _unread(self, scene: Scene) -> Iterator[tuple[str, str]]:
+        for table in _OPTIONAL:
+            if getattr(scene, table) and table not in self.reads:
+                yield table, "cannot be expressed"
+        if scene.gravity is not None and not scene.gravity.is_constant:
+            yield "gravity.table", "gravity that changes cannot be expressed"
+        if not scene.has_coulomb_friction:
+            yield "contact.friction_law", "its friction is Coulomb's"
+        for name, material in scene.materials.items():
+            if material.damping is not None:
+                yield f"materials.{name}.damping", "viscous damping cannot be expressed"
+        for name, body in scene.bodies.items():
+            if isinstance(body, RigidBody) and body.rigid is not True:
+                yield f"bodies.{name}.rigid", "a rigid body that moves cannot be expressed"
+
+    def find(self) -> str:
+        """Return the path of the program; a SceneError has the command that installs the code."""
+        variable = f"MPMFW_CODE_{self.name.upper()}"
+        given = os.environ.get(variable)
+        path = shutil.which(given) if given else self.program()
+        if path is None:
+            wrong = f"{variable}={given} is no program" if given else "is not installed"
+            raise SceneError(f"code {self.name}: {wrong}; {self.install}")
+        return path
+
+    def prepare(self, scene: Scene, folder: Path) -> None:
+        """Write the code's input and the scene; a SceneError has a problem for each thing it cannot do."""
+        if problems := self.problems(scene):
+            raise SceneError(problems=problems)
+        (folder / SCENE).write_text(scene.text, encoding="utf-8")
+        self.write(scene, folder)
+
+    def run(self, folder: Path, limits: ProcessLimits | None = None) -> None:
+        """Run the code in its folder; raise MpmfwError if it fails or passes a limit."""
+        command = self.command(self.find(), folder)
+        cost = run_process(command, folder, folder / LOG, limits or self.limits)
+        (folder / COST).write_text(json.dumps(asdict(cost)), encoding="utf-8")
+
+    def read(self, folder: Path, output: str | os.PathLike[str] | None = None) -> xr.DataTree:
+        """Return the results in a folder, and write them to a file; one line says that they are damaged."""
+        try:
+            scene = load_scene(folder / SCENE)
+            cost = RunCost(**json.loads((folder / COST).read_text(encoding="utf-8")))
+            outputs = self.outputs(scene, folder)
+            outputs.check(scene)
+        except MpmfwError:
+            raise
+        except Exception as error:  # a stranger's files may hold anything
+            reason = " ".join(f"{type(error).__name__}: {error}".split())[:200]
+            raise MpmfwError(f"{self.title}: its output is missing or damaged ({reason})") from error
+        settings = json.dumps(self.options.model_dump(), default=str)
+        return results_of(scene, outputs, cost, {"contact": self.label, "settings": settings}, output)
+
+    @classmethod
+    def named(cls, text: str) -> list[Self]:
+        """Return the adapters of ``NAME`` (the plainest and the best settings) or ``NAME(option=value)``."""
+        asked = checked_specification("code", text)
+        plugin: Any = load("code", asked.name)
+        every = [asked.options] if asked.options or not plugin.best else [{}, plugin.best]
+        return [plugin(**options) for options in every]
+
+
+def codes_of(given: Iterable[Any]) -> list[Any]:
+    """Return the adapters that names and objects stand for; raise SceneError if one is not installed."""
+    codes: list[Any] = []
+    for one in given:
+        codes += Code.named(one) if isinstance(one, str) else [one]
+    for code in codes:
+        if not isinstance(code, Code):
+            raise SceneError(f"code: {code!r} is no adapter; expected a name or an object of mpmfw.api.Code")
+        code.find()
+    return list({code.label: code for code in codes}.values())
+
+
+# -- what adapters need of a scene
+
+
+def points_of_body(scene: Scene, name: str) -> Layout:
+    """Return a body's material points as mpmfw would have them."""
+    body: Any = scene.bodies[name]
+    return discretise(body.geometry, body.particles, None)
+
+
+def elastic_constants(scene: Scene, name: str) -> tuple[float, float]:
+    """Return Young's modulus [Pa] and Poisson's ratio of a body at small strain."""
+    table = scene.materials[scene.bodies[name].material]
+    material: Any = load("material", table.model).from_options(table.options)
+    bulk, shear = material.bulk_modulus, material.shear_modulus
+    return 9.0 * bulk * shear / (3.0 * bulk + shear), (3.0 * bulk - 2.0 * shear) / (6.0 * bulk + 2.0 * shear)

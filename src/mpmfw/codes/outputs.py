@@ -1,0 +1,193 @@
+"""Outputs of another code as the results of a run: the same groups, series, costs and attributes."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mpmfw.errors import MpmfwError
+from mpmfw.results import Frame, RunHeader, RunWriter, provenance
+from mpmfw.state.fields import CONTACT_SERIES, PARTICLE_FIELDS, SERIES_FIELDS, FloatArray
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from mpmfw.scene import Scene
+
+_SERIES = tuple(one for one in SERIES_FIELDS if one.name not in ("strain_energy", "total_energy"))
+_FORCE = tuple(one for one in CONTACT_SERIES if one.name == "contact_force")
+_POINTS = tuple(one for one in PARTICLE_FIELDS if one.name in ("position", "velocity", "mass"))
+
+
+@dataclass(frozen=True)
+class RunCost:
+    """What the process took, start and input included."""
+
+    cpu_time: float  #: [s]
+    wall_time: float  #: [s]
+    peak_memory: float  #: [B]
+
+
+@dataclass(frozen=True)
+class MovingPoints:
+    """Points of one body that carry its mass, at every output."""
+
+    mass: FloatArray  #: (n,) [kg], in 2D per metre of thickness
+    position: FloatArray  #: (time, n, dim) [m]
+    velocity: FloatArray  #: (time, n, dim) [m/s]
+
+
+@dataclass(frozen=True)
+class MotionOutputs:
+    """Motion of the deformable bodies, and what else a code says of its run."""
+
+    time: FloatArray  #: of the outputs, the first at 0 (time,) [s]
+    bodies: Mapping[str, MovingPoints]
+    code: str  #: title, version, float width and device, for the table
+    steps: int  #: of time
+    costs: Mapping[str, float] = field(default_factory=dict)  #: those of a run that are known better
+    status: str = "ok"  #: ``ok``, ``suspect: …`` or ``failed: …``
+    notes: tuple[str, ...] = ()  #: how the run differs from the scene
+    versions: Mapping[str, str] = field(default_factory=dict)  #: of the code and its libraries
+
+    def check(self, scene: Scene) -> None:
+        """Refuse outputs that are not those of a scene; a ValueError says why."""
+        soft = {name for name, body in scene.bodies.items() if not body.prescribed}
+        if self.bodies.keys() != soft:
+            raise ValueError(f"it has the bodies {sorted(self.bodies)}; expected {sorted(soft)}")
+        frames = len(self.time)
+        if frames < 1 or self.time[0] != 0.0 or not (np.diff(self.time) > 0.0).all():
+            raise ValueError("its times do not rise from 0")
+        for name, points in self.bodies.items():
+            shape = (frames, len(points.mass), scene.dim)
+            if points.position.shape != shape or points.velocity.shape != shape or not shape[1]:
+                raise ValueError(f"'{name}' has arrays of other shapes than {shape}")
+            if not (points.mass > 0.0).all():
+                raise ValueError(f"'{name}' has points without mass")
+            if not np.isfinite(points.position).all() or not np.isfinite(points.velocity).all():
+                raise ValueError(f"'{name}' has a motion that is not finite")
+
+
+def results_of(
+    scene: Scene,
+    outputs: MotionOutputs,
+    cost: RunCost,
+    attributes: Mapping[str, Any],
+    path: str | os.PathLike[str] | None,
+) -> xr.DataTree:
+    """Write outputs as a run's file, or keep them in memory where ``path`` is None.
+
+    Where two bodies meet, the contact force is the momentum that the first gains, without gravity's part."""
+    pairs = tuple(f"{a}-{b}" for a, b, _ in scene.pairs)
+    by_momentum = _FORCE if len(pairs) == 1 and not scene.loads else ()
+    counts = {name: len(points.mass) for name, points in outputs.bodies.items()}
+    header = RunHeader(
+        dim=scene.dim,
+        bodies=tuple(scene.bodies),
+        pairs=pairs,
+        particle_count=counts,
+        fields=(*_SERIES, *by_momentum, *(_POINTS if scene.output.particles else ())),
+        attributes={
+            "title": scene.title or scene.name,
+            "scene": scene.text,
+            "shape": "",
+            "code": outputs.code,
+            "cell_size": scene.grid.cell_size,
+            "outputs": "exact",
+            "output_interval": scene.time.output_interval,
+            "code_versions": dict(outputs.versions),
+            "notes": list(outputs.notes),
+            **attributes,
+            **provenance(),
+        },
+    )
+    moments = {name: _moments(points) for name, points in outputs.bodies.items()}
+    gravity = np.array(scene.gravity.at(0.0) if scene.gravity is not None else (0.0,) * scene.dim)
+    with RunWriter(path, header) as writer:
+        for k, time in enumerate(outputs.time):
+            series = _series(scene, moments, k)
+            if by_momentum:
+                force, first = np.zeros((1, scene.dim)), next(iter(scene.bodies))
+                if k and first in moments:
+                    mass, momentum = moments[first]["mass"], moments[first]["linear_momentum"]
+                    rate = (momentum[k] - momentum[k - 1]) / (time - outputs.time[k - 1])
+                    force[0] = rate - mass * gravity
+                series["contact_force"] = force
+            points = outputs.bodies.values() if scene.output.particles else ()
+            arrays = {
+                "position": [one.position[k] for one in points],
+                "velocity": [one.velocity[k] for one in points],
+                "mass": [one.mass for one in points],
+            }
+            particles = {name: np.concatenate(parts) for name, parts in arrays.items() if parts}
+            writer.write(Frame(time=float(time), particles=particles, series=series))
+        writer.finish({**_costs(outputs, cost), "status": _status(scene, outputs)})
+        return writer.results()
+
+
+def _moments(points: MovingPoints) -> dict[str, Any]:
+    """Return mass, momenta, angular velocity and energy of one body at all outputs."""
+    mass, position, velocity = points.mass, points.position, points.velocity
+    total = float(mass.sum())
+    centre, mean = (np.einsum("p,tpd->td", mass, one) / total for one in (position, velocity))
+    r, w = position - centre[:, None], velocity - mean[:, None]
+    second = np.einsum("p,tpd,tpe->tde", mass, r, r)
+    if position.shape[2] == 2:
+        spin = np.einsum("p,tp->t", mass, r[..., 0] * w[..., 1] - r[..., 1] * w[..., 0])[:, None]
+        turning = spin / np.trace(second, axis1=1, axis2=2)[:, None]
+    else:
+        spin = np.einsum("p,tpd->td", mass, np.cross(r, w))
+        inertia = np.trace(second, axis1=1, axis2=2)[:, None, None] * np.eye(3) - second
+        turning = np.linalg.solve(inertia, spin[..., None])[..., 0]
+    return {
+        "mass": total,
+        "centre_of_mass": centre,
+        "mean_velocity": mean,
+        "angular_velocity": turning,
+        "linear_momentum": total * mean,
+        "angular_momentum": spin,
+        "kinetic_energy": 0.5 * np.einsum("p,tpd,tpd->t", mass, velocity, velocity),
+    }
+
+
+def _series(scene: Scene, moments: Mapping[str, Mapping[str, Any]], k: int) -> dict[str, Any]:
+    """Return the series of output ``k``; rigid bodies are at rest."""
+    series = {}
+    for one in _SERIES:
+        width = {"axis": scene.dim, "rotation": 1 if scene.dim == 2 else 3}
+        rest: Any = np.zeros([width[dim] for dim in one.dims[1:]])
+        values = [moments[name][one.name][k] if name in moments else rest for name in scene.bodies]
+        series[one.name] = np.array(values, dtype=float)
+    for index, (name, body) in enumerate(scene.bodies.items()):
+        if name not in moments:
+            series["centre_of_mass"][index] = body.geometry.centroid
+    return series
+
+
+def _costs(outputs: MotionOutputs, cost: RunCost) -> dict[str, float]:
+    points = sum(len(one.mass) for one in outputs.bodies.values())
+    known = {"cpu_time": cost.cpu_time, "wall_time": cost.wall_time, "peak_memory": cost.peak_memory}
+    none = {"settle_time": 0.0, "output_time": math.nan, "gap_time": 0.0, "compile_time": math.nan}
+    return {**known, **none, **outputs.costs, "steps": outputs.steps, "material_points": points}
+
+
+def _status(scene: Scene, outputs: MotionOutputs) -> str:
+    end = float(scene.time.end)
+    if outputs.status.startswith("failed") or outputs.time[-1] >= end * (1.0 - 1e-6):
+        return outputs.status
+    return f"failed: it ended at {outputs.time[-1]:.6g} s of {end:g} s"
+
+
+def run_code(code: Any, scene: Scene, folder: Any, output: str | os.PathLike[str] | None) -> xr.DataTree:
+    """Run a code on a scene in an empty folder and return its results; a failed run raises MpmfwError."""
+    code.prepare(scene, folder)
+    code.run(folder)
+    tree: xr.DataTree = code.read(folder, output)
+    if str(tree.attrs["status"]).startswith("failed"):
+        raise MpmfwError(str(tree.attrs["status"]).removeprefix("failed: "))
+    return tree
