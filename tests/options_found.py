@@ -37,7 +37,8 @@ def option_models():
     """Models of all tables that can be reached from a scene, by name, and of the bundled plug-ins, by
     ``kind.plug-in``.
 
-    Detections and laws have theirs in those of the contacts that are made of them.
+    Detections and laws have theirs in those of the contacts that are made of them; other codes have no
+    part in a run.
     """
     found = {}
     todo = [Tables]
@@ -47,7 +48,7 @@ def option_models():
             found[model.__name__] = model
             for field in model.model_fields.values():
                 todo += sorted(models_of(field.rebuild_annotation()), key=lambda one: one.__name__)
-    for kind in [kind for kind in KINDS if kind not in ("detection", "law")]:
+    for kind in [kind for kind in KINDS if kind not in ("detection", "law", "code")]:
         for name, entry in available(kind).items():
             options = getattr(load(kind, name), "Options", None)
             if distribution_of(entry) == "mpmfw" and options is not None:

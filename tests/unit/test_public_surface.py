@@ -12,7 +12,8 @@ import pytest
 import mpmfw
 
 ROOT = Path(__file__).resolve().parents[2]
-PACKAGES = ("mpmfw", "mpmfw_testing", "mpmfw_contact", "mpmfw_load", "mpmfw_shape", "mpmfw_material")
+PLUGINS = ("mpmfw_code", "mpmfw_contact", "mpmfw_load", "mpmfw_shape", "mpmfw_material")
+PACKAGES = ("mpmfw", "mpmfw_testing", *PLUGINS)
 #: What a plug-in may import.
 OPEN = re.compile(
     r"mpmfw\.(api|kernels|contact\.(nodes|shared_nodes|springs|surfaces))(\.(?!_)|$)|mpmfw_testing(\.|$)"

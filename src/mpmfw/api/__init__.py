@@ -4,7 +4,7 @@
 A plug-in is a class with an ``Options`` model (pydantic), a constructor that takes those options as keywords,
 a ``name``, and implementations of the hooks of :class:`mpmfw.plugin.hookspecs.HookSpecs`, marked with
 ``hookimpl``. It derives from a base class of its kind, and is announced as an entry point of the group
-``mpmfw.KIND``. Geometries, measures and references have no hooks.
+``mpmfw.KIND``. Geometries, measures, references and adapters to other codes have no hooks.
 
 ======================== ================================================================================
 module                   groups of entry points
@@ -15,6 +15,7 @@ module                   groups of entry points
 ``mpmfw.api.load``       ``mpmfw.load``, ``mpmfw.boundary``, ``mpmfw.output``
 ``mpmfw.api.geometry``   ``mpmfw.geometry``
 ``mpmfw.api.results``    ``mpmfw.measure``, ``mpmfw.reference``
+``mpmfw.api.code``       ``mpmfw.code``; only this module has its names
 ``mpmfw.api.types``      needed by all: arrays and structs of a run, hooks, errors
 ``mpmfw.api.units``      needed by all: annotations of options that have a unit
 ======================== ================================================================================
