@@ -276,7 +276,7 @@ class Broken(Parabola):
 def test_a_code_stands_in_a_comparison_like_a_contact(tmp_path, monkeypatch):
     sizes = {"set": {**COARSE, "time.end": 0.1}, "store": tmp_path / "store"}
     codes = [Parabola(), Broken()]
-    with pytest.warns(mpmfw.ResultsWarning, match="Parabola/linear: it is exact"):
+    with pytest.warns(mpmfw.ResultsWarning, match="Parabola, linear: it is exact"):
         joined = mpmfw.compare(SLIP, contact=["penalty"], shape=["linear", "gimp"], code=codes, **sizes)
     assert joined["contact"].values.tolist() == ["penalty", "Parabola", "Broken"]
     status = joined["status"].sel(shape="linear").values.tolist()
