@@ -39,26 +39,26 @@ print(json.dumps([result, *(sum(sum(getattr(s, "cache_" + n).values()) for s in 
 """  # noqa: E501
 
 
-def test_a_second_process_compiles_nothing_and_an_edit_is_noticed(tmp_path):
+def test_another_process_and_folder_compile_nothing_and_an_edit_is_noticed(tmp_path):
     """The result, hits and misses of two kernels in each process; the core's own is not compiled again."""
-    for name, source in FILES.items():
-        (tmp_path / name).write_text(source)
-    source = Path(_jit.__file__).parents[2]
+    first, second = tmp_path / "first", tmp_path / "second"
+    for folder in (first, second):
+        folder.mkdir()
+        for name, source in FILES.items():
+            (folder / name).write_text(source)
     environment = {
-        **os.environ,
-        "NUMBA_CACHE_DIR": str(tmp_path / "cache"),
-        "PYTHONPATH": os.pathsep.join([str(tmp_path), str(source)]),
-        "PYTHONDONTWRITEBYTECODE": "1",
-    }
+        **os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONDONTWRITEBYTECODE": "1",
+    }  # fmt: skip
 
-    def found():
+    def found(folder):
+        environment["PYTHONPATH"] = os.pathsep.join([str(folder), str(Path(_jit.__file__).parents[2])])
         command = [sys.executable, "-c", SCRIPT]
         done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
         return json.loads(done.stdout)
 
-    assert [found(), found()] == [[2.0, 0, 2], [2.0, 2, 0]]
-    (tmp_path / "other_shape.py").write_text(DEVICE.format(factor=3.0))
-    assert found()[:2] == [3.0, 1]
+    assert [found(first), found(second)] == [[2.0, 0, 2], [2.0, 2, 0]]
+    (second / "other_shape.py").write_text(DEVICE.format(factor=3.0))
+    assert found(second)[:2] == [3.0, 1]
 
 
 @pytest.fixture
@@ -108,6 +108,7 @@ def compiled(tmp_path, monkeypatch):
 def test_processes_that_compile_different_signatures_at_once_do_not_swap_code(compiled, monkeypatch):
     """numba reads the index, chooses a name, writes the index, writes the code: two processes take turns."""
     cache, codes = compiled._cache._cache_file, {"float": 1, "integer": 2}
+    Path(cache._cache_path).mkdir()
     indices = {kind: cache._load_index() for kind in codes}
     for kind, process in codes.items():
         monkeypatch.setattr(os, "getpid", lambda process=process: process)

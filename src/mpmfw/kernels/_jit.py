@@ -3,7 +3,8 @@
 numba's cache misses an edit in a file that the kernel's file imports, and options such as ``nogil``. The
 cache folder is therefore named by a hash of the options and of all sources that a kernel can be made of:
 those of ``mpmfw.kernels``, of the kernel's own package, and of other packages whose kernels its module has
-imported. (A number that is imported by value from another package is not seen.)"""
+imported. Environments with the same sources share it. (A number that is imported by value from another
+package is not seen.)"""
 
 from __future__ import annotations
 
@@ -154,6 +155,7 @@ class _KernelFiles(_CacheFile):  # type: ignore[misc]
     def save(self, key: Any, content: Any) -> None:
         """Save an entry; a full disk is no reason to fail, the kernel is compiled."""
         with contextlib.suppress(OSError):
+            Path(self._cache_path).mkdir(exist_ok=True)
             super().save(key, content)
 
     @staticmethod
@@ -169,8 +171,8 @@ class _KernelFiles(_CacheFile):  # type: ignore[misc]
 def kernel(function: Callable[Params, Result]) -> Callable[Params, Result]:
     """Compile ``function`` with numba at its first call, kept on disk between processes."""
     _note_sources(function)
-    previous = _config.CACHE_DIR
-    _config.CACHE_DIR = str(cache_folder(function.__module__))
+    folder, previous = cache_folder(function.__module__), _config.CACHE_DIR
+    _config.CACHE_DIR = str(folder)
     try:
         compiled: Callable[Params, Result] = _njit(cache=True, no_cfunc_wrapper=True, **OPTIONS)(function)
     finally:
@@ -179,7 +181,10 @@ def kernel(function: Callable[Params, Result]) -> Callable[Params, Result]:
     if cache is not None:
         files = cache._cache_file
         stem = files._index_name.removesuffix(".nbi")
-        cache._cache_file = _KernelFiles(files._cache_path, stem, files._source_stamp)
+        place: tuple[str, Any] = files._cache_path, files._source_stamp
+        if _own_sources(function.__module__) is not None:  # the folder's name holds them: no path counts
+            place = str(folder / function.__module__), None
+        cache._cache_file = _KernelFiles(place[0], stem, place[1])
     return compiled
 
 
