@@ -232,33 +232,3 @@ def whole_of(rows):
     """Area of the whole place that every row belongs to."""
     identity = rows.identity[: rows.count]
     return np.array([rows.tributary_area[: rows.count][identity == each].sum() for each in identity])
-
-
-class OneNode:
-    """The tip of a triangle (node 0) on the top of a flat body at y = 0, moved by hand."""
-
-    def __init__(self, law, x=0.05, y=0.01):
-        tip = np.array([[x, y], [x + 0.2, y + 1.0], [x - 0.2, y + 1.0]])
-        self.loops = join([tip, flat(-2.0, 2.0, -1.0, 0.0, 16)])
-        self.law = law
-        self.old_master, self.old_tangential = np.full((len(self.loops.body), 1), -1), None
-        self.work = 0.0
-
-    def move(self, dx, dy):
-        """Move the triangle; return the normal and the tangential force on its tip."""
-        loops = self.loops
-        loops.displacement[:3] = (dx, dy)
-        loops.position[:3] += (dx, dy)
-        found = empty_candidates(len(loops.body), 1)
-        best = np.inf
-        for m in np.flatnonzero(loops.body == 1):
-            share, normal = np.zeros(2), np.zeros(2)
-            gap = signed_distance(loops.position[0], m, loops.outline, share, normal, PLANE)
-            if abs(gap) < best:
-                best = abs(gap)
-                found.facet[0, 0], found.gap[0, 0] = m, gap
-        found.locate(loops)
-        force, tangential, work = forces(loops, found, self.law, self.old_master, self.old_tangential)
-        self.old_master, self.old_tangential = found.master, tangential
-        self.work += work[0]
-        return force[0, 1], force[0, 0]

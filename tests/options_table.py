@@ -9,6 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from mpmfw.plugin.discovery import load
 from msh_files import write_msh
 from scenes_for_tests import SOFT, block, one_body, two_blocks, with_changes
 
@@ -311,14 +312,22 @@ def _made_of(model: str, **changes: Any) -> dict[str, Any]:
     return held(materials__soft__model=model, **flow, **changes)
 
 
-def _material(model: str, option: str, first: Any, second: Any, **changes: Any) -> Acts:
-    return values(_made_of(model, **changes), f"materials__soft__{option}", first, second)
+#: Two values of every option of a material; cohesion bounds the tension, which acts where the square hangs.
+VALUES: dict[str, tuple[Any, Any]] = {
+    "bulk_modulus": (6e6, 5e6), "shear_modulus": (3e6, 2e6), "youngs_modulus": (5e6, 4e6),
+    "poissons_ratio": (0.3, 0.2), "yield_stress": (1e2, 1e3), "hardening_modulus": (0.0, 1e6),
+    "friction_angle": (0.5, 0.3), "dilation_angle": (0.0, 0.2), "cohesion": (1e2, 2e2), "tension": (1e1, 5e1),
+    "fit": ("plane_strain", "extension"), "energy": ("split", "log"),
+}  # fmt: skip
+YOUNG = {"youngs_modulus": 5e6, "poissons_ratio": 0.3}
 
 
-def _by_young(model: str, option: str, second: float) -> Acts:
-    soft = {"model": model, "density": 1000.0, "youngs_modulus": 5e6, "poissons_ratio": 0.3}
-    soft |= FLOW.get(model, {})
-    return values(held(), "materials__soft", soft, {**soft, option: second})
+def _material(model: str, option: str) -> Acts:
+    scene = _made_of(model, **({"gravity": {"vector": [0.0, 100.0]}} if option == "tension" else {}))
+    if option in YOUNG:
+        soft = {"model": model, "density": 1000.0, **YOUNG, **FLOW.get(model, {})}
+        scene = {**scene, "materials": {"soft": soft}}
+    return values(scene, f"materials__soft__{option}", *VALUES[option])
 
 
 #: Plug-ins whose every option the conformance kit tries.
@@ -340,32 +349,10 @@ PLUGINS: dict[str, Acts] = {
     "friction.stribeck.velocity": _friction("stribeck", "velocity", 1.0, 3.0),
     "friction.mohr_coulomb.cohesion": _friction("mohr_coulomb", "cohesion", 1e3, 1e4),
     **{
-        f"material.{model}.{option}": _material(model, option, first, second)
+        f"material.{model}.{option}": _material(model, option)
         for model in MODELS
-        for option, first, second in (("bulk_modulus", 6e6, 5e6), ("shear_modulus", 3e6, 2e6))
+        for option in load("material", model).Options.model_fields
     },
-    **{
-        f"material.{model}.{option}": _by_young(model, option, second)
-        for model in MODELS
-        for option, second in (("youngs_modulus", 4e6), ("poissons_ratio", 0.2))
-    },
-    "material.j2.yield_stress": _material("j2", "yield_stress", 1e2, 1e3),
-    "material.j2.hardening_modulus": _material("j2", "hardening_modulus", 0.0, 1e6),
-    **{
-        f"material.{model}.{option}": _material(model, option, first, second)
-        for model in ("mohr_coulomb", "drucker_prager")
-        for option, first, second in (
-            ("friction_angle", 0.5, 0.3),
-            ("dilation_angle", 0.0, 0.2),
-            ("cohesion", 1e2, 2e2),
-        )
-    },
-    **{
-        f"material.{model}.tension": _material(model, "tension", 1e1, 5e1, gravity={"vector": [0.0, 100.0]})
-        for model in ("mohr_coulomb", "drucker_prager")
-    },
-    "material.drucker_prager.fit": _material("drucker_prager", "fit", "plane_strain", "extension"),
-    "material.neo_hookean.energy": _material("neo_hookean", "energy", "split", "log"),
 }
 
 

@@ -18,28 +18,13 @@ def with_changes(scene, **changes):
     return scene
 
 
-def solid(
-    lower,
-    upper,
-    size,
-    material="soft",
-    layout="lattice",
-    **keys,
-):
+def solid(lower, upper, size, material="soft", layout="lattice", **keys):
     """A rectangle or a box of points of this size."""
     geometry = {"type": "rectangle" if len(lower) == 2 else "box", "lower": lower, "upper": upper}
     return {"material": material, "geometry": geometry, "particles": {"layout": layout, "size": size}, **keys}
 
 
-def scene_of(
-    bodies,
-    cell,
-    lower,
-    upper,
-    end,
-    outputs=1,
-    **tables,
-):
+def scene_of(bodies, cell, lower, upper, end, outputs=1, **tables):
     """Bodies in a grid between two corners, with outputs until the end; ``tables`` replace whole ones."""
     return {
         "grid": {"cell_size": cell, "lower": lower, "upper": upper},

@@ -5,31 +5,21 @@ import copy
 from mpmfw.campaigns.judging import Judge
 from mpmfw.studies.loading import load_study
 from mpmfw.studies.study import make_grid
-from scenes_for_tests import SOFT
+from scenes_for_tests import scene_of, solid
 
 #: A block of 6 × 4 points on a plane, not settled: a run of milliseconds. Surfaces lie off the grid lines.
-SLIDING = {
-    "grid": {"cell_size": 0.2, "lower": [-0.6, -0.6], "upper": [1.8, 1.0]},
-    "time": {"end": 0.02, "output_interval": 0.002},
-    "shape": {"method": "cpdi"},
-    "contact": {"method": "penalty", "friction": 0.1},
-    "materials": {"soft": SOFT},
-    "bodies": {
-        "block": {
-            "material": "soft",
-            "geometry": {"type": "rectangle", "lower": [0.11, 0.013], "upper": [0.71, 0.413]},
-            "particles": {"size": 0.1},
-        },
-        "plane": {
-            "material": "soft",
-            "geometry": {"type": "rectangle", "lower": [-0.2, -0.2], "upper": [1.4, 0.013]},
-            "particles": {"size": 0.1},
-            "sides": [{"side": "bottom", "fixed": True}],
-        },
+SLIDING = scene_of(
+    {
+        "block": solid([0.11, 0.013], [0.71, 0.413], 0.1),
+        "plane": solid([-0.2, -0.2], [1.4, 0.013], 0.1, sides=[{"side": "bottom", "fixed": True}]),
     },
-    "gravity": {"magnitude": 10.0, "tilt": 0.4},
-    "reference": {"kind": "sliding-block"},
-}
+    *(0.2, [-0.6, -0.6], [1.8, 1.0]),
+    end=0.02,
+    outputs=10,
+    contact={"method": "penalty", "friction": 0.1},
+    gravity={"magnitude": 10.0, "tilt": 0.4},
+    reference={"kind": "sliding-block"},
+)
 
 
 def tiny_study(**changes):

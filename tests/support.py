@@ -1,10 +1,13 @@
 """Small factories of state, for tests of kernels and shape functions."""
 
+import tomllib
+
 import numpy as np
 
 from mpmfw.api import Particles, Setup, State
 from mpmfw.plugin.discovery import load
 from mpmfw.state.windows import make_grid
+from mpmfw_material._plastic import Flow
 
 
 def make_test_grid(windows, *, cell_size, lower):
@@ -22,13 +25,7 @@ def make_test_grid(windows, *, cell_size, lower):
     return grid
 
 
-def make_particles(
-    position,
-    first=None,
-    *,
-    deformation_gradient=None,
-    volume=0.25,
-):
+def make_particles(position, first=None, *, deformation_gradient=None, volume=0.25):
     """Points at rest at ``position``, (n, dim); ``first`` are the ranges of the velocity fields."""
     n, dim = position.shape
     eye = np.tile(np.eye(dim), (n, 1, 1))
@@ -63,3 +60,49 @@ def make_shape(name, particles, grid, *, half_edges=None):
     shape = load("shape", name)()
     shape.setup(setup)
     return shape
+
+
+class PlasticPoint:
+    """One material point, deformed by hand; ``update(f, flow, stress, spacing)`` writes σ and what flows."""
+
+    def __init__(self, update, dim=3):
+        self.update, self.spacing = update, (1.0,) * dim
+        self.flow = Flow(metric=np.eye(3)[None].copy(), strain=np.zeros(1), work=np.zeros(1))
+
+    def stress(self, f):
+        """σ at F, (dim, dim); the point keeps what has flowed."""
+        dim = len(self.spacing)
+        stress = np.empty((1, dim, dim))
+        self.update(np.ascontiguousarray(f[None, :dim, :dim]), self.flow, stress, self.spacing)
+        return stress[0]
+
+    def tried(self, f):
+        """σ at F without keeping anything."""
+        arrays = self.flow.metric, self.flow.strain, self.flow.work
+        before = [array.copy() for array in arrays]
+        found = self.stress(f)
+        for array, old in zip(arrays, before, strict=True):
+            array[:] = old
+        return found
+
+    @property
+    def strain(self):
+        """Plastic strain."""
+        return float(self.flow.strain[0])
+
+    @property
+    def work(self):
+        """Work that is lost [J/m^3]."""
+        return float(self.flow.work[0])
+
+
+def write_metadata(root):
+    """Write what an installation leaves beside the package: metadata with the entry points of a project."""
+    project = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    info = root / "src" / f"{project['name'].replace('-', '_')}-0.1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: 0.1.0\n")
+    lines = []
+    for group, entries in project["entry-points"].items():
+        lines += [f"[{group}]", *(f"{name} = {value}" for name, value in entries.items())]
+    (info / "entry_points.txt").write_text("\n".join(lines) + "\n")

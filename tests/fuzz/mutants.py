@@ -46,6 +46,7 @@ _VALUE = re.compile(
     r"(?<== )(?:\"[^\"\n]*\"|[^\s,\[\]{}]+)|(?<=[\[ ])(?:\"[^\"\n]*\"|-?[0-9][0-9.e+-]*)(?=[,\]])"
 )
 _LINE = re.compile(r"(?m)^(\w+) = (.*)$")
+_KEY = re.compile(r"\b\w+(?= = )")
 
 
 def mutant(number):
@@ -58,22 +59,26 @@ def mutant(number):
     return text
 
 
+def _replace(draw, text, pattern, new, group=0):
+    """Put what ``new`` draws in the place of one match of a pattern, or of a group of it."""
+    found = draw.choice(list(pattern.finditer(text)) or [None])
+    return text if found is None else text[: found.start(group)] + new() + text[found.end(group) :]
+
+
 def _replace_value(draw, text):
     """Put another value in the place of one."""
-    found = draw.choice(list(_VALUE.finditer(text)) or [None])
-    if found is None:
-        return text
-    pool = draw.choice((_NUMBERS, _NUMBERS, _TEXTS, _TABLES))
-    return text[: found.start()] + draw.choice(pool) + text[found.end() :]
+    pools = (_NUMBERS, _NUMBERS, _TEXTS, _TABLES)
+    return _replace(draw, text, _VALUE, lambda: draw.choice(draw.choice(pools)))
 
 
 def _replace_entry(draw, text):
     """Put another value in the place of all that stands right of an equals sign."""
-    found = draw.choice(list(_LINE.finditer(text)) or [None])
-    if found is None:
-        return text
-    pool = draw.choice((_NUMBERS, _TEXTS, _TABLES))
-    return text[: found.start(2)] + draw.choice(pool) + text[found.end(2) :]
+    pools = (_NUMBERS, _TEXTS, _TABLES)
+    return _replace(draw, text, _LINE, lambda: draw.choice(draw.choice(pools)), 2)
+
+
+def _rename_key(draw, text):
+    return _replace(draw, text, _KEY, lambda: draw.choice(_KEYS))
 
 
 def _scale_number(draw, text):
@@ -99,13 +104,6 @@ def _repeat_line(draw, text):
     lines = text.splitlines(keepends=True)
     lines.insert(draw.randrange(len(lines)), draw.choice(lines))
     return "".join(lines)
-
-
-def _rename_key(draw, text):
-    found = draw.choice(list(re.finditer(r"\b\w+(?= = )", text)) or [None])
-    if found is None:
-        return text
-    return text[: found.start()] + draw.choice(_KEYS) + text[found.end() :]
 
 
 def _add_line(draw, text):

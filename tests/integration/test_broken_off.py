@@ -3,6 +3,7 @@
 import signal
 import subprocess
 import sys
+import threading
 import time
 from types import SimpleNamespace
 
@@ -13,10 +14,11 @@ from typer.testing import CliRunner
 
 import mpmfw
 from mpmfw.cli import app
-from mpmfw.errors import MpmfwError, ResultsWarning
+from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning
 from mpmfw.results import Frame, RunHeader, RunWriter
 from mpmfw.results.reading import read
 from mpmfw.results.writing import WRITTEN_EVERY
+from mpmfw.runs.interruption import interruptible, unbroken
 from mpmfw.state.fields import PARTICLE_FIELDS, SERIES_FIELDS
 from scenes_for_tests import two_blocks
 
@@ -131,3 +133,35 @@ def test_a_kill_loses_the_frames_of_a_moment(path):
     points = tree["particles/a/position"].values
     np.testing.assert_array_equal(points.min(axis=(1, 2)), expected[::100])
     np.testing.assert_array_equal(points.max(axis=(1, 2)), expected[::100])
+
+
+def test_a_signal_takes_effect_after_what_must_be_whole():
+    done = []
+    with interruptible():
+        if signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:
+            pytest.skip("the host takes signals itself")
+        with pytest.raises(Interrupted) as stopped, unbroken():  # noqa: PT012
+            signal.raise_signal(signal.SIGTERM)
+            signal.raise_signal(signal.SIGTERM)
+            done.append("whole")
+        assert (done, stopped.value.number) == (["whole"], signal.SIGTERM)
+        with unbroken():
+            done.append("again")
+        with pytest.raises(Interrupted):
+            signal.raise_signal(signal.SIGTERM)
+
+
+def test_an_error_within_is_its_own_and_another_thread_takes_no_signals():
+    with pytest.raises(ValueError, match="mine"), unbroken():
+        raise ValueError("mine")
+    done = []
+
+    def work():
+        with unbroken():
+            done.append(signal.getsignal(signal.SIGINT))
+
+    before = signal.getsignal(signal.SIGINT)
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    assert done == [before] == [signal.getsignal(signal.SIGINT)]

@@ -23,8 +23,6 @@ from mpmfw.cli import app
 from mpmfw.cli.compare import print_comparison
 from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.plugin.measure import Exact, Reference
-from mpmfw.report import table
-from mpmfw.results.references import described
 from mpmfw.runs.identity import counted, is_current, key_of, sources
 from mpmfw.scene import load_scene
 from mpmfw.stability import stability_map
@@ -256,17 +254,6 @@ def test_a_run_that_dies_harms_no_other_and_an_object_that_cannot_leave_runs_her
     xr.testing.assert_equal(first, second)
     assert data.attrs["timing"] == "shared cores"
     assert data.attrs["cores"].startswith("2 processes on ")
-
-
-def test_a_comparison_knows_the_reference_of_its_scene(capsys):
-    coarse = {"grid.cell_size": 0.25, "settle.tolerance": 0.1}
-    data = mpmfw.compare("contact-stress", ["penalty"], ["cpdi"], set=coarse, repeats=1)
-    assert 0.0 < table(data)[0]["interface_stress_error"] < 300.0
-    assert described(data).startswith("a ")
-    print_comparison(data)
-    printed = capsys.readouterr().out
-    assert "Errors against a " in printed
-    assert "settle" in printed
 
 
 # -- kills

@@ -139,7 +139,6 @@ SOUND = {
     ("friction", "stribeck(velocity=0.5)"): {},
     ("friction", "mohr_coulomb(cohesion=10)"): {},
     ("geometry", geometry.Sound): {},
-    ("geometry", geometry.SoundSolid): {},
     ("geometry", "disc(centre=[0, 0], radius=1)"): {},
     ("geometry", "ring(centre=[0.3, 0.2], inner_radius=0.5, outer_radius=0.8)"): {},
     ("geometry", "rectangle(lower=[0, 0], upper=[1, 0.4], angle=0.3)"): {},

@@ -60,15 +60,7 @@ def test_motion_left_is_a_share_of_the_strain_energy(monkeypatch):
     assert settling.concern({"settle_motion": 1.1e-3}) == []
 
 
-def flutters(
-    *,
-    outputs=12,
-    share=0.9,
-    swing=0.05,
-    every=1,
-    slip=1.0,
-    way=0.01,
-):
+def flutters(*, outputs=12, share=0.9, swing=0.05, every=1, slip=1.0, way=0.01):
     """Return whether a contact is noted whose normal force swings by a share of its mean, and turns at
     ``every`` output.
 

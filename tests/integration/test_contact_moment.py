@@ -5,7 +5,6 @@ import pytest
 
 import mpmfw
 from mpmfw.errors import SceneError
-from mpmfw.units import powers_of
 from mpmfw_testing.contact.motion import moment
 from scenes_for_tests import box, two_blocks, with_changes
 
@@ -85,16 +84,6 @@ def test_mean_over_an_interval_is_the_mean_of_its_steps():
     assert (fifth[0] == 0.0).all()
     np.testing.assert_allclose(fifth[1], every[1:7].mean(axis=0), rtol=1e-9)
     np.testing.assert_allclose(fifth[2], every[7:13].mean(axis=0), rtol=1e-9)
-
-
-@pytest.mark.parametrize(("scene", "unit"), [(two_blocks, "N m m-1"), (cubes, "N m")])
-def test_a_number_in_the_plane_and_a_vector_in_space_with_units(scene, unit):
-    found = recorded(scene("penalty"), "centre_of_mass", steps=1)["series"]["contact_moment"]
-    assert found.dims == ("time", "body", "rotation")
-    assert found.sizes["rotation"] == (1 if unit.endswith("m-1") else 3)
-    assert found.attrs["units"] == unit
-    assert found.attrs["cell_methods"] == "time: mean"
-    powers_of(unit)
 
 
 def test_a_point_of_the_wrong_dimension_is_refused():

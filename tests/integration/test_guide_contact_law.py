@@ -9,12 +9,12 @@ import os
 import re
 import shlex
 import sys
-import tomllib
 from pathlib import Path
 
 import pytest
 
 from mpmfw.cli.app import app
+from support import write_metadata
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "guide" / "write-a-contact-law.md"
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
@@ -38,13 +38,7 @@ def package(blocks, tmp_path_factory):
             path = root / named[1]
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text, encoding="utf-8")
-    project = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    info = root / "src" / f"mpmfw_film-{project['version']}.dist-info"
-    info.mkdir()
-    head = f"Metadata-Version: 2.4\nName: {project['name']}\nVersion: {project['version']}\n"
-    (info / "METADATA").write_text(head, encoding="utf-8")
-    lines = [f"{name} = {value}" for name, value in project["entry-points"]["mpmfw.law"].items()]
-    (info / "entry_points.txt").write_text("\n".join(["[mpmfw.law]", *lines, ""]), encoding="utf-8")
+    write_metadata(root)
     sys.path.insert(0, str(root / "src"))
     os.environ["PYTHONPATH"] = str(
         root / "src"

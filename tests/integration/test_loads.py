@@ -4,11 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from pydantic import BaseModel
 
-import mpmfw
 from measures_for_tests import momentum
-from mpmfw.api import SurfaceLoad
 from mpmfw.errors import SceneError
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import BULK, DENSITY, SHEAR, SOFT, block, box, disc, two_blocks
@@ -119,17 +116,6 @@ def test_tractions_on_all_sides_shear_a_free_block_uniformly(shape):
     assert (f[:, 0, 1] + f[:, 1, 0]).mean() == pytest.approx(tau / SHEAR, rel=0.03)
 
 
-@pytest.mark.parametrize(("shape", "size"), [("cpdi", 0.125), ("cpdi", 0.0625), ("gimp", 0.125)])
-def test_a_total_force_on_a_side_does_not_depend_on_the_mesh(size, shape):
-    """Half of the height, or another division into points: the sum is the force that was asked for."""
-    sides = [{"side": "right", "force": [30.0, 5.0]}]
-    for height in (0.5, 1.0):
-        geometry = {"type": "rectangle", "lower": [-0.5, 0.0], "upper": [0.5, height]}
-        changes = {"bodies__solid__geometry": geometry, "bodies__solid__particles__size": size}
-        sim = after(20, block(bodies__solid__sides=sides, shape__method=shape, time__step=STEP, **changes))
-        np.testing.assert_allclose(momentum(sim), [30.0 * 20 * STEP, 5.0 * 20 * STEP], rtol=1e-9)
-
-
 # -- loads by name
 
 
@@ -172,30 +158,6 @@ def test_drag_lets_the_velocity_decay_towards_the_medium():
     assert (2e-6, "drag") in after(0, block(loads={"air": {"model": "drag", "rate": 1e6}})).limits()
 
 
-class Wind(SurfaceLoad):
-    """Traction c (u − v)·n n where the wind blows on the surface: by place, motion and direction."""
-
-    name = "wind"
-
-    class Options(BaseModel):
-        speed: float = 3.0
-
-    def traction(self, facets, time):  # noqa: ARG002
-        against = (facets.velocity - [self.options.speed, 0.0])[:, 0] * facets.normal[:, 0]
-        return -np.maximum(against, 0.0)[:, None] * facets.normal
-
-
-def test_a_strangers_traction_by_place_and_motion(announce):
-    """On the left side of 1 m alone: c (u − v_x) pushes towards +x."""
-    announce("load", "wind", f"{__name__}:Wind")
-    for speed, gained in ((0.0, 3e-4), (1.0, 2e-4)):
-        wind = {"model": "wind", "speed": 3.0}
-        sim = after(1, block(loads={"wind": wind}, bodies__solid__velocity=[speed, 0.0], time__step=STEP))
-        before = speed * sim.state.particles.mass.sum()
-        np.testing.assert_allclose(momentum(sim) - [before, 0.0], [gained, 0.0], rtol=1e-6, atol=1e-10)
-    assert any(effect.name == "surfaces" and "wind" in effect.reason for effect in sim.effects)
-
-
 DRAG = {"model": "drag", "rate": 1.0}
 PUSH = {"model": "point_force", "at": [0, 0], "force": [1, 0]}
 
@@ -217,19 +179,3 @@ PUSH = {"model": "point_force", "at": [0, 0], "force": [1, 0]}
 def test_a_load_that_cannot_be_meant_is_refused(load, said):
     with pytest.raises(SceneError, match=rf"loads\.{said}"):
         Simulation(two_blocks("penalty", loads={"a": load}))
-
-
-@pytest.mark.parametrize(
-    ("load", "said"),
-    [
-        (
-            {"traction": [1.0, 2.0, 3.0]},
-            r"sides\[0\].traction: has 3 entries; expected 2, because the grid is 2D",
-        ),
-        ({"pressure": [[0.0, 1.0], ["1 ms", "3 mm"]]}, r"'3 mm' is not convertible to Pa"),
-        ({"pressure": 1.0, "traction": [1.0, 0.0]}, "has pressure and traction; expected exactly one of"),
-    ],
-)
-def test_a_load_on_a_side_that_cannot_be_meant_is_refused(load, said):
-    with pytest.raises(SceneError, match=said):
-        mpmfw.load_scene(block(bodies__solid__sides=[{"side": "top", **load}]))

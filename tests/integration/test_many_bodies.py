@@ -2,16 +2,18 @@
 bodies.
 """
 
+import math
+
 import numpy as np
 import pytest
 import xarray as xr
 
 import mpmfw
-from many_discs import many_discs
 from mpmfw.api import ContactStrategy, hookimpl
 from mpmfw.results.analysis import energy_kept
 from mpmfw.runs.simulation import Simulation
 from mpmfw.state.windows import FEW
+from scenes_for_tests import scene_of, with_changes
 
 METHODS = ("none", "penalty")
 
@@ -20,12 +22,29 @@ METHODS = ("none", "penalty")
 FAST = pytest.mark.filterwarnings("ignore::mpmfw.errors.ResultsWarning")
 
 
-def small(count, contact, **changes):
-    """Discs of three cells across, as few points as carry contact, and no frames but where they are asked
-    for.
+def many_discs(count, contact, **changes):
+    """Touching discs of three cells across on a square lattice, every second row and column of which moves
+    against the others at 0.1 m/s.
     """
+    side = math.ceil(math.sqrt(count))
+    bodies = {}
+    for k in range(count):
+        i, j = divmod(k, side)
+        bodies[f"d{k}"] = {
+            "material": "soft",
+            "geometry": {"type": "disc", "centre": [3.0 * i + 0.03, 3.0 * j + 0.07], "radius": 1.5},
+            "particles": {"layout": "fitted", "size": 0.5},
+            "velocity": [0.1 * (1 - 2 * (i % 2)), 0.1 * (1 - 2 * (j % 2))],
+        }
+    contact = {"method": contact, "friction": 0.3}
+    made = scene_of(bodies, 1.0, [-7.5] * 2, [3.0 * side + 6.0] * 2, end=1.0, outputs=2, contact=contact)
+    return with_changes(made, **changes)
+
+
+def small(count, contact, **changes):
+    """As few points as carry contact, and no frames but where they are asked for."""
     least = {"shape__method": "linear", "output": {"particles": False, "surface": False}}
-    return many_discs(count, contact, radius=1.5, **{**least, **changes})
+    return many_discs(count, contact, **{**least, **changes})
 
 
 def sizes_of(owner, path, seen):
@@ -154,9 +173,7 @@ def test_a_file_of_many_bodies_grows_in_proportion(tmp_path):
 
     def size(n):
         path = tmp_path / f"{n}.nc"
-        mpmfw.run(
-            many_discs(n, "penalty", radius=1.5, time={"end": 1e-4, "output_interval": 1e-4}), output=path
-        )
+        mpmfw.run(many_discs(n, "penalty", time={"end": 1e-4, "output_interval": 1e-4}), output=path)
         return path.stat().st_size
 
     assert size(80) < 2.3 * size(40)

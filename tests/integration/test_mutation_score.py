@@ -1,19 +1,62 @@
-"""The share of faults that the conformance kit finds; ``python tests/mutation_score.py`` prints each with its
-check.
-"""
+"""Mutants of a sound material, made by a rule, and what the conformance kit finds of them.
 
+Faults planted by hand are in test_conformance."""
+
+import ast
+import copy
+import inspect
+import textwrap
+
+import numpy as np
 import pytest
 
-import mutation_score
-from faulty_plugins.planted import MISSED, planted
+from faulty_plugins.contact.keeping import HalfTheWork
+from faulty_plugins.material import sound
+from kit_for_tests import check_of
+from mpmfw_testing import checks_of, examine, subject_of
+from mpmfw_testing.examination import examine_one
+
+SWAPS = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}
 
 
-def test_one_in_twenty_of_the_planted_faults_may_pass():
-    assert len(MISSED) <= 0.05 * len(list(planted("contact")))
+def mutants(source):
+    """What was changed, and the source with that change: + − × ÷ exchanged, a number doubled, a sign lost."""
+    tree = ast.parse(source)
+    for index, node in enumerate(ast.walk(tree)):
+        changed = copy.deepcopy(tree)
+        twin = list(ast.walk(changed))[index]
+        if isinstance(node, ast.BinOp) and type(node.op) in SWAPS:
+            twin.op = SWAPS[type(node.op)]()
+        elif isinstance(node, ast.Constant) and type(node.value) is float:
+            twin.value = 2.0 * node.value + (node.value == 0.0)
+        elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
+            twin.op = ast.UAdd()
+        else:
+            continue
+        yield f"line {node.lineno}: {ast.unparse(node)} → {ast.unparse(twin)}", ast.unparse(changed)
+
+
+def mutated_materials():
+    """Mutants of the sound material's stress and energy."""
+    for name in ("stress", "energy_density"):
+        for what, text in mutants(textwrap.dedent(inspect.getsource(getattr(sound.Sound, name)))):
+            names = dict(vars(sound))
+            exec(text, names)
+            mutant = type("Mutant", (sound.Sound,), {"name": "mutant", name: names[name]})
+            if name == "stress":  # outputs that agree with the step hide nothing from the other checks
+                mutant.cauchy_stress = lambda self, f: self.stress(in_space(f))
+            yield f"{name}, {what}", mutant
+
+
+def in_space(f):
+    """F (n, 3, 3) of the plane or of space."""
+    whole = np.tile(np.eye(3), (len(f), 1, 1))
+    whole[:, : f.shape[1], : f.shape[1]] = f
+    return whole
 
 
 def test_a_rule_changes_one_thing_at_a_time():
-    found = dict(mutation_score.mutants("def f(a):\n    return a + 0.5 * -a\n"))
+    found = dict(mutants("def f(a):\n    return a + 0.5 * -a\n"))
     assert list(found) == [
         "line 2: a + 0.5 * -a → a - 0.5 * -a",
         "line 2: 0.5 * -a → 0.5 / -a",
@@ -25,6 +68,16 @@ def test_a_rule_changes_one_thing_at_a_time():
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_mutants_of_a_sound_material_are_caught():
-    found = list(mutation_score.mutated_materials())
-    missed = [each.fault for each in found if not each.check]
-    assert mutation_score.share(found) >= 0.95, missed
+    checks = checks_of("material")
+    outcomes = {
+        what: (examine(subject_of(mutant, "material"), [check])[0].status for check in checks)
+        for what, mutant in mutated_materials()
+    }
+    missed = [what for what, statuses in outcomes.items() if "failed" not in statuses]
+    assert len(missed) <= 0.05 * len(outcomes), missed
+
+
+def test_the_fault_that_is_missed():
+    """The slip of a face is not measured, and sound laws report half to all of friction times the slip."""
+    found = examine_one(subject_of(HalfTheWork, "contact"), check_of("contact", "reports"))
+    assert found.status == "passed", "planted.py may list it"

@@ -194,9 +194,7 @@ def test_the_distance_at_which_bodies_have_crossed(monkeypatch):
     assert "crossed" not in found.message
 
 
-def test_with_a_longer_way_in_a_step_discs_at_the_speed_of_waves_are_torn(
-    monkeypatch,
-):
+def test_with_a_longer_way_in_a_step_discs_at_the_speed_of_waves_are_torn(monkeypatch):
     """A shorter one would only take more steps."""
     soft = softened("head-on", 1.0, 1.0)
     assert not fate(soft).message

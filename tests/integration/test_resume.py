@@ -270,25 +270,6 @@ def test_what_cannot_go_on_says_why(path):
     assert names_in(path.parent) == ["run.nc", "run.nc.checkpoint"]
 
 
-@pytest.mark.parametrize(
-    ("changes", "objects", "other"),
-    [
-        ({"shape__method": "linear"}, {}, "scene and shape and scheme and transfer"),
-        ({}, {"contact": Penalty(kappa=0.5)}, "contact"),
-    ],
-)
-def test_a_checkpoint_and_its_results_are_of_one_run(tmp_path, path, changes, objects, other):
-    run = tmp_path / "other.nc"
-    stopped(BLOCKS, path, 9)
-    stopped(with_changes(BLOCKS, **changes), run, 9, **objects)
-    Path(f"{run}.checkpoint").rename(f"{path}.checkpoint")
-    before = path.read_bytes()
-    expected = rf"^{path}: cannot go on from the checkpoint beside it: the file has another {other}$"
-    with pytest.raises(SceneError, match=expected):
-        resume(path, **objects)
-    assert path.read_bytes() == before
-
-
 def test_a_new_run_forgets_the_checkpoint_of_the_last(path):
     stopped(BLOCKS, path, 9)
     done = CliRunner().invoke(app, ["run", "rolling-cylinder-slip", "-o", str(path)])

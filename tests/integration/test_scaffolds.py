@@ -14,22 +14,11 @@ from typer.testing import CliRunner
 from mpmfw.cli import app
 from mpmfw.errors import SceneError
 from mpmfw_testing.templates import TEMPLATES, write_package
+from support import write_metadata
 
 #: Kinds whose template is a distribution in the documentation, with its folder and the names in it.
 WHOLE = {kind: (*folders, *names) for kind, (folders, *names) in TEMPLATES.items() if len(folders) == 1}
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-
-
-def announce(place):
-    """What an installation would leave beside the package: its metadata with the entry points."""
-    project = tomllib.loads((place / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    info = place / "src" / f"{project['name'].replace('-', '_')}-0.1.0.dist-info"
-    info.mkdir()
-    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: 0.1.0\n")
-    lines = []
-    for group, entries in project["entry-points"].items():
-        lines += [f"[{group}]", *(f"{name} = {value}" for name, value in entries.items())]
-    (info / "entry_points.txt").write_text("\n".join(lines) + "\n")
 
 
 #: Checks of contact that take most of the time, here of a detection; .ci/templates asks them of a law.
@@ -53,7 +42,7 @@ def test_every_kind_of_one_module_passes_its_own_tests(tmp_path):
     places = []
     for kind in TEMPLATES.keys() - WHOLE:
         places.append(write_package(kind, f"my_{kind}", tmp_path))
-        announce(places[-1])
+        write_metadata(places[-1])
     path = os.pathsep.join(str(place / "src") for place in places)
     fast = f"not ({' or '.join(SLOW)})"
     command = [sys.executable, "-m", "pytest", "-q", "-k", fast, "-p", "no:cacheprovider", *map(str, places)]

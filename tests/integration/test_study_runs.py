@@ -170,25 +170,3 @@ def test_the_command_prints_a_table_and_a_sentence_and_its_figures_are_drawn(tmp
     assert drawn.exit_code == 0, drawn.output
     assert (tmp_path / "out-front.png").stat().st_size > 10_000
     assert (tmp_path / "out-stages.png").stat().st_size > 10_000
-
-
-def test_exit_statuses_of_the_command(tmp_path):
-    files = {"run.nc": "no study", "bad.toml": "scene = 1\n", "good.toml": toml_text(tiny_study())}
-    for name, text in {**files, "x.nc.runs": "no folder"}.items():
-        (tmp_path / name).write_text(text, encoding="utf-8")
-    for arguments, said in (
-        (["bad.toml"], ""),
-        (["nowhere.toml"], ""),
-        (["good.toml", "-o", "good.toml"], ""),
-        (["good.toml", "--under", "5"], ""),
-        (
-            ["good.toml", "-o", "run.nc", "--jobs", "1"],
-            "has no results of kind 'study', so it is not replaced",
-        ),
-        (["good.toml", "-o", "x.nc", "--jobs", "1"], "x.nc.runs: is a file, and no folder"),
-    ):
-        named = [str(tmp_path / one) if "." in one else one for one in arguments]
-        done = CliRunner().invoke(app, ["study", *named])
-        assert (done.exit_code, said in " ".join(done.output.split())) == (2, True), arguments
-    for name, text in files.items():
-        assert (tmp_path / name).read_text(encoding="utf-8") == text

@@ -175,10 +175,10 @@ def rows() -> Iterator[Row]:
     """Yield case, contact, shape, shift [cells] and turn [°] of all runs.
 
     In the plane a case meets three methods, one at each shift, in space two; in full all methods at all
-    places."""
+    places. Those in space come first: the other worker of the tests compiles the kernels of the plane."""
     for cases, methods, places, few in (
-        (CASES, METHODS, PLACES, 3),
         (IN_SPACE, METHODS_IN_SPACE, PLACES_IN_SPACE, 2),
+        (CASES, METHODS, PLACES, 3),
     ):
         for i, (name, case) in enumerate(cases.items()):
             able = [method for method in methods if not case.springs or method[0] == "penalty"]

@@ -36,12 +36,7 @@ C = wave_speed(USUAL)
 TICK = CELL / C  # s
 
 
-def block(
-    lower,
-    upper,
-    velocity=None,
-    **keys,
-):
+def block(lower, upper, velocity=None, **keys):
     """A rectangle or a box [cells] with a velocity [c]."""
     kind = "rectangle" if len(lower) == 2 else "box"
     geometry = {"type": kind, "lower": [CELL * x for x in lower], "upper": [CELL * x for x in upper]}
@@ -61,14 +56,7 @@ def _body(geometry, velocity, *, layout="lattice", kind="usual", **keys):
     return {"material": kind, "geometry": geometry, "particles": particles, **moving, **keys}
 
 
-def scene(
-    bodies,
-    *,
-    friction=0.3,
-    extent=25.0,
-    materials=None,
-    **keys,
-):
+def scene(bodies, *, friction=0.3, extent=25.0, materials=None, **keys):
     """A scene of these bodies."""
     dim = 3 if any(body["geometry"]["type"] == "box" for body in bodies.values()) else 2
     edge = CELL * extent

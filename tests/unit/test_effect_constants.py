@@ -8,9 +8,8 @@ import pytest
 
 from interpreted import interpreted
 from mpmfw.api import SceneError
-from mpmfw.effects import constraint, series, side_loads, side_rows
+from mpmfw.effects import constraint, side_loads, side_rows
 from mpmfw.effects.constraint import AGREED, PASSES, RELAXATION
-from mpmfw.effects.ledger_works import EnergyGuard
 from mpmfw.effects.side_rows import QUADRATURE, TABULATED, PlaneSides, list_rows, tabulate
 from mpmfw.effects.surface import CRITICAL_MASS, LIGHT, weigh_by_mass, weigh_plain
 from mpmfw.kernels.stencil import LEAST_SHARE, linear_weights
@@ -226,23 +225,6 @@ def test_rows_of_oblique_sides_are_met_in_half_of_the_passes(monkeypatch):
 
 
 # -- what watches a run, and local inertia
-def test_rounding_is_no_growth_of_energy_and_a_slow_impact_s_is(monkeypatch):
-    """Energies over stiffness and volume: 1e-24 of strains of rounding, 1e-8 of a strain of 1e-4."""
-    state = Simulation(block()).state
-
-    def stops(energy):
-        body = state.bodies[0]
-        stiffness = float(state.particles.volume.sum()) * (body.bulk_modulus + body.shear_modulus)
-        return EnergyGuard(series.negligible_energy(state), {}).grown(energy * stiffness)
-
-    assert not stops(1e-24)
-    assert stops(1e-8)
-    monkeypatch.setattr(series, "NOTHING", 0.0)
-    assert stops(1e-24)
-    monkeypatch.setattr(series, "NOTHING", 1e-6)
-    assert not stops(1e-8)
-
-
 # -- linear functions, whose least share keeps nodes at the edge
 def test_a_point_on_a_grid_line_reaches_the_next_node_by_next_to_nothing():
     """Without a share the node has a gradient and no mass; a larger one would move the point."""

@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 from contact_kernels import find, flat, join, no_records, pair_table, rows_of, star
-from mpmfw.api import Pair
 from mpmfw.contact.springs import add_friction
 from mpmfw.kernels import struct
 from mpmfw.kernels.contact import match_rows
-from mpmfw_contact.hamad2017 import Hamad2017, add_literal_friction, linear_springs
+from mpmfw_contact.hamad2017 import add_literal_friction, linear_springs
 
 K, MU = 1e4, 0.3
 SLOTS = 8
@@ -120,13 +119,3 @@ def test_a_node_above_the_end_of_two_segments_shares_what_it_carried():
     assert (found.facet[0] >= 0).sum() == 2
     assert before == pytest.approx(K * 5e-5)
     assert tip.tangential[0, :2] == pytest.approx(0.5 * before)
-
-
-def test_literal_friction_is_named_as_ignoring_mu():
-    pairs = [Pair(0, 0, 1, "a-b", 0.3), Pair(1, 0, 2, "a-c", 0.0)]
-    (line,) = Hamad2017(friction_law="literal").unused(pairs)
-    assert "a-b" in line
-    assert "a-c" not in line
-    assert "ignores" in line
-    assert Hamad2017().unused(pairs) == []
-    assert Hamad2017(friction_law="literal").unused(pairs[1:]) == []

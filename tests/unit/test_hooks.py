@@ -81,21 +81,12 @@ def test_first_result_stops_at_the_first_answer():
     called = []
 
     def reach(name, value):
-        @hookimpl
-        def particle_reach(particles):  # noqa: ARG001
-            called.append(name)
-            return value
+        return hookimpl(lambda particles: called.append(name) or value)  # noqa: ARG005
 
-        return particle_reach
-
-    hook, pluggy_hook = bound(
-        plugin("c", particle_reach=reach("c", 3)),
-        plugin("b", particle_reach=reach("b", 2)),
-        plugin("a", particle_reach=reach("a", None)),
-    )
-    assert hook.particle_reach(particles=None) == 2
-    assert called == ["a", "b"]
-    assert pluggy_hook.particle_reach(particles=None) == 2
+    named = [("c", 3), ("b", 2), ("a", None)]
+    hook, pluggy_hook = bound(*(plugin(name, particle_reach=reach(name, value)) for name, value in named))
+    assert hook.particle_reach(particles=None) == pluggy_hook.particle_reach(particles=None) == 2
+    assert called == ["a", "b"] * 2
 
 
 def test_time_goes_to_the_stage_of_the_plug_in_and_back():

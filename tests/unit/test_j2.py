@@ -6,43 +6,21 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from mpmfw_material.j2 import J2, Flow, j2_stress
+from mpmfw_material.j2 import J2, j2_stress
 from mpmfw_material.neo_hookean import NeoHookean
+from support import PlasticPoint
 
 BULK, SHEAR, YIELD = 160e9, 80e9, 400e6
 YOUNG = 9.0 * BULK * SHEAR / (3.0 * BULK + SHEAR)
 
 
-class Point:
-    """One material point, deformed by hand."""
+def j2_point(hardening=0.0, dim=3):
+    """A point of J2."""
 
-    def __init__(self, hardening=0.0, dim=3):
-        self.hardening, self.spacing = hardening, (1.0,) * dim
-        self.flow = Flow(metric=np.eye(3)[None].copy(), strain=np.zeros(1), work=np.zeros(1))
+    def update(f, flow, stress, spacing):
+        j2_stress(0, 1, f, flow, stress, BULK, SHEAR, YIELD, hardening, spacing)
 
-    def stress(self, f):
-        """σ at F, (dim, dim); the point keeps what has flowed."""
-        dim = len(self.spacing)
-        stress = np.empty((1, dim, dim))
-        given = np.ascontiguousarray(f[None, :dim, :dim])
-        j2_stress(0, 1, given, self.flow, stress, BULK, SHEAR, YIELD, self.hardening, self.spacing)
-        return stress[0]
-
-    def tried(self, f):
-        """σ at F without keeping anything."""
-        kept = [array.copy() for array in (self.flow.metric, self.flow.strain, self.flow.work)]
-        found = self.stress(f)
-        for array, before in zip((self.flow.metric, self.flow.strain, self.flow.work), kept, strict=True):
-            array[:] = before
-        return found
-
-    @property
-    def strain(self):
-        return float(self.flow.strain[0])
-
-    @property
-    def work(self):
-        return float(self.flow.work[0])
+    return PlasticPoint(update, dim)
 
 
 def sheared(gamma):
@@ -52,7 +30,7 @@ def sheared(gamma):
 
 
 def test_below_the_yield_stress_it_is_neo_hookean():
-    point, elastic = Point(), NeoHookean(bulk_modulus=BULK, shear_modulus=SHEAR)
+    point, elastic = j2_point(), NeoHookean(bulk_modulus=BULK, shear_modulus=SHEAR)
     f = np.eye(3) + 1e-3 * np.random.default_rng(1).normal(size=(3, 3))
     np.testing.assert_allclose(point.stress(f), elastic.cauchy_stress(f[None])[0], rtol=1e-9, atol=1e-3)
     assert point.strain == point.work == 0.0
@@ -60,7 +38,7 @@ def test_below_the_yield_stress_it_is_neo_hookean():
 
 @pytest.mark.parametrize("dim", [2, 3])
 def test_it_yields_in_shear_at_the_yield_stress_over_root_three(dim):
-    point, limit = Point(dim=dim), YIELD / math.sqrt(3.0)
+    point, limit = j2_point(dim=dim), YIELD / math.sqrt(3.0)
     assert point.stress(sheared(0.999 * limit / SHEAR))[0, 1] == pytest.approx(0.999 * limit, rel=1e-4)
     assert point.strain == 0.0
     assert point.stress(sheared(3.0 * limit / SHEAR))[0, 1] == pytest.approx(limit, rel=1e-3)
@@ -83,7 +61,7 @@ def pulled(point, stretches):
 def test_a_bar_hardens_with_the_tangent_modulus():
     """σ = σ_y + E H / (E + H) (ε − σ_y / E) past yield; unloading is elastic."""
     hardening = 20e9
-    point, tangent = Point(hardening), YOUNG * hardening / (YOUNG + hardening)
+    point, tangent = j2_point(hardening), YOUNG * hardening / (YOUNG + hardening)
     strains = np.linspace(0.0, 0.006, 61)
     stresses = pulled(point, 1.0 + strains)
     for strain, stress in zip(strains, stresses, strict=True):
@@ -95,7 +73,7 @@ def test_a_bar_hardens_with_the_tangent_modulus():
 
 def test_a_cycle_of_shear_dissipates_the_area_of_its_loop():
     """Perfect plasticity: a parallelogram of 4 τ_y (γ − τ_y / G) in a stable cycle of ± γ."""
-    point, limit, amplitude = Point(), YIELD / math.sqrt(3.0), 0.02
+    point, limit, amplitude = j2_point(), YIELD / math.sqrt(3.0), 0.02
     path = amplitude * np.sin(np.linspace(0.0, 6.0 * math.pi, 3001))
     work = [0.0]
     for gamma in path:
@@ -114,7 +92,7 @@ def random_path(seed):
 
 @pytest.mark.parametrize("seed", range(3))
 def test_flow_keeps_the_volume_and_the_stress_within_the_cylinder(seed):
-    point = Point(hardening=5e9)
+    point = j2_point(hardening=5e9)
     for f in random_path(seed):
         tau = np.linalg.det(f) * point.stress(f)
         deviator = tau - np.trace(tau) / 3.0 * np.eye(3)

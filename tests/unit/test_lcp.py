@@ -7,9 +7,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from contact_scenes import CELL, disc, rectangle, scene
+import mpmfw
+from contact_scenes import CELL, disc, impact, rectangle, run, scene
 from interpreted import interpreted
 from mpmfw.contact.rows import ContactRows
+from mpmfw.errors import ResultsWarning
 from mpmfw.runs.simulation import Simulation
 from mpmfw_contact import lcp
 from mpmfw_contact._gauss_seidel import ROUNDING, add_friction_work, solve, state_problem
@@ -260,3 +262,31 @@ def test_places_that_lie_aslant_bear_as_well(monkeypatch):
     assert meeting(falling, 60, "across") > 0.25
     monkeypatch.setattr(lcp, "FACING", 1.1)
     assert meeting(falling, 60, "overlap") > 1.5 * overlap
+
+
+def deepest(contact, steps=120):
+    """Deepest overlap of two blocks that meet at 1 m/s, over a cell."""
+    found = [0.0]
+
+    def look(sim):
+        rows = sim.contact.rows
+        found.append(-rows.gap[: rows.count].min() / CELL if rows.count else 0.0)
+
+    sim = Simulation(impact(friction=0.0, slide=0.0), contact=contact)
+    sim.start()
+    run(sim, steps, each=look)
+    return max(found)
+
+
+def test_a_first_touch_leaves_no_overlap():
+    assert deepest("surfaces+impulse", 12) > 1e-3
+    assert deepest("lcp", 12) < 1e-5
+    assert deepest("lcp") < 1e-3  # what the tolerance leaves of a hundred steps that press
+
+
+def test_solutions_that_were_cut_short_are_told_and_others_are_not():
+    scene = {**impact(), "time": {"end": 0.03, "output_interval": 0.03}}
+    said = r"contact law 'lcp': \d+ of \d+ solutions ended after sweeps = 1 "
+    with pytest.warns(ResultsWarning, match=said):
+        mpmfw.run(scene, contact="lcp(sweeps=1)")
+    assert not any("lcp" in said for said in mpmfw.run(scene, contact="lcp").attrs.get("warnings", []))

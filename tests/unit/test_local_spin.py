@@ -115,9 +115,7 @@ def test_the_operator_is_symmetric_and_adds_inertia_to_spin_alone(dim, seed, emp
         np.testing.assert_allclose(k @ strain[:, :dim].ravel(), 0.0, atol=1e-10 * scale)  # no curl
 
 
-def test_with_a_larger_least_share_a_body_keeps_the_lumped_nodes_inertia(
-    monkeypatch,
-):
+def test_with_a_larger_least_share_a_body_keeps_the_lumped_nodes_inertia(monkeypatch):
     """A share below that of an ordinary body's cells changes nothing there."""
     w = window(2, 8, 0.0)
     rng = np.random.default_rng(1)

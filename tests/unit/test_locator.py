@@ -72,14 +72,6 @@ def test_a_header_is_the_line_of_its_table_although_a_part_stands_before():
     assert [locator.line(path) for path in [("a", "b"), ("a",), ("a", "d")]] == [1, 4, 5]
 
 
-@pytest.mark.parametrize("depth", [4, 25])
-def test_arrays_in_arrays_begin_on_their_lines(depth):
-    locator = Locator("a = " + depth * "[\n" + 2000 * "1,\n" + depth * "]\n" + "b = 1\n")
-    assert [locator.line(("a", *level * (0,))) for level in range(depth)] == [1, *range(2, depth + 1)]
-    assert locator.line(("a", *(depth - 1) * (0,), 1999)) == depth + 2000
-    assert locator.line(("b",)) == 2 * depth + 2001
-
-
 def test_nesting_beyond_the_stack_leaves_the_lines_before_it():
     locator = Locator("a = 1\nb = " + 5000 * "[" + 5000 * "]" + "\n")
     assert [locator.line(path) for path in [("a",), ("b",)]] == [1, 1]

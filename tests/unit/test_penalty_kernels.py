@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import shapely
 
-from contact_kernels import PLANE, Law, OneNode, empty_candidates, find, flat, forces, join, rows_of, star
+from contact_kernels import PLANE, Law, empty_candidates, find, flat, forces, join, rows_of, star
 from mpmfw.contact.surfaces.layer import gather_layer
 from mpmfw.kernels import struct
 from mpmfw.kernels.contact import couplings
@@ -169,42 +169,6 @@ def test_contact_forces_agree_with_numpy(name, damping):
     force, _, friction_work = forces(loops, found, law, old_master, old_tangential)
     np.testing.assert_allclose(force, expected, rtol=1e-10, atol=1e-9)
     np.testing.assert_allclose(friction_work, work, rtol=1e-10, atol=1e-12)
-
-
-K, MU = Law().stiffness, Law().friction
-
-
-def pressed(x=0.05):
-    """A tip that has just been pressed in by a millimetre, straight, without sliding."""
-    node = OneNode(Law(), x=x, y=0.0)
-    node.move(0.0, -0.001)
-    return node
-
-
-def test_stick_then_slip_then_reversal():
-    node = pressed()
-    limit = MU * K * 0.001
-    assert node.move(1e-4, 0.0)[1] == pytest.approx(-K * 1e-4, rel=1e-12)  # stick
-    assert node.work == 0.0
-    assert node.move(1e-3, 0.0)[1] == pytest.approx(-limit, rel=1e-12)  # slip
-    assert node.work == pytest.approx(limit * (1.1e-3 - limit / K), rel=1e-12)  # force times the sliding part
-    assert node.move(-1e-4, 0.0)[1] == pytest.approx(-limit + K * 1e-4, rel=1e-12)  # unloads the spring
-    assert node.move(-1e-3, 0.0)[1] == pytest.approx(limit, rel=1e-12)
-
-
-def test_force_is_carried_across_segments():
-    node = pressed(x=0.2499)
-    before = node.move(5e-5, 0.0)[1]  # still on the segment that ends at x = 0.25
-    after = node.move(1e-4, 0.0)[1]
-    assert node.loops.position[0, 0] > 0.25
-    assert after == pytest.approx(before - K * 1e-4, rel=1e-12)
-
-
-def test_release_forgets_the_force():
-    node = pressed()
-    node.move(1e-3, 0.0)
-    assert node.move(0.0, 0.01) == (0.0, 0.0)
-    assert node.move(0.0, -0.01)[1] == 0.0
 
 
 def test_a_candidate_ahead_of_a_segment_s_end_has_finite_rows():

@@ -9,11 +9,10 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
-from mpmfw.api import FloatArray
 from mpmfw_material._frictional import frictional_stress
-from mpmfw_material._plastic import Flow
 from mpmfw_material.drucker_prager import DruckerPrager
 from mpmfw_material.mohr_coulomb import MohrCoulomb
+from support import PlasticPoint
 
 SAND = {
     "youngs_modulus": "2 GPa",
@@ -27,32 +26,21 @@ FLOW_NUMBER = (1.0 + math.sin(PHI)) / (1.0 - math.sin(PHI))
 STRENGTH = FLOW_NUMBER * CONFINEMENT + 2.0 * COHESION * math.sqrt(FLOW_NUMBER)
 
 
-class Point:
-    """One material point, whose logarithmic strain along the axes, and shear, are given."""
+class Point(PlasticPoint):
+    """A point of a soil; its stresses are Kirchhoff's τ [Pa]."""
 
     def __init__(self, material, dim=3):
-        self.material, self.spacing = material, (1.0,) * dim
-        self.flow = Flow(metric=np.eye(3)[None].copy(), strain=np.zeros(1), work=np.zeros(1))
+        super().__init__(self.write, dim)
+        self.material = m = material
+        self.constants = (*(m.bulk_modulus, m.shear_modulus, m.surface(), m.largest_tension(), m.cone),)
+
+    def write(self, f, flow, stress, spacing):
+        """σ at F."""
+        frictional_stress(0, 1, f, flow, stress, *self.constants, spacing)
 
     def stress(self, f):
-        """Kirchhoff's τ at F, (dim, dim) [Pa]; the history moves on."""
-        m, dim = self.material, len(self.spacing)
-        stress = np.empty((1, dim, dim))
-        frictional_stress(
-            0, 1, np.ascontiguousarray(f[None, :dim, :dim]), self.flow, stress, m.bulk_modulus,
-            m.shear_modulus, m.surface(), m.largest_tension(), m.cone, self.spacing,
-        )  # fmt: skip
-        found: FloatArray = stress[0] * np.linalg.det(f)
-        return found
-
-    def trial(self, f):
-        """τ at F; the history stays."""
-        arrays = self.flow.metric, self.flow.strain, self.flow.work
-        before = [array.copy() for array in arrays]
-        found = self.stress(f)
-        for array, old in zip(arrays, before, strict=True):
-            array[:] = old
-        return found
+        """τ at F."""
+        return super().stress(f) * np.linalg.det(f)
 
 
 def deformation(strain, shear=0.0):
@@ -79,7 +67,7 @@ def triaxial(point, sign, plane=False):
 
         def residual(other, axial=axial):
             strain = [other, axial, start if plane else other]
-            return float(point.trial(deformation(strain))[0, 0]) + CONFINEMENT
+            return float(point.tried(deformation(strain))[0, 0]) + CONFINEMENT
 
         lateral = brentq(residual, lateral - 2e-3, lateral + 2e-3, xtol=1e-16)
         strains.append([lateral, axial, start if plane else lateral])
@@ -128,7 +116,7 @@ def test_direct_shear_under_a_constant_load(model):
     for gamma in np.linspace(0.0, 4e-3, 161)[1:]:
 
         def residual(other, gamma=gamma):
-            return float(point.trial(deformation([start, other, start], gamma))[1, 1]) + CONFINEMENT
+            return float(point.tried(deformation([start, other, start], gamma))[1, 1]) + CONFINEMENT
 
         height = brentq(residual, height - 2e-3, height + 2e-3, xtol=1e-16)
         heights.append(height)

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import mpmfw
 from contact_scenes import impact, wave_speed
 from mpmfw.runs.simulation import Simulation
 from mpmfw_contact import _springs
@@ -185,3 +186,19 @@ def test_force_is_the_slope_of_energy_and_the_tangent_that_of_force(depth, limit
     assert [f(2.0, limit * (1 + 1e-12), limit) for f in (force, energy, tangent)] == pytest.approx(
         [2.0 * limit, limit**2, 2.0], rel=1e-9
     )
+
+
+KAPPA = 0.03162277660168379
+
+
+@pytest.mark.filterwarnings("ignore::mpmfw.errors.ResultsWarning")
+@pytest.mark.parametrize("k", [0, 3])
+def test_the_last_digits_of_the_stiffness_do_not_decide_which_nodes_bear(k):
+    """Every node of the lower face carries p times its length, within 1 %: those next to the corners as
+    well.
+    """
+    scene = mpmfw.load_scene("contact-stress", set={"contact.penalty.kappa": KAPPA * (1.0 + k * 1e-9)})
+    surface = mpmfw.run(scene)["surface/upper"]
+    force, place = surface["force"].values[-1], surface["position"].values[-1]
+    face = (place[:, 1] < place[:, 1].min() + 0.01) & (place[:, 0] > 0.01) & (place[:, 0] < 0.99)
+    np.testing.assert_allclose(force[face, 1] / force[face, 1].mean(), 1.0, atol=0.01)

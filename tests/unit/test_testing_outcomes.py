@@ -1,9 +1,8 @@
 """What comes of a check: outcomes, pictures, justified failures, and the same as pytest tests."""
 
-import os
+import runpy
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
@@ -120,7 +119,7 @@ def test_an_error_says_file_and_line_of_the_strangers_code_and_one_cause_is_told
     assert all(len(one.report.splitlines()) == 1 for one in others[:3])
 
 
-def test_a_counterexample_is_saved_as_a_scene_and_a_program_that_runs_it(tmp_path):
+def test_a_counterexample_is_saved_as_a_scene_and_a_program_that_runs_it(tmp_path, capsys):
     """The program is run, as whoever gets the two files would."""
     from faulty_plugins.load.faults import EachPoint
 
@@ -131,12 +130,8 @@ def test_a_counterexample_is_saved_as_a_scene_and_a_program_that_runs_it(tmp_pat
     assert f"run it: python {program}" in outcome.report
     mpmfw.load_scene(scene)
     assert outcome.message.split("\n")[0] in scene.read_text(encoding="utf-8")
-    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).resolve().parents[1])}
-    done = subprocess.run(
-        [sys.executable, str(program)], capture_output=True, text=True, timeout=300, env=environment
-    )
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.count(" s [[") >= 2  # the start, and a step
+    runpy.run_path(str(program), run_name="__main__")
+    assert capsys.readouterr().out.count(" s [[") >= 2  # the start, and a step
 
 
 def test_importing_the_kit_needs_neither_pytest_nor_hypothesis_nor_numba():
@@ -159,16 +154,14 @@ def test_importing_the_kit_needs_neither_pytest_nor_hypothesis_nor_numba():
     assert len(lines) == 3
 
 
-def test_the_command_finds_a_law_in_the_working_directory(tmp_path):
+def test_the_command_finds_a_law_in_the_working_directory(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [place for place in sys.path if place])
     (tmp_path / "my_law.py").write_text(
         "from mpmfw.api import ContactStrategy\n\n\nclass MyLaw(ContactStrategy):\n    name = 'mine'\n"
     )
-    command = "import sys; from mpmfw.cli import app; sys.path.remove(''); app()"
-    asked = ["check", "my_law:MyLaw", "--only", "options"]
-    done = subprocess.run(
-        [sys.executable, "-c", command, *asked], cwd=tmp_path, capture_output=True, text=True
-    )
-    assert (done.returncode, done.stderr) == (0, "")
+    done = CliRunner().invoke(app, ["check", "my_law:MyLaw", "--only", "options"])
+    assert (done.exit_code, done.stderr) == (0, "")
     assert "the plug-in has no options" in done.stdout
 
 

@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from faulty_plugins.contact.plain import PlainContact
 from faulty_plugins.sealed import Sealed
-from mpmfw.api import AnyArray, State, hookimpl
+from mpmfw.api import hookimpl
 from mpmfw_contact.bardenhagen import Bardenhagen
 from mpmfw_contact.penalty import Penalty
 
@@ -127,21 +127,6 @@ class CountsElsewhere(PlainContact):
     def friction(self, mu, normal, sticking):
         _CONTACTS[0] += 1
         return super().friction(mu / (1.0 + 1e-3 * _CONTACTS[0]), normal, sticking)
-
-
-class WorkOfOneInterval(Bardenhagen):
-    """Reports the work of friction since the last output, and not since time zero."""
-
-    name = "work-of-one-interval"
-    before = 0.0
-
-    @hookimpl
-    def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
-        series = Bardenhagen.diagnostics(self, state, interval)
-        work = series["frictional_work"]
-        series["frictional_work"] = work - self.before
-        self.before = work
-        return series
 
 
 class RemembersWork(Bardenhagen):

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from faulty_plugins.sealed import Sealed
 from mpmfw.api import BodyLoad, FloatArray, SurfaceLoad, hookimpl
 from mpmfw.kernels import kernel
 
@@ -86,7 +85,3 @@ class PastTheEnd(BodyLoad):
         force = np.zeros((own.stop - own.start, particles.dim))
         fill(force, len(force) + 1)
         return force
-
-
-class Closed(Sealed, Sound):
-    """Holds a function."""

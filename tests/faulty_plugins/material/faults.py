@@ -3,7 +3,6 @@
 import numpy as np
 
 from faulty_plugins.material.sound import G, K, Keeping, Sound
-from faulty_plugins.sealed import Sealed
 from mpmfw.api import hookimpl
 
 
@@ -52,9 +51,3 @@ class GivingBack(Sound):
 
     def dissipated_by_points(self, particles, own):
         return 0.01 * self.energy_of_points(particles, own)
-
-
-class Closed(Sealed, Sound):
-    """Holds a function."""
-
-    name = "closed"

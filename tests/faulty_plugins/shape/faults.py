@@ -1,12 +1,9 @@
 """Shape functions with a fault of weights, gradients, supports, domains, surfaces or tables."""
 
 import dataclasses
-from typing import Literal
 
 import numpy as np
-from pydantic import BaseModel
 
-from faulty_plugins.sealed import Sealed
 from faulty_plugins.shape.sound import Sound
 from mpmfw.api import hookimpl
 from mpmfw_shape.cpdi import Cpdi
@@ -138,25 +135,7 @@ class KeepsElsewhere(Sound):
         return table.replace(weight=table.weight * (1.0 - 1e-9 * _STEPS[0]))
 
 
-class DeafOptions(BaseModel):
-    """An option that nobody reads."""
-
-    boundary: Literal["plain", "modified"] = "plain"
-
-
-class Deaf(Sound):
-    """An option is accepted and ignored."""
-
-    Options = DeafOptions
-
-
 class Flatland(Sound):
     """Says that it works in one dimension, in which there is no grid."""
 
     dimensions = (1, 2)
-
-
-class Closed(Sealed, Sound):
-    """Holds a function."""
-
-    name = "closed"

@@ -3,7 +3,6 @@
 import numpy as np
 from pydantic import BaseModel, Field
 
-from faulty_plugins.sealed import Sealed
 from mpmfw.api import FrictionLaw
 
 
@@ -47,19 +46,3 @@ class OneNumberNeedsAnother(Sound):
         FrictionLaw.slip_limit(self, rows, friction, dt)
         growth = self.options.growth * np.log1p(self.speed(rows, dt) / self.options.velocity)
         rows.friction[: rows.count] *= 1.0 + growth
-
-
-class Factor(BaseModel):
-    """An option that a reader would set."""
-
-    factor: float = 1.0
-
-
-class Dropped(Sound):
-    """Accepts an option and drops it."""
-
-    Options = Factor
-
-
-class Closed(Sealed, Sound):
-    """Holds a function."""

@@ -1,13 +1,12 @@
 """Geometries that are wrong in one place: ellipses with a round hole, and tetrahedra."""
 
-import itertools
 from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 import shapely
 
-from mpmfw.api import FloatArray, Length, PlaneGeometry, SolidGeometry
+from mpmfw.api import FloatArray, Length, PlaneGeometry
 
 FINE = 1440
 
@@ -57,37 +56,6 @@ class Sound(PlaneGeometry):
             [np.cos(angle), np.sin(angle)], axis=1
         )
         return found
-
-
-class SoundSolid(SolidGeometry):
-    """A tetrahedron with an edge of 1 m along each axis."""
-
-    type: Literal["tetrahedron"] = "tetrahedron"
-    has_plane_faces = True
-
-    @property
-    def bounds(self):
-        return np.array([[0.0] * 3, [1.0] * 3])
-
-    def surfaces(self, edge):
-        n = int(np.ceil(np.sqrt(2.0) / edge))
-        corners = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
-        places = {}
-        facets = []
-        for face in ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)):
-
-            def number(i, j, face=face):
-                at = np.zeros(4, dtype=int)
-                at[list(face)] = n - i - j, i, j
-                return places.setdefault(tuple(at), len(places))
-
-            for i, j in itertools.product(range(n), range(n)):
-                if i + j < n:
-                    facets.append((number(i, j), number(i + 1, j), number(i, j + 1)))
-                if i + j < n - 1:
-                    facets.append((number(i + 1, j), number(i + 1, j + 1), number(i, j + 1)))
-        nodes = np.array(list(places), dtype=float) / n @ corners
-        return ((nodes, np.array(facets)),)
 
 
 class SmallDomains(Sound):

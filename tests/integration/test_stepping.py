@@ -1,12 +1,54 @@
-"""Classical contact with MUSL: the momentum that the strain is taken from is corrected as well, and nothing
-else is.
-"""
+"""The length of a step is chosen from the contacts of that step, and to look at them changes nothing."""
 
 import numpy as np
 import pytest
 
-from contact_scenes import ACTING, impact, run, simulation
+from contact_scenes import ACTING, disc, impact, run, scene, simulation
+from measures_for_tests import detect
 from mpmfw.api import hookimpl
+from mpmfw.runs.simulation import Simulation
+
+
+def discs(**keys):
+    """Two discs that meet within a few steps, and fast."""
+    return scene(
+        {
+            "left": disc([-0.32, 0.05], 0.3, velocity=[3.0, 0.0]),
+            "right": disc([0.31, -0.05], 0.3, velocity=[-3.0, 0.0], kind="stiff"),
+        },
+        **keys,
+    )
+
+
+@pytest.mark.parametrize("scheme", ["usl", "musl", "usf"])
+def test_every_step_is_within_the_limit_of_its_own_contacts(scheme):
+    simulation = Simulation(discs(stepping={"scheme": scheme}), contact="penalty(kappa=4)")
+    simulation.start()
+    shorter = 0
+    for _ in range(60):
+        before = simulation.stable_step()
+        simulation.step()
+        own = simulation.stable_step()  # the contacts that were detected last are those of the step
+        assert simulation.state.dt == own
+        shorter += own < 0.99 * before and simulation.state.steps > 1
+    assert shorter > 0  # springs met that the step before did not know
+
+
+@pytest.mark.parametrize("contact", ["penalty", "hamad2017", "bardenhagen"])
+def test_to_detect_again_changes_nothing(contact):
+    def run(again):
+        simulation = Simulation(discs(), contact=contact)
+        simulation.start()
+        for _ in range(40):
+            for _ in range(again):
+                detect(simulation)
+            simulation.step()
+        p = simulation.state.particles
+        return p.position, p.velocity, p.stress
+
+    for once, twice in zip(run(0), run(1), strict=True):
+        np.testing.assert_array_equal(once, twice)
+
 
 CLASSICAL = [name for name in ACTING if name.startswith("bardenhagen")]
 MUSL = {"scheme": "musl", "transfer": "flip"}
