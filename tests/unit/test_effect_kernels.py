@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mpmfw.api import Stencil
-from mpmfw.effects.side_rows import SideTable, meet, quadrature, splines
+from mpmfw.effects.side_rows import TABULATED, SideTable, meet, splines, tabulate
 from mpmfw.kernels import struct
 from mpmfw_shape.cpdi2 import fill_cpdi2, move_corners
 
@@ -31,19 +31,16 @@ def dense(row, index, weight, nodes=NODES):
 
 @pytest.mark.parametrize("degree", [1, 2, 3])
 def test_weights_at_a_side_read_a_linear_velocity(degree):
-    """Σ share = 1, Σ share · distance = 0; β sums to 1 and to x, so Σ c = 1 and Σ c d = 0."""
-    normal = np.array([0.5, math.sqrt(0.75)])
-    shift, share = quadrature(normal, 1, degree)
-    assert len(shift) > 1
-    assert share.sum() == pytest.approx(1.0)
-    assert share @ shift == pytest.approx(0.0, abs=1e-14)
-    x = np.arange(-4, 5) - 0.37
-    value = np.empty_like(x)
-    splines(x, degree, value)
-    assert value.sum() == pytest.approx(1.0)
-    assert value @ x == pytest.approx(0.0, abs=1e-14)
-    single = quadrature(np.array([0.0, 1.0]), 1, degree)
-    assert [part.tolist() for part in single] == [[0.0], [1.0]]
+    """Σ c = 1 and Σ c d = 0 wherever the nodes lie, of an oblique side and of one along the grid."""
+    _, values = tabulate(np.array([0.5, math.sqrt(0.75)]), 1, degree, 1)
+    places = (np.arange(len(values)) - len(values) // 2) / TABULATED
+    x = np.arange(-9, 10) - 0.37
+    along = np.empty_like(x)
+    splines(x, degree, along)
+    for weights in (np.interp(x, places, values), along):
+        assert weights.sum() == pytest.approx(1.0)
+        assert weights @ x == pytest.approx(0.0, abs=1e-12)
+    assert tabulate(np.array([0.0, 1.0]), 1, degree, 1)[1].size == 0
 
 
 @pytest.mark.parametrize("dim", [2, 3])
@@ -68,7 +65,7 @@ def test_rows_are_met_by_the_least_change_of_momentum(dim):
     conditions = side_table(6, 1).set(
         row=row, nodes=nodes.astype(np.int64), weights=weights, target=target, side=side
     )
-    passes = meet(6, conditions, directions, velocity, 2000, 1e-13, mass, met, spacing)
+    passes = meet(6, conditions, directions, velocity, 2000, 1e-13, 1.2, mass, met, spacing)
     assert passes < 2000
     np.testing.assert_allclose(met, (m * v).reshape(NODES, dim), atol=1e-10)
 
