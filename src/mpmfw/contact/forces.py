@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -13,11 +13,8 @@ from mpmfw.kernels.contact import add_records, match_rows, relative_motion
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import AnyArray, Field, FloatArray
-from mpmfw.state.history import check_indices
+from mpmfw.state.history import IndexMap, check_indices
 from mpmfw.state.structs import Grid, Particles, State, Stencil
-
-if TYPE_CHECKING:
-    from mpmfw.state.index_map import IndexMap
 
 
 class ForceLaw(ContactLaw):

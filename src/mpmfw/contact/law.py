@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -15,11 +15,8 @@ from mpmfw.kernels.contact import Records
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import CONTACT_SERIES, AnyArray, Field
+from mpmfw.state.history import IndexMap
 from mpmfw.state.structs import Grid, Particles, State, Stencil
-
-if TYPE_CHECKING:
-    from mpmfw.state.index_map import IndexMap
-
 
 _DECLARED = (
     Field("impulse", ("pair", "axis"), "N s m-1", "impulse on the pair's first body", "contact"),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -12,12 +12,8 @@ from mpmfw.kernels.contact import Rows, add_row_forces, couplings, relative_moti
 from mpmfw.plugin.base import PlugIn
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import AnyArray, Field, FloatArray
-from mpmfw.state.history import NotSaved, check_indices
+from mpmfw.state.history import IndexMap, NotSaved, check_indices
 from mpmfw.state.structs import Grid, Particles, State, Stencil
-
-if TYPE_CHECKING:
-    from mpmfw.state.index_map import IndexMap
-
 
 #: Arrays of vectors, of integers, and with rows for the entries of B.
 _VECTORS = ("normal", "motion", "force", "couple", "tilt")

@@ -118,12 +118,25 @@ class AveragedVolume:
             self.frame, self.grid = grid.frame, grid
             self.cell = np.zeros(particles.count, dtype=np.int64)
             self.before, self.after = np.zeros((2, len(grid.mass)))
-        self._each(particles, lambda body: self._average_volume(body, particles, dt))
+        self._each(
+            particles,
+            lambda body: average_volume(
+                body.particles.start, body.particles.stop, particles, grid, body.field, dt, self.cell,
+                self.before, self.after, grid.spacing,
+            ),
+        )  # fmt: skip
 
     @hookimpl
     def update_stress(self, particles: Particles) -> None:
         """Average the pressure, that of damping included."""
-        self._each(particles, lambda body: self._average_pressure(body, particles))
+        grid = self.grid
+        self._each(
+            particles,
+            lambda body: average_pressure(
+                body.particles.start, body.particles.stop, particles, grid.offset[body.field],
+                grid.offset[body.field + 1], self.cell, self.after, self.before, grid.spacing,
+            ),
+        )  # fmt: skip
 
     def _each(self, particles: Particles, average: Callable[[Body], None]) -> None:
         """Average body by body; threads share out bodies that have nodes of their own."""
@@ -138,17 +151,3 @@ class AveragedVolume:
             some(0)
         else:
             threads.each(some)
-
-    def _average_volume(self, body: Body, particles: Particles, dt: float) -> None:
-        grid, own = self.grid, body.particles
-        average_volume(
-            own.start, own.stop, particles, grid, body.field, dt, self.cell, self.before, self.after,
-            grid.spacing
-        )  # fmt: skip
-
-    def _average_pressure(self, body: Body, particles: Particles) -> None:
-        nodes, own = self.grid.field_nodes(body.field), body.particles
-        average_pressure(
-            own.start, own.stop, particles, nodes.start, nodes.stop, self.cell, self.after, self.before,
-            self.grid.spacing
-        )  # fmt: skip

@@ -12,11 +12,11 @@ from mpmfw.errors import SceneError
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import FLAT, Acts, Setup
 from mpmfw.state.fields import FloatArray
+from mpmfw.state.history import IndexMap
 from mpmfw.state.structs import Body, Grid
 
 if TYPE_CHECKING:
     from mpmfw.scene.tables import Settle, Side
-    from mpmfw.state.index_map import IndexMap
 
 #: Largest number of passes over rows that share nodes; two sides may ask for different velocities at their
 #: corner.

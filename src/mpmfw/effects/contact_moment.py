@@ -10,7 +10,7 @@ import numpy as np
 from mpmfw.plugin.hooks import Observer
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Setup
-from mpmfw.state.fields import AnyArray, Field, FloatArray
+from mpmfw.state.fields import AnyArray, Field
 from mpmfw.state.structs import Grid, State
 
 #: Hooks by which a contact strategy acts on momenta and on forces.
@@ -84,10 +84,7 @@ class ContactMoment(Observer):
         impulse = dt * (grid.force - self._before) if forces else grid.momentum - self._before
         about = self.state.centres_of_mass if self.about is None else np.tile(self.about, (bodies, 1))
         arm = grid.position - np.repeat(about, np.diff(grid.offset), axis=0)
-        moment = np.cross(arm, impulse) if grid.dim == 3 else _cross_in_plane(arm, impulse)
+        moment = arm[:, :1] * impulse[:, 1:] - arm[:, 1:] * impulse[:, :1]  # about z, in the plane
+        if grid.dim == 3:
+            moment = np.cross(arm, impulse)
         self.impulse += np.add.reduceat(moment, grid.offset[:-1])
-
-
-def _cross_in_plane(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Return a × b along z, (n, 1), of vectors (n, 2)."""
-    return (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])[:, None]

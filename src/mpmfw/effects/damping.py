@@ -6,8 +6,6 @@ isotropic in D, so that it is objective, and its power σ_v:D is never negative.
 
 from __future__ import annotations
 
-import numpy as np
-
 from mpmfw.kernels import kernel, scratch
 from mpmfw.kernels.arithmetic import determinant
 from mpmfw.kernels.types import Floats, Points
@@ -87,10 +85,7 @@ class Damping:
 
     def dissipated(self, state: State) -> FloatArray:
         """Return the energy that every body has lost to damping, settling included (body,) [J/m]."""
-        volume = state.particles.times_thickness(state.particles.initial_volume)
-        sums, soft = np.zeros(len(state.bodies)), state.soft_bodies
-        sums[: len(soft)] = np.add.reduceat(self.work * volume, [body.particles.start for body in soft])
-        return sums
+        return state.energies(self.work)
 
     @hookimpl
     def diagnostics(self, state: State) -> dict[str, AnyArray]:

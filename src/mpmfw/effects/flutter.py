@@ -65,22 +65,17 @@ class Flutter:
         if len(last) != pairs or not known or interval == 0.0 or pairs == 0:
             return {}
         friction, work = now[:, dim : 2 * dim] - last[:, dim : 2 * dim], now[:, -1] - last[:, -1]
-        normal = now[:, :dim] - last[:, :dim] - friction
-        bearing, held = (np.linalg.norm(each, axis=1) for each in (normal, friction))
+        push = now[:, :dim] - last[:, :dim] - friction
+        bearing, held = (np.linalg.norm(each, axis=1) for each in (push, friction))
         first, second = state.pair_bodies.T
         relative = way[first] - way[second]
-        across = np.einsum("pd,pd->p", relative, normal) / np.maximum(bearing, 1e-300)
+        across = np.einsum("pd,pd->p", relative, push) / np.maximum(bearing, 1e-300)
         along = np.sqrt(np.maximum(np.einsum("pd,pd->p", relative, relative) - across**2, 0.0))
         slides = (along > CREEP * state.grid.cell_size) & (bearing > 0.0)
         slides &= work * interval > SLIP * along * held
         forces = np.where(slides[:, None], np.column_stack([bearing, held]) / interval, np.nan)
         self.window = np.concatenate([self.window[:, 1:], forces[:, None]], axis=1)
-        self._judge(state)
-        return {}
-
-    def _judge(self, state: State) -> None:
-        """Compare medians, NaN of pairs that did not slide throughout."""
-        forces = self.window
+        forces = self.window  # medians are NaN of pairs that did not slide throughout
         normal = forces[:, :, 0].mean(axis=1)
         mu = np.array([[pair.mu] for pair in state.pairs])
         share = np.median(forces[:, :, 1] / np.where(mu > 0.0, mu * forces[:, :, 0], np.nan), axis=1)
@@ -91,6 +86,7 @@ class Flutter:
             if share[index] < self.found.get(label, SHARE):
                 self.found[label], self.found_at[label] = float(share[index]), state.time
                 self.spread[label] = float(forces[index, :, 0].std() / normal[index])
+        return {}
 
     @hookimpl
     def concerns(self) -> list[str]:

@@ -162,16 +162,13 @@ class EnergyGuard:
         self.loaded: float | None = None  #: energy of the contact springs at the start, once a step has told
         self.fallen = self.depth = 0.0
 
-    def set_external_work(self, work: float) -> None:
-        """Set the work of gravity and loads [J/m]; its maximum stays allowed."""
+    def update(self, work: float, energy: float, last_work: float) -> None:
+        """Take the ``work`` of gravity and loads, whose maximum stays allowed, the ``energy`` of contact as
+        the step began, negative where bodies stick together, and its last work [J/m].
+
+        Springs that only push hold no less than nothing, and their energy may as well have been given
+        back."""
         self.given, self.input = work, max(self.input, work)
-
-    def set_contact_energy(self, energy: float, last_work: float) -> None:
-        """Set the energy of contact where the step began [J/m], negative where bodies stick together, and its
-        last work.
-
-        Call it after every step. Springs that only push hold no less than nothing, and their energy may as
-        well have been given back."""
         self.fallen = max(last_work - energy, -energy) if energy < 0.0 else 0.0
         self.depth = max(self.depth, -energy)
 

@@ -94,15 +94,10 @@ class StrainEnergies:
         return self._sums(state, "dissipated_by_points")
 
     def _sums(self, state: State, density: str) -> FloatArray:
-        particles, values = state.particles, np.empty(state.particles.count)
+        values = np.empty(state.particles.count)
         for own, material in made_of(self.materials):
             values[own] = of_points(density, material, state, own)
-        sums, soft = np.zeros(len(state.bodies)), state.soft_bodies
-        sums[: len(soft)] = np.add.reduceat(
-            values * particles.times_thickness(particles.initial_volume),
-            [body.particles.start for body in soft],
-        )
-        return sums
+        return state.energies(values)
 
 
 class BodySeries:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import functools
 import math
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 import numpy as np
 
@@ -17,10 +17,8 @@ from mpmfw.plugin.base import NamedPlugIn
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
+from mpmfw.state.history import IndexMap
 from mpmfw.state.structs import Grid, Particles, State, Stencil
-
-if TYPE_CHECKING:
-    from mpmfw.state.index_map import IndexMap
 
 
 @kernel

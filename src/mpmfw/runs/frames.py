@@ -34,7 +34,10 @@ class Recorder:
         groups |= {group for group in ("particles", "surface") if getattr(scene.output, group)}
         core = PARTICLE_FIELDS if state.surface is None else (*PARTICLE_FIELDS, *SURFACE_FIELDS)
         recorded = [field for field in (*core, *declared) if field.output and field.group in groups]
-        self.fields = {(field.group, field.name): _stored(field) for field in recorded}
+        self.fields = {(field.group, field.name): field for field in recorded}
+        for key, field in self.fields.items():
+            if field.group == "particles" and np.dtype(field.dtype) == np.float64 and key not in STATIC:
+                self.fields[key] = dataclasses.replace(field, dtype="f4")
         self._particle_interval = scene.output.particle_interval
         self._output_interval = scene.time.output_interval
         self._intervals = 0  #: of the material points, up to their last frame
@@ -68,7 +71,9 @@ class Recorder:
         state = self.state
         update_pairs(state, self.hook)
         check_state_finite(state)
-        self._check_constant()
+        if self._sums() != self._constant:
+            text = "a plug-in changed the material points' masses or initial volumes (docs/hooks.md)"
+            raise PluginError(text, step=state.steps, time=state.time)
         groups = ("particles", "surface", "series", "contact") if points else ("surface", "series", "contact")
         found: dict[str, dict[str, AnyArray]] = {group: {} for group in groups}
         for group, name in self.fields:
@@ -113,14 +118,6 @@ class Recorder:
             raise SimulationError(text, time=self.state.time, advice="a smaller time.safety")
         return values
 
-    def _check_constant(self) -> None:
-        if self._sums() != self._constant:
-            text = (
-                "a plug-in changed the material points' masses or initial volumes, "
-                "which docs/hooks.md forbids"
-            )
-            raise PluginError(text, step=self.state.steps, time=self.state.time)
-
     def _sums(self) -> tuple[float, float]:
         p = self.state.particles
         return float(p.mass.sum()), float(p.initial_volume.sum())
@@ -143,9 +140,3 @@ def check_state_finite(state: State) -> None:
                 time=state.time,
                 advice="a smaller time.safety",
             )
-
-
-def _stored(field: Field) -> Field:
-    static = (field.group, field.name) in STATIC
-    moving = field.group == "particles" and np.dtype(field.dtype) == np.float64 and not static
-    return dataclasses.replace(field, dtype="f4") if moving else field

@@ -14,32 +14,16 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 class Interruption:
-    """Turns both signals into Interrupted, or holds one back as ``waiting``."""
+    """Turns both signals into Interrupted; while ``deferring`` the first is held back as ``waiting``."""
 
-    def __init__(self) -> None:
-        self.waiting: int | None = None
-        self._deferred = False
+    waiting: int | None = None
+    deferring = False
 
     def __call__(self, number: int, frame: FrameType | None) -> None:  # noqa: ARG002
         """Take a signal; a second one does not wait."""
-        if not self._deferred or self.waiting is not None:
+        if not self.deferring or self.waiting is not None:
             raise Interrupted(number)
         self.waiting = number
-
-    @contextmanager
-    def deferred(self) -> Iterator[None]:
-        """Context in which the first signal waits for :meth:`check`."""
-        self._deferred = True
-        try:
-            yield
-        finally:
-            self._deferred = False
-
-    def check(self) -> None:
-        """Raise Interrupted if a signal was held back."""
-        number, self.waiting = self.waiting, None
-        if number is not None:
-            raise Interrupted(number)
 
 
 @contextmanager

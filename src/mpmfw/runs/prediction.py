@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time as clocks
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -52,8 +52,14 @@ def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
     before, clock, settle = clocks.process_time(), simulation.clock, simulation.scene.settle
     with ExitStack() as stack:
         stack.enter_context(clock.watching_compilation())
-        step = _start(simulation, stack)
-        step()
+        time = simulation.scene.time
+        if settle is not None:
+            stack.enter_context(simulation.extra_plugin(simulation.begin_settling().damping))
+            simulation.step()
+        else:
+            simulation.start()
+            exact = time.outputs == "exact"
+            simulation.step_towards(min(time.output_interval, time.end) if exact else time.end)
         first_step, limits = simulation.state.dt, simulation.limits()
         for _ in range(WARM_UP):
             simulation.step()
@@ -81,17 +87,6 @@ def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
         memory=sum(arrays) + tables,
         limits=tuple(limits),
     )
-
-
-def _start(simulation: Simulation, stack: ExitStack) -> Callable[[], None]:
-    """Begin as a run does; return a function that takes its first step."""
-    time = simulation.scene.time
-    if simulation.scene.settle is not None:
-        stack.enter_context(simulation.extra_plugin(simulation.begin_settling().damping))
-        return simulation.step
-    simulation.start()
-    target = min(time.output_interval, time.end) if time.outputs == "exact" else time.end
-    return lambda: simulation.step_towards(target)
 
 
 def _tables(simulation: Simulation) -> int:

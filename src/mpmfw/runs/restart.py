@@ -22,7 +22,7 @@ import numpy as np
 from llvmlite.binding import get_host_cpu_name  # type: ignore[import-untyped]
 from pydantic import BaseModel, Field
 
-from mpmfw.errors import MpmfwError, ResultsWarning, SceneError, is_complete
+from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError, is_complete
 from mpmfw.results import RunHeader, RunWriter, check_results
 from mpmfw.results.reading import is_hdf5
 from mpmfw.results.replacing import abandoned, replacement
@@ -131,7 +131,7 @@ class Checkpoints:
         """End a step; raise Interrupted if a signal waits."""
         if self.signals.waiting is not None:
             self.write()
-            self.signals.check()
+            raise Interrupted(self.signals.waiting)
         now = time.monotonic()
         if self.writer.is_due(now):  # the next output may be far away
             self.simulation.clock("output")

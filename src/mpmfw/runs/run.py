@@ -221,11 +221,11 @@ def run_on(checkpoints: Checkpoints, progress: Callable[[float, int], None] | No
             writer.write(frame)
 
     try:
-        with signals.deferred():
-            simulation.run(write, progress, checkpoints)
-            attributes = _end(simulation, simulation.status)
-            with unbroken():
-                writer.finish(attributes)
+        signals.deferring = True
+        simulation.run(write, progress, checkpoints)
+        attributes = _end(simulation, simulation.status)
+        with unbroken():
+            writer.finish(attributes)
     except SimulationError as error:
         writer.finish(_end(simulation, f"failed: {error}"))
         error.results = writer.results()
@@ -234,6 +234,8 @@ def run_on(checkpoints: Checkpoints, progress: Callable[[float, int], None] | No
         writer.finish(_end(simulation, "interrupted"))
         text = _how_to_go_on(checkpoints)
         raise Interrupted(getattr(error, "number", signal.SIGINT), text) from None
+    finally:
+        signals.deferring = False
     checkpoints.forget()
     if signals.waiting is not None:
         raise Interrupted(

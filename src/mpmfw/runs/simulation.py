@@ -209,7 +209,14 @@ class Simulation:
             settling = self.begin_settling()
             with self.extra_plugin(settling.damping):
                 self._settled = settling.finish(self.state, self.step, after_step)
-            self._end_settling(settling)
+            self._settling, self.transfer = None, self.setup.exchange
+            settling.end(self.state)
+            self.clock.flush()
+            if self.contact is not None:
+                self.contact.restart()
+            self.state.time, self.state.steps = 0.0, 0
+            cpu = {f"settle_cpu_{stage}": self.clock.cpu[stage] for stage in STEP_STAGES}
+            self._settled |= {"settle_time": sum(cpu.values()), **cpu}
         initial_velocity(self.scene, self.state, lambda: interpolate(self.state, self.hook, self.clock))
         self.started = True
         self.clock.restart()
@@ -221,17 +228,6 @@ class Simulation:
             self.transfer = self._settling.transfer
             self.clock.restart()
         return self._settling
-
-    def _end_settling(self, settling: Settling) -> None:
-        """Go back to the scene's loads, sides and transfer, at rest."""
-        self._settling, self.transfer = None, self.setup.exchange
-        settling.end(self.state)
-        self.clock.flush()
-        if self.contact is not None:
-            self.contact.restart()
-        self.state.time, self.state.steps = 0.0, 0
-        cpu = {f"settle_cpu_{stage}": self.clock.cpu[stage] for stage in STEP_STAGES}
-        self._settled |= {"settle_time": sum(cpu.values()), **cpu}
 
     def advance(self, steps: int, write: Callable[[Frame], None] | None = None) -> None:
         """Take stable steps; ``write`` gets a frame at first and after every step."""

@@ -17,8 +17,7 @@ from mpmfw.plugin.load import BodyLoad, LoadedFacets, SurfaceLoad
 from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.runs.build import build_some
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
-from mpmfw.state.history import NotSaved
-from mpmfw.state.index_map import IndexMap, copy_history
+from mpmfw.state.history import IndexMap, NotSaved, copy_history
 from mpmfw.state.structs import State
 from mpmfw.state.windows import fitted_windows, overlapping, set_windows, update_pairs
 from mpmfw.step.schemes import SCHEMES, Length

@@ -1,4 +1,5 @@
-"""Declared history: the values that a run keeps from step to step, as arrays by place, ``PART/NAME``.
+"""Declared history: the values that a run keeps from step to step, saved by place, ``PART/NAME``, or copied
+between simulations that have some bodies in common.
 
 A class names them, ``history = ("work", "gained")``, beside those of its bases: numbers, arrays, dictionaries
 of either, and parts with a history. None is a number that is not known yet. All else is built anew from the
@@ -7,13 +8,15 @@ when all values are there."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from mpmfw.errors import MpmfwError
-from mpmfw.state.fields import AnyArray
+from mpmfw.state.fields import AnyArray, IntArray
+from mpmfw.state.structs import Particles, State, Surface
 
 #: Types of numbers that may be saved.
 TYPES = ("<f8", "<f4", "<i8", "<i4", "|i1", "|u1", "|b1")
@@ -121,3 +124,61 @@ def _assign(holder: Any, name: str, old: Any, new: Any) -> None:
         old[...] = new
     else:
         setattr(holder, name, new)
+
+
+@dataclass(frozen=True)
+class IndexMap:
+    """Index here of everything that another simulation has, −1 of what is not here."""
+
+    body: IntArray  #: (n_bodies,)
+    particle: IntArray  #: (n,) material points
+    surface_node: IntArray  #: (n_s,)
+    facet: IntArray  #: (n_f,)
+    pair: IntArray  #: (n_pairs,) pairs that are listed in both
+
+    @classmethod
+    def between(cls, other: State, own: State) -> IndexMap:
+        """Return the map of bodies that have the same names."""
+        index = {body.name: body.index for body in own.bodies}
+        body = np.array([index.get(each.name, -1) for each in other.bodies], dtype=np.int64)
+        shared = [(each, own.bodies[b]) for each, b in zip(other.bodies, body, strict=True) if b >= 0]
+        listed = {(pair.first, pair.second): pair.index for pair in own.pairs}
+        pair = [listed.get((int(body[p.first]), int(body[p.second])), -1) for p in other.pairs]
+        points = [(theirs.particles, ours.particles) for theirs, ours in shared]
+        nodes, facets, n_nodes, n_facets = [], [], 0, 0
+        if (here := own.surface) is not None and (there := other.surface) is not None:
+            nodes = [(there.of(theirs.index), here.of(ours.index)) for theirs, ours in shared]
+            facets = [(there.facets_of(theirs.index), here.facets_of(ours.index)) for theirs, ours in shared]
+            n_nodes, n_facets = there.count, len(there.facets)
+        return cls(
+            body=body,
+            particle=_indices(other.particles.count, points),
+            surface_node=_indices(n_nodes, nodes),
+            facet=_indices(n_facets, facets),
+            pair=np.array(pair, dtype=np.int64),
+        )
+
+
+def _indices(count: int, slices: Sequence[tuple[slice, slice]]) -> IntArray:
+    found = np.full(count, -1, dtype=np.int64)
+    for theirs, ours in slices:
+        found[theirs] = np.arange(ours.start, ours.stop)
+    return found
+
+
+def copy_history(own: State, other: State, index_map: IndexMap) -> None:
+    """Copy declared history and declared arrays of the bodies that both have."""
+
+    def copy(dim: str, ours: AnyArray | None, theirs: Any) -> None:
+        if ours is not None and ours.shape[1:] == theirs.shape[1:]:  # else scratch for so many bodies
+            index = getattr(index_map, dim)
+            ours[index[index >= 0]] = theirs[index >= 0]
+
+    for name in Particles.history:
+        copy("particle", getattr(own.particles, name), getattr(other.particles, name))
+    if own.surface is not None and other.surface is not None:
+        for name in Surface.history:
+            copy("surface_node", getattr(own.surface, name), getattr(other.surface, name))
+    for key, array in own.kept_arrays.items():
+        if key in other.arrays:
+            copy(own.dims[key][0], array, other.arrays[key])

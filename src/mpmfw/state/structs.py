@@ -259,10 +259,6 @@ class Surface(Struct):
         return slice(int(self.facet_first[body]), int(self.facet_first[body + 1]))
 
 
-#: Dimensions of declared arrays whose rows belong to bodies.
-OF_BODIES = ("particle", "surface_node", "body", "pair")
-
-
 @dataclass(slots=True)
 class State:
     """All that changes while a simulation runs."""
@@ -297,10 +293,19 @@ class State:
     @property
     def centres_of_mass(self) -> FloatArray:
         """Centres of mass of all bodies, (n_bodies, dim) [m]."""
-        p, starts = self.particles, [body.particles.start for body in self.soft_bodies]
-        weighted = np.add.reduceat(p.mass[:, None] * p.position, starts)
-        centres = np.asarray(weighted / np.add.reduceat(p.mass, starts)[:, None])
+        p = self.particles
+        centres = self.sums(p.mass[:, None] * p.position) / self.sums(p.mass)[:, None]
         return centres if self.rigid is None else np.concatenate([centres, self.rigid.centroid])
+
+    def sums(self, values: FloatArray) -> FloatArray:
+        """Return the sums of ``values`` (n, …) over the points of every body that deforms."""
+        return np.asarray(np.add.reduceat(values, [body.particles.start for body in self.soft_bodies]))
+
+    def energies(self, density: FloatArray) -> FloatArray:
+        """Return Σ V_0 w of every body (n_bodies,) [J/m], w (n,) per reference volume; 0 of rigid ones."""
+        p = self.particles
+        soft = self.sums(density * p.times_thickness(p.initial_volume))
+        return np.pad(soft, (0, len(self.bodies) - len(soft)))
 
     @property
     def soft_bodies(self) -> tuple[Body, ...]:
@@ -310,7 +315,8 @@ class State:
     @property
     def kept_arrays(self) -> dict[str, AnyArray]:
         """Plug-ins' declared arrays whose rows belong to bodies."""
-        return {key: self.arrays[key] for key, dims in self.dims.items() if dims and dims[0] in OF_BODIES}
+        of_bodies = {"particle", "surface_node", "body", "pair"}
+        return {key: self.arrays[key] for key, dims in self.dims.items() if of_bodies.intersection(dims[:1])}
 
     def lengthen(self, name: str, rows: int) -> AnyArray:
         """Replace a plug-in's ``owner/name`` by one with more ``rows``, of zeros."""

@@ -74,8 +74,8 @@ class TimeStep:
         Raise SimulationError past a stability limit, and when the limit has collapsed."""
         limits = self.limits(hook)
         limit, owner = min(limits)
-        step: float = self._safety * limit if self._fixed is None else self._fixed
-        if self._checked and (refusal := self._refusal(step, limits)):
+        step, refusal = self._choose(limits)
+        if refusal:
             advice = "a smaller time.step, or allow_unstable = true"
             raise PastStabilityLimit(refusal, time=self.state.time, advice=advice)
         if limit < COLLAPSED * self.bulk_limit:
@@ -90,22 +90,17 @@ class TimeStep:
     def _advice(self, owner: str) -> str:
         """Return ways to lengthen the steps that a contact limits."""
         for contact in self.limiting:
-            if hasattr(contact, "softer_by") and owner.startswith(
-                (contact.name, contact.name.split("+")[-1])
-            ):
-                break
-        else:
-            return "another shape function"
-        ways = [f"a softer contact ({contact.softer_by})" if contact.softer_by else "a softer contact"]
-        if contact.needs_surface and "map" in contact.Options.model_fields:
-            ways.append(f"another contact.{contact.name.split('+')[0]}.map")
-        return ", ".join([*ways, "or another shape function"])
+            names = contact.name.split("+")
+            if hasattr(contact, "softer_by") and owner.startswith((contact.name, names[-1])):
+                softer = f" ({contact.softer_by})" if contact.softer_by else ""
+                mapped = contact.needs_surface and "map" in contact.Options.model_fields
+                other = f"another contact.{names[0]}.map, " if mapped else ""
+                return f"a softer contact{softer}, {other}or another shape function"
+        return "another shape function"
 
     def check(self, hook: Any) -> None:
         """Refuse a step past the first limit."""
-        limits = self.limits(hook)
-        step: float = self._safety * min(limits)[0] if self._fixed is None else self._fixed
-        if self._checked and (refusal := self._refusal(step, limits)):
+        if refusal := self._choose(self.limits(hook))[1]:
             key = "time.safety" if self._fixed is None else "time.step"
             raise SceneError(f"{refusal}; expected a smaller {key}, or allow_unstable = true", key=key)
 
@@ -123,12 +118,13 @@ class TimeStep:
                 raise PluginError(text, step=self.state.steps, time=self.state.time)
         return [self._bulk, *answers]
 
-    def _refusal(self, step: float, limits: list[tuple[float, str]]) -> str:
-        """Return the reason if a step is past a stability limit."""
+    def _choose(self, limits: list[tuple[float, str]]) -> tuple[float, str]:
+        """Return the step [s], and the reason if it is past a stability limit."""
+        step: float = self._safety * min(limits)[0] if self._fixed is None else self._fixed
         limit, owner = min([self._least_refused, *limits[1:]])
-        if step <= limit * (1.0 + 1e-12):
-            return ""
-        return f"a step of {step:.4g} s is past the stability limit {limit:.4g} s of {owner}"
+        if not self._checked or step <= limit * (1.0 + 1e-12):
+            return step, ""
+        return step, f"a step of {step:.4g} s is past the stability limit {limit:.4g} s of {owner}"
 
 
 class Clock(_event.Listener):  # type: ignore[misc]
