@@ -13,9 +13,10 @@ STIFF = "penalty, cpdi, kappa 8"
 
 cells = Runs(
     "cells",
-    methods=[*methods(when="full"), *methods(settings={"kappa 8": {"contact.penalty.kappa": 8.0}})],
-    places=[Place("R/h = 5"), Place("R/h = 7", set={"grid.cell_size": 0.14285714}, when="full")],
+    methods=[*methods(), *methods(settings={"kappa 8": {"contact.penalty.kappa": 8.0}})],
+    places=[Place("R/h = 5"), Place("R/h = 7", set={"grid.cell_size": 0.14285714})],
     binds=[STIFF],
+    when="full",
 )
 convergence = Runs(
     "convergence",

@@ -45,7 +45,7 @@ oblique = Runs(
     scene=spheres.scene,
     methods=[*methods(), *methods(CLASSICAL, when="full")],
     places=[
-        *(steel(angle, when="") for angle in (17, 45, 70)),
+        *(steel(angle, when="full" if angle == 45 else "") for angle in (17, 45, 70)),
         *(steel(angle, 10, ALONG | SPIN | SLIDING) for angle in (17, 45, 70)),
         *(impact(f"4, oxide, {angle}°", "4 oxide", angle=angle) for angle in (10, 50)),
         nylon(3, when=""),
