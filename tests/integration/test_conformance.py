@@ -39,10 +39,10 @@ LACKS_NONE = {
 THROWN = "a node near a corner is behind the line of a far face too (eq. 10), a cell deep, and is thrown out along the near one"  # noqa: E501
 LAYER = "the interface layer has inertia and momentum of its own beside the material points'"
 LACKS_HAMAD_2017 = {
-    **dict.fromkeys("coulomb-cone slip-on-the-cone sticking frictionless time-step three-bodies".split(), THROWN),
-    "step-length": THROWN,
-    **dict.fromkeys("equal-and-opposite moment-balance pushes-apart no-adhesion isolation".split(), LAYER),
-    **dict.fromkeys(("shapes", "reports"), LAYER),
+    **dict.fromkeys(("coulomb-cone", "slip-on-the-cone", "sticking", "frictionless"), THROWN),
+    **dict.fromkeys(("time-step", "three-bodies", "step-length"), THROWN),
+    **dict.fromkeys(("equal-and-opposite", "moment-balance", "pushes-apart", "no-adhesion"), LAYER),
+    **dict.fromkeys(("isolation", "shapes", "reports"), LAYER),
     "refinement": "a node bears by the penetration of its segment's ends: four times as many nodes give 20 % "
     "more",
 }
