@@ -72,16 +72,10 @@ class SimulationError(MpmfwError):
         #: What the run wrote before it failed (an xarray DataTree), set by :func:`mpmfw.run`.
         self.results: Any = None
         self.position = None if position is None else tuple(float(x) for x in position)
-        where = []
-        if body is not None:
-            where.append(f"body '{body}'")
-        if index is not None:
-            where.append(f"point {index}")
-        if self.position is not None:
-            where.append("at (" + ", ".join(f"{x:.6g}" for x in self.position) + ") m")
-        if time is not None:
-            where.append(f"at time {time:.6g} s")
-        message = what + (": " + ", ".join(where) if where else "")
+        place = None if position is None else ", ".join(f"{x:.6g}" for x in position)
+        facts = {"body '{}'": body, "point {}": index, "at ({}) m": place, "at time {:.6g} s": time}
+        where = ", ".join(form.format(fact) for form, fact in facts.items() if fact is not None)
+        message = f"{what}: {where}" if where else what
         super().__init__(message + (f". Try: {advice}" if advice else ""))
 
 

@@ -84,19 +84,6 @@ def to_si(value: object, unit: str) -> object:
     return _converted(float(number.group(1)), given, unit, value) if given else float(number.group(1))
 
 
-def powers_of(unit: str) -> tuple[float, float, float]:
-    """Powers of mass, length and time in a unit as results write it, ``N s m-1``; else a ValueError."""
-    if unit == "1":
-        return (0.0, 0.0, 0.0)
-    text = re.sub(r"([^\W\d_])\^?(-?\d)", r"\1**\2", unit.strip().replace(" ", " * "))
-    try:
-        found = dict(_registry().parse_units(text).dimensionality)
-    except Exception as error:  # pint's own, of many kinds
-        raise ValueError(f"'{unit}' is no unit: {error}") from error
-    mass, length, time = (float(found.get(f"[{name}]", 0.0)) for name in ("mass", "length", "time"))
-    return mass, length, time
-
-
 def _converted(number: float, given: str, unit: str, text: str) -> float:
     """The number from the unit ``given`` to ``unit``."""
     common, factor = _COMMON.get(given, ("", 0.0))
@@ -229,7 +216,7 @@ def row_in_time(quantity: Any) -> Any:
     in_space = tuple[Time, quantity, quantity, quantity]  # type: ignore[valid-type]
     return Annotated[
         Annotated[in_plane, Strict(False), Tag("two")] | Annotated[in_space, Strict(False), Tag("three")],
-        Discriminator(_length),
+        Discriminator(length_of_row),
     ]
 
 
@@ -261,7 +248,8 @@ def array_or_single(value: Any) -> str:
     return "array" if isinstance(value, list | tuple) else "single"
 
 
-def _length(value: Any) -> str:
+def length_of_row(value: Any) -> str:
+    """Return a tag of rows with a time and three components, or fewer."""
     return "three" if isinstance(value, list | tuple) and len(value) == 4 else "two"
 
 

@@ -43,7 +43,8 @@ RUNS = """
 from types import SimpleNamespace
 
 from mpmfw.errors import SimulationError
-from mpmfw.validation import Place, Runs, Version, full, methods, together
+from dataclasses import replace
+from mpmfw.validation import Place, Runs, full, methods, together
 
 def in_place(scene):
     if scene.grid.cell_size == 0.5 and scene.contact.method == "bardenhagen":
@@ -60,16 +61,16 @@ def size(results, factor=1.0):
 def total(runs):
     return sum(run.results.size for run in runs)
 
+places = [
+    Place("coarse", set={"grid.cell_size": 0.8}, within={"size": (0.0, 0.1)}),
+    Place("fine", set={"grid.cell_size": 0.4}, open={"size": {"penalty, c*": "known"}}, when="full"),
+    Place("broken", set={"grid.cell_size": 0.5}),
+]
 runs = Runs(
     "runs",
     scene="rolling-cylinder-slip",
     methods=methods(["penalty", "bardenhagen"], ["cpdi", "gimp"]),
-    places=[
-        Place("coarse", set={"grid.cell_size": 0.8}, within={"size": (0.0, 0.1)}),
-        Place("fine", set={"grid.cell_size": 0.4}, open={"size": {"penalty, c*": "known"}}, when="full"),
-        Place("broken", set={"grid.cell_size": 0.5}),
-    ],
-    versions=[Version(), Version("finer", change=finer)],
+    places=[*places, *(replace(place, change=finer) for place in places)],
     by=in_place,
 )
 
@@ -154,7 +155,7 @@ def test_gates_bind_the_recommended_methods_alone(tmp_path):
 
 
 @pytest.mark.usefixtures("here")
-def test_runs_at_places_and_in_versions(suite, tmp_path):
+def test_runs_at_places_and_with_changed_scenes(suite, tmp_path):
     (result,) = results(suite(a=RUNS), tmp_path)
     assert result.error == ""
     found = {(row.method, row.quantity): row for row in result.rows}

@@ -33,7 +33,7 @@ def dissipated(run: xr.DataTree) -> float:
 
 def largest_dissipation(runs: Sequence[CaseRun]) -> float:
     """Return the largest dissipation of the scenes as they stand [%]."""
-    stand = [run for run in runs if run.version.change is None and "series" in run.results]
+    stand = [run for run in runs if run.place.change is None and "series" in run.results]
     found = [dissipated(run.results) for run in stand]
     return max((lost for lost in found if np.isfinite(lost)), default=float("nan"))
 
@@ -95,7 +95,7 @@ def hold(runs: Sequence[CaseRun]) -> float:
     """
     held: dict[str, list[bool]] = {}
     for run in runs:
-        if run.version.change is None:
+        if run.place.change is None:
             scene = "slopes" if run.place.scene is SLOPES else run.place.at
             held.setdefault(scene, []).append(not run.broken)
     return float(sum(np.mean(settings) for settings in held.values()))
@@ -103,5 +103,5 @@ def hold(runs: Sequence[CaseRun]) -> float:
 
 def cost(runs: Sequence[CaseRun]) -> float:
     """CPU time of the scenes as they stand, settling with them [s]."""
-    found = [run.results.attrs for run in runs if run.version.change is None]
+    found = [run.results.attrs for run in runs if run.place.change is None]
     return float(sum(one["cpu_time"] + one.get("settle_time", 0.0) for one in found))

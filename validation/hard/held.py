@@ -1,6 +1,8 @@
 """What every scene of the hard suite runs and must hold."""
 
+import functools
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import closed
@@ -9,7 +11,7 @@ import made
 import plain
 from placing import placed
 
-from mpmfw.validation import CLASSICAL, Case, CaseRun, Place, Runs, RunSet, Version, full, methods, together
+from mpmfw.validation import CLASSICAL, Case, CaseRun, Place, Runs, RunSet, full, methods, together
 
 #: Penalty contact in its strongest form; what it holds are gates as well.
 STRONGEST = "penalty(kappa=16, linear_to=0.03)"
@@ -58,13 +60,13 @@ def shared(
 def scenes(places: Sequence[Place], set: Mapping[str, Any] | None = None) -> Runs:
     """Return the runs of a field's scenes."""
     strongest = methods([STRONGEST], settings={"safety 0.3": {"time.safety": 0.3}}, bound=True, when="full")
-    moved = Version("shifted, turned, coarser", change=placed, args=MOVED, when="full")
+    change = functools.partial(placed, **MOVED)
+    twice = [both for one in places for both in (one, replace(one, change=change, when="full"))]
     return Runs(
         "scenes",
         scene=made.scene,
         methods=[*methods(), *methods(OTHERS, when="full"), *strongest],
-        places=places,
-        versions=[Version(), moved],
+        places=twice,
         set={"output.surface": False} if set is None else set,
     )
 

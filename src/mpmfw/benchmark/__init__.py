@@ -15,29 +15,21 @@ __all__ = ["measure_scene", "measure_threads"]
 
 #: Steps before the first sample: kernels are compiled, windows laid, contact searched.
 WARM_UP = 5
+#: Steps of a sample, and between two turns with one thread and with several.
+STEPS, TURN = 50, 20
 
 
-def measure_scene(
-    scene: Any,
-    repeats: int = 10,
-    *,
-    steps: int = 50,
-    start: int = WARM_UP,
-    contact: str | None = None,
-    shape: str | None = None,
-) -> dict[str, Any]:
+def measure_scene(scene: Any, repeats: int = 10, *, start: int = WARM_UP) -> dict[str, Any]:
     """Cost of a scene's steps from its beginning on, after settling.
 
     Parameters
     ----------
     scene
         Name, file or table of a scene, as in :func:`mpmfw.load_scene`.
-    repeats, steps
-        Samples, and steps of a sample.
+    repeats
+        Samples, of :data:`STEPS` steps each.
     start
         Steps before the first sample, after which the bodies are in contact.
-    contact, shape
-        Names of plug-ins instead of the scene's.
 
     Returns
     -------
@@ -45,18 +37,18 @@ def measure_scene(
     and step], ``ns_total``, and the stages of the method (``ns_contact``, …); ``ns_median`` of the totals and
     their quartiles ``ns_low`` and ``ns_high``. Output and surfaces tracked for the gap alone are left out.
     """
-    simulation = Simulation(scene, contact=contact, shape=shape)
+    simulation = Simulation(scene)
     simulation.advance(max(start, WARM_UP))
     particles, clock = simulation.state.particles, simulation.clock
     wall, cpu = np.zeros((repeats, len(STEP_STAGES))), np.zeros(repeats)
     for repeat in range(repeats):
         clock.restart()
-        simulation.advance(steps)
+        simulation.advance(STEPS)
         clock.flush()
         wall[repeat] = [clock.wall[stage] for stage in STEP_STAGES]
         cpu[repeat] = sum(clock.cpu[stage] for stage in STEP_STAGES)
-    to_ns = 1e9 / (particles.count * steps)
-    low, median, high = quartiles(cpu * to_ns)
+    to_ns = 1e9 / (particles.count * STEPS)
+    low, median, high = np.quantile(cpu * to_ns, [0.25, 0.5, 0.75]).tolist()
     times = stage_times(wall, cpu) * to_ns
     return {
         **_methods(simulation),
@@ -70,29 +62,19 @@ def measure_scene(
     }
 
 
-def measure_threads(
-    scene: Any,
-    threads: int,
-    repeats: int = 10,
-    *,
-    steps: int = 20,
-    start: int = WARM_UP,
-    contact: str | None = None,
-    shape: str | None = None,
-) -> dict[str, Any]:
+def measure_threads(scene: Any, threads: int, repeats: int = 10, *, start: int = WARM_UP) -> dict[str, Any]:
     """Wall time of a scene's steps with one thread and with several, at least 2 ``threads``, in turns.
 
-    Other parameters are those of :func:`measure_scene`; ``steps`` are those between two turns. Return
-    ``scene``, ``contact``, ``shape``, ``particles``, ``threads``; ``ns_one`` and ``ns_shared``, the least
-    wall time of a step with one thread and with all of them [ns per point], and their ``ratio``. Outputs are
-    left out."""
-    both = [Simulation(scene, contact=contact, shape=shape, threads=each) for each in (1, threads)]
+    Other parameters are those of :func:`measure_scene`. Return ``scene``, ``contact``, ``shape``,
+    ``particles``, ``threads``; ``ns_one`` and ``ns_shared``, the least wall time of a step with one and with
+    all threads [ns per point], and their ``ratio``. Outputs are left out."""
+    both = [Simulation(scene, threads=each) for each in (1, threads)]
     for simulation in both:
         simulation.advance(max(start, WARM_UP))
     least = [math.inf, math.inf]
     for _ in range(repeats):
         for which, simulation in enumerate(both):
-            for _ in range(steps):
+            for _ in range(TURN):
                 begin = time.perf_counter()
                 simulation.step()
                 least[which] = min(least[which], time.perf_counter() - begin)
@@ -120,9 +102,3 @@ def stage_times(wall: FloatArray, cpu: FloatArray) -> FloatArray:
     least = wall.min(axis=0)
     times: FloatArray = least * (cpu.min() / least.sum())
     return times
-
-
-def quartiles(values: FloatArray) -> tuple[float, float, float]:
-    """Return first quartile, median, third quartile."""
-    low, median, high = np.quantile(values, [0.25, 0.5, 0.75])
-    return float(low), float(median), float(high)

@@ -55,11 +55,6 @@ class Combination:
         return "" if self.scene is None else key_of(self.scene, self.contact, self.shape, self.what)
 
     @property
-    def refusal(self) -> str:
-        """Why it is refused, a line for each problem; empty if it is not."""
-        return "\n".join(map(str, self.problems))
-
-    @property
     def why(self) -> str:
         """Why it is refused; of an option's problems the first, without the option."""
         first, *others = self.problems

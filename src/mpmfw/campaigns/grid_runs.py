@@ -128,7 +128,7 @@ class GridRuns:
 
     def statuses(self) -> dict[Index, str]:
         """Return the status of every point."""
-        refused = {i: f"refused: {one.refusal}" for i, one in self.grid.combinations.items() if not one.key}
+        refused = {i: f"refused: {one.why}" for i, one in self.grid.combinations.items() if not one.key}
         begun = dict.fromkeys(self.grid.combinations, "not run") | refused
         return begun | {index: outcome.status for index, _, outcome in self.known()}
 

@@ -64,6 +64,8 @@ class BodyGeometry(BaseModel):
     name: ClassVar[str] = ""
     #: Number of space dimensions.
     dim: ClassVar[int]
+    #: Fields of which the first must be below the second, if there are such.
+    rising: ClassVar[tuple[str, str] | None] = None
 
     type: str  #: what scenes call it; ``name`` is read off it
 
@@ -72,6 +74,14 @@ class BodyGeometry(BaseModel):
         """Read the name off the field ``type``."""
         default = cls.model_fields["type"].default
         cls.name = default if isinstance(default, str) else ""
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        if self.rising is not None:
+            low, high = (getattr(self, key) for key in self.rising)
+            if not np.less(low, high).all():
+                raise ValueError(f"{self.rising[0]} {low} m must be below {self.rising[1]} {high} m")
+        return self
 
     @property
     @abstractmethod
@@ -151,12 +161,7 @@ class Cornered(BodyGeometry):
 
     lower: tuple[Length, ...]
     upper: tuple[Length, ...]
-
-    @model_validator(mode="after")
-    def _lower_below_upper(self) -> Self:
-        if not all(a < b for a, b in zip(self.lower, self.upper, strict=True)):
-            raise ValueError(f"lower {self.lower} must be below upper {self.upper} in every direction")
-        return self
+    rising: ClassVar[tuple[str, str]] = ("lower", "upper")
 
     @property
     def exact_volume(self) -> float:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Literal, Self
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 import shapely
-from pydantic import model_validator
 
 from mpmfw.geometry.base import Centred, Point2D, PositiveLength, Round
 from mpmfw.geometry.layout import FloatArray, Layout, layout_of_quadrilaterals
@@ -110,14 +109,7 @@ class Ring(Centred, PlaneGeometry):
     centre: Point2D
     inner_radius: PositiveLength
     outer_radius: PositiveLength
-
-    @model_validator(mode="after")
-    def _inner_below_outer(self) -> Self:
-        if self.inner_radius >= self.outer_radius:
-            raise ValueError(
-                f"inner_radius {self.inner_radius} m must be smaller than outer_radius {self.outer_radius} m"
-            )
-        return self
+    rising: ClassVar[tuple[str, str]] = ("inner_radius", "outer_radius")
 
     @property
     def exact_volume(self) -> float:

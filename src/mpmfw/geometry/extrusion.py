@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -25,12 +25,7 @@ class Extrusion(TurnedSolid):
     outline: PlaneOutline
     low: Length
     high: Length
-
-    @model_validator(mode="after")
-    def _low_below_high(self) -> Self:
-        if not self.low < self.high:
-            raise ValueError(f"low {self.low} m must be below high {self.high} m")
-        return self
+    rising: ClassVar[tuple[str, str]] = ("low", "high")
 
     @property
     def exact_volume(self) -> float:
@@ -150,12 +145,7 @@ class Torus(Centred, AxialSolid):
     centre: Point3D
     radius: PositiveLength
     tube_radius: PositiveLength
-
-    @model_validator(mode="after")
-    def _has_a_hole(self) -> Self:
-        if self.tube_radius >= self.radius:
-            raise ValueError(f"tube_radius {self.tube_radius} m must be smaller than radius {self.radius} m")
-        return self
+    rising: ClassVar[tuple[str, str]] = ("tube_radius", "radius")
 
     @property
     def exact_volume(self) -> float:

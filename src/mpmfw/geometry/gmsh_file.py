@@ -15,8 +15,7 @@ import numpy as np
 from mpmfw.geometry.layout import FloatArray, IntArray
 from mpmfw.units import LARGEST
 
-#: gmsh's numbers of elements that stand beside a mesh, at points and along curves: of first order, and of
-#: second.
+#: gmsh's numbers of elements beside a mesh: at points, and along curves of first and of second order.
 BESIDE_THE_POINT = frozenset({15, 1, 8})
 
 
@@ -60,8 +59,8 @@ def read_blocks(path: Path, kinds: Mapping[int, int]) -> tuple[FloatArray, dict[
         before = gmsh.model.getCurrent() if gmsh.model.list() else None
         try:
             gmsh.open(str(path))
-            tags, coordinates, _ = gmsh.model.mesh.getNodes()
-            found = dict(zip(*gmsh.model.mesh.getElements()[::2], strict=True))
+            found = [int(kind) for kind in gmsh.model.mesh.getElementTypes()]
+            nodes, blocks = blocks_of(gmsh, kinds)
         except Exception as error:
             raise ValueError(f"{path} is not a gmsh mesh that can be read: {error}") from error
         others = [k for k in found if k not in kinds and k not in BESIDE_THE_POINT]
@@ -75,10 +74,16 @@ def read_blocks(path: Path, kinds: Mapping[int, int]) -> tuple[FloatArray, dict[
         raise ValueError(
             f"{path} has elements of type {', '.join(sorted(names[k] for k in others))}: only {read} are read"
         )
+    return nodes, blocks
+
+
+def blocks_of(gmsh: Any, kinds: Mapping[int, int]) -> tuple[FloatArray, dict[int, IntArray]]:
+    """Return the nodes (n, 3) of gmsh's model, and the nodes (k, m) of its elements of each kind."""
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
     order = np.argsort(tags)
+    found = {k: np.asarray(gmsh.model.mesh.getElementsByType(k)[1], tags.dtype) for k in kinds}
     blocks = {
-        k: order[np.searchsorted(tags, np.asarray(found.get(k, []), tags.dtype), sorter=order)].reshape(-1, m)
-        for k, m in kinds.items()
+        k: order[np.searchsorted(tags, found[k], sorter=order)].reshape(-1, m) for k, m in kinds.items()
     }
     return np.reshape(coordinates, (-1, 3)), blocks
 

@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 
 from mpmfw.geometry.base import Cornered, Point2D
 from mpmfw.geometry.clipped_lattice import tiling
-from mpmfw.geometry.gmsh_file import started_gmsh
+from mpmfw.geometry.gmsh_file import blocks_of, started_gmsh
 from mpmfw.geometry.layout import FloatArray, Layout, layout_of_quadrilaterals
 from mpmfw.geometry.plane import PlaneGeometry, loops_of, subdivided
 from mpmfw.units import Angle
@@ -137,14 +137,7 @@ def _mesh(gmsh: Any, loops: tuple[FloatArray, ...], target: float) -> FloatArray
         for option, value in (("RecombineAll", 1), ("SubdivisionAlgorithm", 1), ("MeshSizeMax", target)):
             gmsh.option.setNumber(f"Mesh.{option}", value)
         gmsh.model.mesh.generate(2)
-        return _quadrilaterals(gmsh)
+        points, blocks = blocks_of(gmsh, {3: 4})
+        return points[blocks[3], :2]
     finally:
         gmsh.model.remove()
-
-
-def _quadrilaterals(gmsh: Any) -> FloatArray:
-    tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    row = np.zeros(int(tags.max()) + 1, dtype=int)
-    row[tags.astype(int)] = np.arange(len(tags))
-    _, connectivity = gmsh.model.mesh.getElementsByType(gmsh.model.mesh.getElementType("quadrangle", 1))
-    return np.asarray(coordinates.reshape(-1, 3)[row[connectivity.astype(int)], :2].reshape(-1, 4, 2))

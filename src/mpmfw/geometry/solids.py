@@ -71,8 +71,7 @@ class Box(Cornered, TurnedSolid):
         return replace(cells, position=self.turned(cells.position), half_edges=half_edges)
 
 
-#: Largest stretch of an icosahedron's face that is projected on the sphere: at its centre, the sphere's
-#: radius over its distance.
+#: Largest stretch of an icosahedron's face that is projected on the sphere, at its centre.
 STRETCH = 1.26
 
 

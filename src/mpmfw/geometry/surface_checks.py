@@ -11,8 +11,7 @@ from mpmfw.geometry.layout import FloatArray, IntArray
 
 #: Height of a triangle over its longest side below which it has no area.
 FLAT = 1e-7
-#: A place within a triangle, in its own coordinates: through its middle a ray would meet sides of regular
-#: meshes.
+#: A place within a triangle: through its middle a ray would meet sides of regular meshes.
 PLACE = (0.2713, 0.3142, 0.4145)
 #: How far below its triangle a place is looked at, over the triangle's size.
 BELOW = 1e-6

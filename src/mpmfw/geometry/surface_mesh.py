@@ -147,8 +147,7 @@ def _stacked(where: IntArray, corners: tuple[IntArray, ...]) -> IntArray:
 BY_TRIMESH = (".stl", ".obj", ".ply", ".off")
 BY_GMSH = ".msh"
 
-#: Distance of two nodes of an STL, over its largest coordinate, up to which they are one: four units of
-#: single precision.
+#: Distance up to which two nodes of an STL are one, over its largest coordinate: 4 units of single precision.
 SINGLE = float(4.0 * np.finfo(np.float32).eps)
 
 

@@ -12,6 +12,7 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from mpmfw.errors import MpmfwError, ResultsWarning
@@ -149,5 +150,4 @@ def _write_series(path: Path, series: xr.Dataset) -> None:
         heads = [" ".join((str(name), *choice)) for choice in itertools.product(*labels)]
         table = values.values.reshape(len(values), -1).astype(float)
         columns |= {f"{head} [{unit}]": column for head, column in zip(heads, table.T, strict=True)}
-    text = xr.Dataset({name: ("time", values) for name, values in columns.items()}).to_dataframe()
-    replace_bytes(text.to_csv(index=False, na_rep="nan").encode(), path)
+    replace_bytes(pd.DataFrame(columns).to_csv(index=False, na_rep="nan").encode(), path)

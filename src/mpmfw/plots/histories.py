@@ -66,13 +66,10 @@ class Curve:
 
     def of(self, series: xr.Dataset) -> FloatArray:
         """Its values over the time; NaN where a run does not have it."""
-        nothing = np.full(series.sizes["time"], np.nan)
-        if self.name not in series:
-            return nothing
-        array = series[self.name]
-        if any(value not in array[dim].values for dim, value in self.choice):
-            return nothing
-        return np.asarray(array.sel(dict(self.choice)).values, dtype=float)
+        try:
+            return np.asarray(series[self.name].sel(dict(self.choice)).values, dtype=float)
+        except KeyError:
+            return np.full(series.sizes["time"], np.nan)
 
 
 @dataclass(frozen=True)

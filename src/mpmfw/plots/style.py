@@ -30,8 +30,7 @@ PAGE = 175.0 / 25.4
 #: Height that a figure has for a legend below its panels [inch].
 LEGEND = 0.45
 
-#: Of the installed contacts and shape functions in their order (:func:`installed`): a method looks the same
-#: in every figure.
+#: Of the installed contacts and shape functions in their order: a method looks the same in every figure.
 _COLOURS = (
     "#117733", "#D55E00", "#AA4499", "#56B4E9", "#8C564B", "#7F3C8D", "#B2B200", "#DDAA33", "#CC79A7",
     "#009E73", "#6B6B6B",

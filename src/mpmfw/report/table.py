@@ -83,12 +83,12 @@ CHOICES = ("scheme", "transfer", "code")
 COSTS = ("cpu_time", "cpu_time_spread", "settle_time", "cost", "steps", "material_points")
 
 
-def column_of(name: str, long_name: str = "") -> Column:
+def column_of(name: str) -> Column:
     """Return the column of a measure."""
     if name in COLUMNS:
         return COLUMNS[name]
     words = name.replace("_", " ")
-    return Column(words.capitalize(), words.removesuffix(" error").replace(" ", "\n"), "%", long_name)
+    return Column(words.capitalize(), words.removesuffix(" error").replace(" ", "\n"), "%", "")
 
 
 def method_dims(dataset: xr.Dataset) -> list[Hashable]:
@@ -184,14 +184,10 @@ def rings_measures(run: xr.Dataset, reference: RingsReference) -> dict[str, floa
 
 
 def _reached(run: xr.Dataset) -> float:
-    known = [
-        run["time"].values[
-            np.isfinite(run[name].transpose("time", ...).values.reshape(run.sizes["time"], -1)).all(axis=1)
-        ]
-        for name in ("kinetic_energy", "contact_force")
-        if name in run
+    ends = [
+        run[name].dropna("time")["time"].values for name in ("kinetic_energy", "contact_force") if name in run
     ]
-    return max((float(times[-1]) for times in known if len(times)), default=0.0)
+    return max((float(times[-1]) for times in ends if len(times)), default=0.0)
 
 
 def _force_measures(run: xr.Dataset) -> dict[str, float]:
@@ -227,10 +223,8 @@ def _energy_error(run: xr.Dataset, reference: RingsReference) -> float:
         return float("nan")
     energy = rings_table("energy")
     exact = np.interp(run["time"].values, energy["time"], energy["fine_kinetic_J_per_m"])
-    both = (
-        run["kinetic_energy"].sel(body=[reference.first, reference.second]).sum("body", skipna=False).values
-    )
-    return 100.0 * float(np.max(np.abs(both - exact)) / exact[0])
+    both = run["kinetic_energy"].sel(body=[reference.first, reference.second]).sum("body", skipna=False)
+    return 100.0 * float(np.max(np.abs(both.values - exact)) / exact[0])
 
 
 def _costs(run: xr.Dataset) -> dict[str, float]:

@@ -10,8 +10,7 @@ import xarray as xr
 if TYPE_CHECKING:
     from mpmfw.scene import Scene
 
-#: Series whose sum is the error in time of strain and contact: residuals without the work of the half step
-#: by which velocities are behind positions.
+#: Series whose sum is the error in time: residuals without the work of velocities' half step.
 _RESIDUALS = (
     (1.0, "energy_residual"),
     (-1.0, "half_step_work"),

@@ -9,7 +9,6 @@ import functools
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
 
-import numpy as np
 import xarray as xr
 
 from mpmfw.errors import SceneError
@@ -121,16 +120,15 @@ def table(comparison: Results) -> pd.DataFrame:
 
     It is indexed by the methods; NaN where a run did not get there. Raises a SceneError for other results.
     """
+    import pandas as pd
+
     from mpmfw.report import method_dims
     from mpmfw.report import table as rows_of
 
     dataset = series_of(comparison)
     if "status" not in dataset or dataset.attrs.get("kind") != "compare":
         raise SceneError("these are no results of a comparison (mpmfw.compare)")
-    rows = rows_of(dataset)
-    names = list(dict.fromkeys(name for row in rows for name in row))
-    columns = {name: ("run", [row.get(name, np.nan) for row in rows]) for name in names}
-    return xr.Dataset(columns).to_dataframe().set_index([str(dim) for dim in method_dims(dataset)])
+    return pd.DataFrame(rows_of(dataset)).set_index([str(dim) for dim in method_dims(dataset)])
 
 
 def pareto(study: Results) -> pd.DataFrame:

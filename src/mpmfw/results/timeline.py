@@ -43,9 +43,8 @@ class RunHeader:
     pairs: tuple[str, ...]  #: labels ``a-b``, in the scene's order
     particle_count: Mapping[str, int]  #: material points of each body
     fields: tuple[Field, ...]  #: declarations of all arrays of frames; the flag ``output`` is not read
-    surface_count: Mapping[str, int] = dataclasses.field(
-        default_factory=dict
-    )  #: surface nodes, of bodies that have any
+    #: surface nodes, of bodies that have any
+    surface_count: Mapping[str, int] = dataclasses.field(default_factory=dict)
     #: by body, in 2D the node (surface_node,) at which each node's segment ends, in 3D triangles (k, 3)
     connectivity: Mapping[str, IntArray] = dataclasses.field(default_factory=dict)
     #: root attributes; mappings and sequences are stored as JSON, a value of None is left out
@@ -61,9 +60,8 @@ class Frame:
     time: float  #: [s]
     #: fields over the points of all bodies, in the header's order; a frame may have none
     particles: Mapping[str, AnyArray] = dataclasses.field(default_factory=dict)
-    surface: Mapping[str, AnyArray] = dataclasses.field(
-        default_factory=dict
-    )  #: as ``particles``, over surface nodes
+    #: as ``particles``, over surface nodes
+    surface: Mapping[str, AnyArray] = dataclasses.field(default_factory=dict)
     #: fields (body,), (body, axis), (body, rotation), (pair,) or (pair, axis)
     series: Mapping[str, AnyArray] = dataclasses.field(default_factory=dict)
     contact: Mapping[str, Mapping[str, AnyArray]] = dataclasses.field(default_factory=dict)  #: fields by pair

@@ -36,8 +36,7 @@ WRITTEN_AT_ONCE = 16_000_000
 #: Seconds of wall time that frames wait, to be written together: what a kill loses.
 WRITTEN_EVERY = 0.25
 
-#: CPU seconds of one writing, above which frames wait longer in proportion: a thousand bodies have ten
-#: thousand variables.
+#: CPU seconds of one writing, above which frames wait longer in proportion.
 QUICK = 0.025
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from mpmfw.geometry import SurfaceMesh
 from mpmfw.plugin.discovery import REFERENCES, available
 from mpmfw.scene.options import NAMED
-from mpmfw.scene.problem import Path, Problem
+from mpmfw.scene.problem import Path, Problem, one_form
 from mpmfw.scene.rigid import check_rigid, check_spin
 from mpmfw.scene.sides import check_sides
 from mpmfw.scene.tables import Body, Gravity, RigidBody, Side, Tables
@@ -177,14 +177,9 @@ def _named(
 
 
 def _gravity(gravity: Gravity, path: Path, dim: int, *others: str) -> Iterator[Problem]:
-    given, forms = set(gravity.model_fields_set), [{"vector"}, {"magnitude", "tilt"}, *({o} for o in others)]
-    if given not in forms:
-        allowed = ", or ".join(" and ".join(sorted(form)) for form in forms)
-        message = f"has {' and '.join(sorted(given)) or 'no key'}; expected exactly one of: {allowed}"
-        yield Problem(path, message, keys=tuple(given))
-    elif gravity.vector is not None and len(gravity.vector) != dim:
-        yield Problem((*path, "vector"), wrong_length(len(gravity.vector), dim))
-    elif "tilt" in given and dim == 3:
+    yield from one_form(path, gravity.model_fields_set, "vector", "magnitude and tilt", *others)
+    yield from _in_time(gravity.vector, (*path, "vector"), dim)
+    if gravity.tilt is not None and dim == 3:
         yield Problem((*path, "tilt"), "is for two dimensions; give gravity as a vector in 3D")
 
 
@@ -250,24 +245,20 @@ def _side(body: Body, path: Path, index: int, dim: int) -> Iterator[Problem]:
     side = body.sides[index]
     conditions = [key for key in Side.model_fields if key != "side"]
     given = sorted(side.model_fields_set & set(conditions))
-    if len(given) != 1:
-        has = " and ".join(given) or "none of them"
-        yield Problem(path, f"has {has}; expected exactly one of: {', '.join(conditions)}", keys=(*given,))
-    if dim == 2 and side.side in ("back", "front"):
-        message = f"'{side.side}' is a side in 3D; expected one of left, right, bottom, top"
-        yield Problem((*path, "side"), message)
-    if body.geometry.type in ROUND:
-        message = f"a {body.geometry.type} has no plane side; expected a body that has one"
-        yield Problem((*path, "side"), message)
-    if isinstance(side.fixed, tuple) and "z" in side.fixed and dim == 2:
-        yield Problem((*path, "fixed"), "'z' is a component in 3D; expected x or y")
-    if isinstance(side.fixed, tuple) and len(set(side.fixed)) != len(side.fixed):
-        yield Problem((*path, "fixed"), "names a component twice")
+    yield from one_form(path, given, *conditions)
+    fixed, shape = side.fixed if isinstance(side.fixed, tuple) else (), body.geometry.type
+    still = side.velocity is not None and all(component == "free" for component in side.velocity)
+    refused = (
+        (dim == 2 and side.side in ("back", "front"), "side", f"'{side.side}' is a side in 3D"),
+        (shape in ROUND, "side", f"a {shape} has no plane side; expected a body that has one"),
+        ("z" in fixed and dim == 2, "fixed", "'z' is a component in 3D; expected x or y"),
+        (len(set(fixed)) != len(fixed), "fixed", "names a component twice"),
+        (still, "velocity", "has no effect: every component is free"),
+    )
+    yield from (Problem((*path, key), message) for wrong, key, message in refused if wrong)
     yield from _in_time(side.velocity, (*path, "velocity"), dim)
     for key, components in (("pressure", 1), ("traction", dim), ("force", dim)):
         yield from _in_time(getattr(side, key), (*path, key), components)
-    if side.velocity is not None and all(component == "free" for component in side.velocity):
-        yield Problem((*path, "velocity"), "has no effect: every component is free")
     before = [other.model_fields_set for other in body.sides[:index] if other.side == side.side]
     if given != ["fixed"] and any(fields & set(given) for fields in before):
         yield Problem(path, f"a second {' and '.join(given)} for side '{side.side}'", keys=(*given,))

@@ -6,7 +6,7 @@ import bisect
 import functools
 import re
 import tomllib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -105,6 +105,14 @@ class Problem:
     value: Any = None  #: what was given, where it is known
     expected: str = ""  #: what would have been valid, where it is known
     keys: tuple[str, ...] = ()  #: of a problem of a table, those of its keys that it is between
+
+
+def one_form(path: Path, given: Iterable[str], *forms: str) -> Iterator[Problem]:
+    """Refuse keys of a table that are not those of one of the ``forms``, such as ``mass and inertia``."""
+    keys = sorted(given)
+    if set(keys) not in [set(form.split(" and ")) for form in forms]:
+        text = f"has {' and '.join(keys) or 'no key'}; expected exactly one of: {', '.join(forms)}"
+        yield Problem(path, text, keys=tuple(keys))
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import BeforeValidator, Discriminator, Field, Strict, Tag
 
 from mpmfw.scene.base import Position, Table, VelocityInTime
-from mpmfw.scene.problem import Path, Problem
-from mpmfw.units import AngularVelocity, Density, Inertia, Mass, Time, problems_in_time
+from mpmfw.scene.problem import Path, Problem, one_form
+from mpmfw.units import AngularVelocity, Density, Inertia, Mass, Time, length_of_row, problems_in_time
 
 if TYPE_CHECKING:
     from mpmfw.scene.tables import RigidBody
@@ -21,14 +21,10 @@ def _kind_of_spin(value: Any) -> str:
     return "rows" if value and isinstance(value[0], list | tuple) else "vector"
 
 
-def _length(row: Any) -> str:
-    return "four" if isinstance(row, list | tuple) and len(row) == 4 else "two"
-
-
 _Row = Annotated[
     Annotated[tuple[Time, AngularVelocity], Strict(False), Tag("two")]
-    | Annotated[tuple[Time, AngularVelocity, AngularVelocity, AngularVelocity], Strict(False), Tag("four")],
-    Discriminator(_length),
+    | Annotated[tuple[Time, AngularVelocity, AngularVelocity, AngularVelocity], Strict(False), Tag("three")],
+    Discriminator(length_of_row),
 ]
 #: A number in 2D, a vector in 3D; or rows of a time and either.
 SpinInTime = Annotated[
@@ -50,9 +46,7 @@ class Motion(Table):
 
     velocity: VelocityInTime | None = None  #: of the reference point [m/s]
     angular_velocity: SpinInTime | None = None  #: [rad/s]
-    about: Position | None = (
-        None  #: reference point at the start [m], which moves along; None is the centroid
-    )
+    about: Position | None = None  #: reference point at the start [m], which moves along; or the centroid
 
 
 class Rigid(Table):
@@ -94,11 +88,7 @@ def check_rigid(body: RigidBody, path: Path, dim: int) -> Iterator[Problem]:
                 yield Problem((*path, key), f"has no effect: {moves}; expected rigid.motion.{key}")
     if isinstance(rigid, bool):
         return
-    given = rigid.model_fields_set
-    if given not in ({"motion"}, {"density"}, {"mass", "inertia"}):
-        has = " and ".join(sorted(given)) or "no key"
-        text = f"has {has}; expected exactly one of: motion, density, mass and inertia, or rigid = true"
-        yield Problem(at, text, keys=tuple(given))
+    yield from one_form(at, rigid.model_fields_set, "motion", "density", "mass and inertia")
     yield from check_spin(rigid.inertia, (*at, "inertia"), dim, "kg m^2")
     if rigid.motion is not None:
         yield from _motion(rigid.motion, (*at, "motion"), dim)

@@ -36,10 +36,10 @@ def walk(content: Any, at: KeyPath = ()) -> Iterator[tuple[KeyPath, Any]]:
             waiting += [((*path, index), item) for index, item in enumerate(value)]
 
 
-def check_content(content: Any, at: KeyPath = ()) -> Iterator[Problem]:
-    """Problems of the values as such, at a place of the scene; too deep nesting comes alone."""
+def check_content(content: Any) -> Iterator[Problem]:
+    """Problems of the values as such; too deep nesting comes alone."""
     problems: list[Problem] = []
-    for path, value in walk(content, at):
+    for path, value in walk(content):
         if len(path) > DEEPEST:
             yield Problem(path[:3], f"is nested more than {DEEPEST} tables and arrays deep")
             return

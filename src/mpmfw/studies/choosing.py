@@ -138,8 +138,7 @@ def _dataset(ladder: Ladder) -> xr.Dataset:
     """Join what came of the runs, as :func:`choose` returns it."""
     grid, answer, judge = ladder.runs.grid, ladder.answer(), ladder.judge
     points, known = grid.combinations, ladder.runs.statuses()
-    refused = {i: f"refused: {points[i].why}" for i in ladder.asked if points[i].scene is None}
-    status = dict.fromkeys(points, "not run") | {i: known[i] for i in ladder.asked} | refused
+    status = dict.fromkeys(points, "not run") | {i: known[i] for i in ladder.asked}
     dataset = xr.Dataset(coords={dim: list(labels) for dim, labels in grid.coords.items()})
     dataset["status"] = grid.array(status, "ok, or why it is suspect or has no result")
     dataset["error"] = grid.array(ladder.errors, f"relative error of: {judge.measure.meaning}", "1")

@@ -43,8 +43,7 @@ def assemble(study: Study, judge: Judge, runs: GridRuns) -> xr.Dataset:
     dataset = dataset.assign(_stepping(grid))
     for name, of in BESIDE.items():
         dataset[name] = runs.numbers(measure_of(of))
-    refused = {i: f"refused: {one.why}" for i, one in grid.combinations.items() if one.scene is None}
-    dataset["status"] = grid.array(runs.statuses() | refused, "ok, or why it is suspect or has no result")
+    dataset["status"] = grid.array(runs.statuses(), "ok, or why it is suspect or has no result")
     marks = {index: timing_of(costs.get(index, ())) for index in grid.combinations}
     dataset["timing"] = grid.array(marks, "whether other runs of the study shared the cores meanwhile")
     dataset["pareto"] = _front(grid, dataset)

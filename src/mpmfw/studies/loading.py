@@ -156,18 +156,18 @@ def _error(tables: StudyTables) -> Iterator[Problem]:
     for key, kind in kinds.items():
         if getattr(error, key) not in (None, {}) and error.kind != kind:
             yield Problem(("error", key), f"has no effect; expected only with kind = '{kind}'")
-    if error.value is not None and measure.kind != "number":
-        yield Problem(("error", "value"), f"{error.quantity} is a {measure.kind}, not a number; give a file")
-    if error.file is not None and measure.kind != "curve":
-        yield Problem(("error", "file"), f"{error.quantity} is a {measure.kind}, not a curve in time")
-    if error.column is not None and error.file is None:
-        yield Problem(("error", "column"), "has no effect without file")
-    if error.kind == "finest" and measure.kind == "field":
-        yield Problem(("error", "kind"), f"{error.quantity} is a field: other runs have it at other points")
-    if error.norm is not None and measure.kind == "number":
-        yield Problem(("error", "norm"), f"has no effect: {error.quantity} is a number")
-    for key in error.finest:
-        if key not in tables.vary:
-            yield Problem(
-                ("error", "finest", key), f"is not varied; expected one of {', '.join(tables.vary)}"
-            )
+    named, kind = error.quantity, measure.kind
+    unvaried = [key for key in error.finest if key not in tables.vary]
+    refused: tuple[tuple[bool, KeyPath, str], ...] = (
+        (error.value is not None and kind != "number", ("value",), f"{named} is a {kind}; give a file"),
+        (error.file is not None and kind != "curve", ("file",), f"{named} is a {kind}, not a curve in time"),
+        (error.column is not None and error.file is None, ("column",), "has no effect without file"),
+        (error.kind == "finest" and kind == "field", ("kind",), "other runs have the field at other points"),
+        (error.norm is not None and kind == "number", ("norm",), f"has no effect: {named} is a number"),
+        (
+            bool(unvaried),
+            ("finest", *unvaried[:1]),
+            f"is not varied; expected one of {', '.join(tables.vary)}",
+        ),
+    )
+    yield from (Problem(("error", *path), text) for holds, path, text in refused if holds)

@@ -18,7 +18,7 @@ from mpmfw.validation.rows import Case, Row, Tolerance, Verdict, limits
 
 __all__ = [
     "CLASSICAL", "CONTACTS", "RECOMMENDED", "SHAPES", "Case", "CaseRun", "Method", "Place", "Row", "RunSet",
-    "Runs", "Verdict", "Version", "each", "full", "known_red", "methods", "quick", "together",
+    "Runs", "Verdict", "each", "full", "known_red", "methods", "quick", "together",
 ]  # fmt: skip
 
 #: Classical contact in its plainest form and in its strongest.
@@ -88,7 +88,8 @@ def methods(
 class Place:
     """One variant of the scene that all methods run, such as a cell size.
 
-    ``open`` gates do not bind here, by key: the reason, or reasons by patterns; ``run`` is the run itself."""
+    ``open`` gates do not bind here, by key: the reason, or reasons by patterns; ``run`` is the run itself.
+    Where ``change``, a function of the scene's mapping, makes another scene of it, gates record no rows."""
 
     at: str = ""
     set: Mapping[str, Any] = field(default_factory=dict)
@@ -97,6 +98,7 @@ class Place:
     within: Mapping[str, tuple[float, float]] = field(default_factory=dict)  #: limits, by ``key`` of a gate
     open: Mapping[str, str | Mapping[str, str]] = field(default_factory=dict)
     when: str = ""
+    change: Callable[..., Any] | None = None
 
     def is_open(self, key: str, method: Method) -> bool:
         """Return whether a method is known to miss the limit of this key here."""
@@ -104,19 +106,9 @@ class Place:
         return isinstance(reason, str) or method.matches(*reason)
 
 
-@dataclass(frozen=True)
-class Version:
-    """Every place once more, changed by a function of the scene's mapping; its gates record no rows."""
-
-    at: str = ""
-    change: Callable[..., Any] | None = None
-    args: Mapping[str, Any] = field(default_factory=dict)
-    when: str = ""
-
-
 @dataclass(eq=False)
 class Runs:
-    """A scene at places, in versions, with methods; as a decorator it makes a test of each run.
+    """A scene at places, with methods; as a decorator it makes a test of each run.
 
     ``by`` takes the scene instead of a run. ``binds``: patterns of methods whose failure is red as well."""
 
@@ -124,7 +116,6 @@ class Runs:
     scene: str | Callable[..., Any] = "scene.toml"
     methods: Sequence[Method] = field(default_factory=methods)
     places: Sequence[Place] = (Place(),)
-    versions: Sequence[Version] = (Version(),)
     set: Mapping[str, Any] = field(default_factory=dict)
     quick: Mapping[str, Any] = field(default_factory=dict)
     by: Callable[[Scene], Any] | None = None
@@ -146,29 +137,29 @@ class Runs:
     def __call__(self, function: Callable[..., Any]) -> Any:
         return each(self)(function)
 
-    def points(self) -> Iterator[tuple[Runs, Place, Version, Method]]:
-        """Yield these runs with every combination of place, version and method."""
-        return itertools.product([self], self.places, self.versions, self.methods)
+    def points(self) -> Iterator[tuple[Runs, Place, Method]]:
+        """Yield these runs with every combination of place and method."""
+        return itertools.product([self], self.places, self.methods)
 
-    def scene_at(self, case: Case, place: Place, version: Version, method: Method | None) -> Scene:
-        """Return the scene of a place in a version, with the method."""
+    def scene_at(self, case: Case, place: Place, method: Method | None) -> Scene:
+        """Return the scene of a place, with the method."""
         given = place.scene or self.scene
         values = {**self.set, **(self.quick if case.quick else {}), **place.set}
         made = given(**place.make) if callable(given) else given
-        if version.change is not None:
-            made, values = version.change(case.scene(made, None, values).to_mapping(), **version.args), {}
+        if place.change is not None:
+            made, values = place.change(case.scene(made, None, values).to_mapping()), {}
         return case.scene(made, method, values)
 
-    def start(self, case: Case, place: Place, version: Version, method: Method) -> CaseRun:
+    def start(self, case: Case, place: Place, method: Method) -> CaseRun:
         """Run one point; errors are those of :func:`mpmfw.run`."""
         self.started += 1
-        scene = self.scene_at(case, place, version, method)
+        scene = self.scene_at(case, place, method)
         if self.by is None:
             results = case.run(scene)
         else:
             with case.timed():
                 results = self.by(scene)
-        self.done.append(CaseRun(case, self.name, place, method, scene, results, version))
+        self.done.append(CaseRun(case, self.name, place, method, scene, results))
         return self.done[-1]
 
 
@@ -176,8 +167,9 @@ def each(*runs: Runs) -> Any:
     """Decorate a test that takes each run of these as ``run``."""
     params = []
     for point in (point for one in runs for point in one.points()):
-        every, place, version, method = point
-        name = " | ".join(filter(None, (every.name, place.at, version.at, str(method))))
+        every, place, method = point
+        changed = "changed" if place.change is not None else ""
+        name = " | ".join(filter(None, (every.name, place.at, changed, str(method))))
         marks = [getattr(pytest.mark, part.when) for part in point if part.when]
         params.append(pytest.param(point, id=name, marks=marks))
     return pytest.mark.parametrize("run", params, indirect=True)
@@ -198,7 +190,6 @@ class CaseRun:
     method: Method
     scene: Scene
     results: Any
-    version: Version = field(default_factory=Version)
     broken: list[str] = field(default_factory=list)
     _measured: dict[str, Any] = field(default_factory=dict)
 
@@ -250,7 +241,7 @@ class CaseRun:
         least, most = limits(tolerance)
         if not least <= value <= most and tolerance is not None:
             self.broken.append(key or quantity)
-        if self.version.change is None:
+        if self.place.change is None:
             binds = self.method.recommended if binds is None else binds
             binds = binds and not (key and self.place.is_open(key, self.method))
             self.case.gate(quantity, value, reference, tolerance, unit, self.method, binds)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import platform
 import re
 from collections import Counter
@@ -11,6 +9,7 @@ from collections.abc import Callable, Iterable, Sequence
 from importlib.metadata import version
 from pathlib import Path
 
+import pandas as pd
 from PIL import Image
 
 from mpmfw.campaigns.work import processor
@@ -30,11 +29,8 @@ PALETTE = 96
 
 def write_csv(results: Iterable[CaseResult], path: Path) -> None:
     """Write every row with its full digits."""
-    text = io.StringIO(newline="")
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    writer.writerows([getattr(row, name) for name in COLUMNS] for one in results for row in one.rows)
-    replace_bytes(text.getvalue().encode(), path)
+    rows = [[getattr(row, name) for name in COLUMNS] for one in results for row in one.rows]
+    replace_bytes(pd.DataFrame(rows, columns=COLUMNS).to_csv(index=False, na_rep="nan").encode(), path)
 
 
 def summary(results: Sequence[CaseResult]) -> str:

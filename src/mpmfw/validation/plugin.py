@@ -1,4 +1,4 @@
-"""Plug-in of pytest for validation cases: fixtures ``case``, ``run`` and ``runs``, and a verdict on gates.
+"""Pytest's plug-in for validation cases: fixtures ``case``, ``run`` and ``runs``, and a verdict on gates.
 
 ``pytest -p mpmfw.validation.plugin validation/hertz [--quick]`` runs one case; ``mpmfw validate`` runs all.
 """
@@ -58,13 +58,13 @@ def case(request: pytest.FixtureRequest) -> Case:
 def run(request: pytest.FixtureRequest, case: Case) -> CaseRun:
     """Run one point of the test's runs; one that fails keeps its row, red if a gate binds it."""
     runs: Runs
-    runs, place, version, method = request.param
+    runs, place, method = request.param
     try:
-        return runs.start(case, place, version, method)
+        return runs.start(case, place, method)
     except (SimulationError, SceneError) as error:
         gates = method.recommended or method.matches(*runs.binds)
-        binds = gates and version.change is None and not place.is_open("run", method)
-        case.failed(method, str(error), binds, ", ".join(filter(None, (place.at, version.at))))
+        binds = gates and place.change is None and not place.is_open("run", method)
+        case.failed(method, str(error), binds, place.at + (", changed" if place.change is not None else ""))
         judge(request.node, case, len(case.rows) - 1)
         pytest.skip(str(error))
 

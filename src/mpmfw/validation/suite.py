@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import numpy as np
 
@@ -95,17 +96,17 @@ def _alone(suite: Path) -> Iterator[None]:
     """Find modules in the suite's folder, and leave nothing of a case to the next one.
 
     Modules, measures, the environment, the working folder and NumPy's answers to errors are as before."""
-    loaded, path, environment, measures = {*sys.modules}, sys.path[:], {**os.environ}, {**MEASURES}
-    sys.path.insert(0, str(suite))
+    loaded, found = {*sys.modules}, mock.patch.object(sys, "path", [str(suite), *sys.path])
     try:
-        with np.errstate(), contextlib.chdir("."):
+        with (
+            found,
+            mock.patch.dict(os.environ),
+            mock.patch.dict(MEASURES),
+            np.errstate(),
+            contextlib.chdir("."),
+        ):
             yield
     finally:
-        sys.path[:] = path
-        os.environ.clear()
-        os.environ.update(environment)
-        MEASURES.clear()
-        MEASURES.update(measures)
         for name in {*sys.modules} - loaded:
             file = Path(getattr(sys.modules[name], "__file__", None) or "/")
             if file.is_relative_to(suite) and "site-packages" not in file.relative_to(suite).parts:

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import functools
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import pint
 
 from mpmfw.plugin.discovery import options_of
 from mpmfw.runs.simulation import Simulation
 from mpmfw.state.fields import FloatArray
-from mpmfw.units import powers_of
 from mpmfw_testing.check import Violation, within
 from mpmfw_testing.contact.impact import CELL, NAMES, Impact, three_blocks
 from mpmfw_testing.contact.motion import SAME, STEPS, Motion, simulate
@@ -213,3 +214,14 @@ def outputs(subject: Subject) -> None:
             raise Violation(text, {"largest difference [m]": float(off)})
 
     try_all({"slide": (0.5, 0.0)}, trial, names=NAMES)
+
+
+def powers_of(unit: str) -> tuple[float, float, float]:
+    """Powers of mass, length and time in a unit, ``N s m-1`` or ``kg/m^3``; a ValueError refuses others."""
+    text = re.sub(r"([^\W\d_])\^?(-?\d)", r"\1**\2", unit.strip().replace(" ", " * "))
+    try:
+        found = dict(pint.application_registry.parse_units("" if unit == "1" else text).dimensionality)
+    except Exception as error:  # pint's own, of many kinds
+        raise ValueError(f"'{unit}' is no unit: {error}") from error
+    mass, length, time = (float(found.get(f"[{name}]", 0.0)) for name in ("mass", "length", "time"))
+    return mass, length, time
