@@ -6,7 +6,6 @@ import pytest
 import mpmfw
 from mpmfw.errors import SceneError
 from mpmfw_testing.contact.motion import moment
-from mpmfw_testing.contact.symmetry import powers_of
 from scenes_for_tests import box, two_blocks, with_changes
 
 
