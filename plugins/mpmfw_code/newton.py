@@ -14,7 +14,15 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from mpmfw.api import MpmfwError, Time
-from mpmfw.api.code import Code, MotionOutputs, MovingPoints, Scene, elastic_constants, points_of_body
+from mpmfw.api.code import (
+    Code,
+    MotionOutputs,
+    MovingPoints,
+    Scene,
+    elastic_constants,
+    points_of_body,
+    read_arrays,
+)
 
 #: Versions that the adapter was written for and measured with.
 VERSIONS = ("1.8",)
@@ -133,12 +141,9 @@ class Newton(Code):
         """Read ``motion.npz`` and ``motion.json``, which the driver writes last."""
         facts = json.loads((folder / "motion.json").read_text(encoding="utf-8"))
         asked = json.loads((folder / "newton.json").read_text(encoding="utf-8"))
-        with np.load(folder / "motion.npz", allow_pickle=False) as file:
-            time, position, velocity = (
-                np.array(file[key], float) for key in ("time", "position", "velocity")
-            )
-        with np.load(folder / "points.npz", allow_pickle=False) as file:
-            mass = asked["density"] * np.array(file["volume"], float)
+        motion = read_arrays(folder / "motion.npz")
+        time, position, velocity = (motion[key].astype(float) for key in ("time", "position", "velocity"))
+        mass = asked["density"] * read_arrays(folder / "points.npz")["volume"]
         if facts["error"]:
             raise MpmfwError(f"{self.title}: {facts['error']}")
         notes = [

@@ -17,6 +17,7 @@ from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.report import table
 from mpmfw.results.references import reference_of
 from mpmfw.scene import load_scene
+from mpmfw_code.calculix import Calculix
 from mpmfw_code.newton import Newton
 
 RECORDED = Path(__file__).resolve().parents[1] / "codes"
@@ -114,6 +115,88 @@ def test_a_motion_that_ends_early_has_failed(newton_folder):
     with np.load(newton_folder / "motion.npz") as file:
         np.savez(newton_folder / "motion.npz", **{name: array[:-2] for name, array in dict(file).items()})
     assert Newton().read(newton_folder).attrs["status"] == "failed: it ended at 1.5 s of 1.7 s"
+
+
+@pytest.fixture
+def calculix_folder(tmp_path):
+    """A copy of what CalculiX 2.20 left of the sliding block, with two elements in the block."""
+    return Path(shutil.copytree(RECORDED / "calculix", tmp_path / "calculix"))
+
+
+def test_a_recorded_folder_of_calculix_gives_the_figures_of_its_run(calculix_folder):
+    run = Calculix().read(calculix_folder)
+    series = run["series"].to_dataset()
+    assert run.attrs["status"] == "ok"
+    assert run.attrs["code"] == "CalculiX 2.20, float64, CPU"
+    assert run.attrs["steps"] == 936
+    assert float(run["particles/block"]["mass"].sum()) == pytest.approx(180.0)
+    moved = series["centre_of_mass"].sel(body="block", axis="x").values
+    exact = 0.5 * 10.0 * (np.sin(np.pi / 6) - 0.3 * np.cos(np.pi / 6)) * series["time"].values ** 2
+    assert (moved - moved[0])[-1] == pytest.approx(exact[-1], rel=0.05)
+    assert series["contact_force"].sel(pair="block-plane", axis="y").values[2:] == pytest.approx(
+        180.0 * 10.0 * np.cos(np.pi / 6), rel=0.05
+    )
+
+
+def test_growing_energy_is_suspect(calculix_folder):
+    path = calculix_folder / "scene.dat"
+    lines, last = path.read_text().split("\n"), 0
+    for k, line in enumerate(lines):
+        last = k if line.startswith(" velocities") else last
+    for k in range(last + 2, len(lines)):
+        if words := lines[k].split():
+            lines[k] = f"{words[0]} {2.0 * float(words[1])} {words[2]} {words[3]}"
+    path.write_text("\n".join(lines))
+    status = Calculix().read(calculix_folder).attrs["status"]
+    assert status.startswith("suspect: the kinetic energy grew by ")
+
+
+@pytest.mark.parametrize("file", ["scene.dat", "log.txt", "mesh.npz"])
+@pytest.mark.parametrize("damage", ["missing", "cut short", "of another kind"])
+def test_damaged_output_of_calculix_gives_one_line(calculix_folder, file, damage):
+    path = calculix_folder / file
+    content = path.read_bytes()
+    short = content[: len(content) // 2 + 20]
+    path.unlink() if damage == "missing" else path.write_bytes(short if damage == "cut short" else b"7 8")
+    with pytest.raises(MpmfwError, match="CalculiX: its output is missing or damaged") as caught:
+        Calculix().read(calculix_folder)
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_the_input_of_calculix_joins_quadrilaterals(tmp_path):
+    Calculix().prepare(load_scene("sliding-block", set={"grid.cell_size": 0.3}), tmp_path)
+    lines = (tmp_path / "scene.inp").read_text().splitlines()
+    front = int(lines[lines.index("*NSET, NSET=FRONT, GENERATE") + 1].split(",")[1])
+    assert front == 3 * 2 + 13 * 2
+    elements = [line for line in lines if line.count(",") == 8]
+    assert len(elements) == 2 + 12
+    surface = lines[lines.index("*SURFACE, NAME=Sblock, TYPE=ELEMENT") + 1 :][:6]
+    assert sorted(surface) == ["1,S3", "1,S5", "1,S6", "2,S3", "2,S4", "2,S5"]
+    assert "Eblock,GRAV,10,0.5,-0.866025403784,0." in lines  # of the motion
+    assert "Eblock,GRAV,10,0,-1,0." in lines  # of the static step
+    at = lines.index("*HYPERELASTIC, NEO HOOKE")
+    assert [float(each) for each in lines[at + 1].split(",")] == pytest.approx([3e6, 2 / 12e6])
+
+
+REFUSED_BY_CALCULIX = {
+    "bodies.plane.rigid": (SLIP, {}),
+    "grid": ("rolling-sphere-slip", {}),
+    "bodies.block.particles.layout": ("sliding-block", {"bodies.block.particles.layout": "lattice"}),
+    "materials.block.model": ("sliding-block", {"materials.block.model": "linear_elastic"}),
+    "bodies.plane.sides": (
+        "sliding-block",
+        {"bodies.plane.sides": [{"side": "bottom", "fixed": True}, {"side": "top", "pressure": 1.0}]},
+    ),
+    "settle": ("sliding-block", {"bodies.plane.sides": []}),
+}
+
+
+@pytest.mark.parametrize("key", REFUSED_BY_CALCULIX)
+def test_what_calculix_cannot_do_is_refused_by_its_key(key):
+    name, changes = REFUSED_BY_CALCULIX[key]
+    problems = Calculix().problems(load_scene(name, set=changes))
+    assert key in [problem.key for problem in problems]
+    assert all(problem.message.startswith("CalculiX: ") for problem in problems)
 
 
 # -- input

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mpmfw.codes.code import Code, elastic_constants, points_of_body
+from mpmfw.codes.code import Code, elastic_constants, points_of_body, read_arrays
 from mpmfw.codes.outputs import MotionOutputs, MovingPoints
 from mpmfw.codes.process import ProcessLimits
 from mpmfw.scene import Scene
@@ -15,4 +15,5 @@ __all__ = [
     "Scene",
     "elastic_constants",
     "points_of_body",
+    "read_arrays",
 ]

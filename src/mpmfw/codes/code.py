@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import shutil
@@ -9,6 +10,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
+
+import numpy as np
 
 from mpmfw.codes.outputs import MotionOutputs, RunCost, results_of
 from mpmfw.codes.process import ProcessLimits, run_process
@@ -19,6 +22,7 @@ from mpmfw.plugin.discovery import load
 from mpmfw.scene import load_scene
 from mpmfw.scene.specification import checked_specification
 from mpmfw.scene.tables import RigidBody
+from mpmfw.state.fields import AnyArray
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -158,13 +162,20 @@ def codes_of(given: Iterable[Any]) -> list[Any]:
     return list({code.label: code for code in codes}.values())
 
 
-# -- what adapters need of a scene
+# -- what adapters need
 
 
-def points_of_body(scene: Scene, name: str) -> Layout:
-    """Return a body's material points as mpmfw would have them."""
+def read_arrays(path: Path) -> dict[str, AnyArray]:
+    """Return the arrays of an ``.npz`` file by name; objects are not unpickled."""
+    with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as file:
+        return dict(file)
+
+
+def points_of_body(scene: Scene, name: str, size: float | None = None) -> Layout:
+    """Return a body's material points as mpmfw would have them, or with edges of another ``size`` [m]."""
     body: Any = scene.bodies[name]
-    return discretise(body.geometry, body.particles, None)
+    particles = body.particles if size is None else body.particles.model_copy(update={"size": size})
+    return discretise(body.geometry, particles, None)
 
 
 def elastic_constants(scene: Scene, name: str) -> tuple[float, float]:

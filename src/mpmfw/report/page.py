@@ -67,7 +67,9 @@ def _quantities(runs: xr.Dataset) -> Iterator[Difference]:
         end = impulse.where(_ended(runs))
         yield from _each("impulse", f"N s{per_metre}", impulse, end, "largest impulse of any pair")
     if "min_gap" in runs:
-        depth = (-runs["min_gap"]).clip(min=0.0).fillna(0.0).max("time").where(_ended(runs))
+        depth = (
+            (-runs["min_gap"]).clip(min=0.0).fillna(0.0).max("time").where(_ended(runs) & ~_of_codes(runs))
+        )
         yield from _each("largest penetration", "m", cell_size(runs), depth, "a cell")
 
 
@@ -84,11 +86,13 @@ def _each(
 
 
 def _energies(runs: xr.Dataset, unit: str) -> Iterator[Difference]:
-    sums = energy_sums(runs)
+    own, sums = ~_of_codes(runs), energy_sums(runs)
     scale = _largest(sums["kinetic_energy"] + sums["strain_energy"])
     for name, energy in sums.items():
         words = "dissipated by contact" if name == "dissipated_energy" else name.replace("_", " ")
-        end = energy.isel(time=-1).transpose("contact", "shape").values
+        last = energy.isel(time=-1)
+        last = last.where(own) if name == "dissipated_energy" else last
+        end = last.transpose("contact", "shape").values
         yield Difference(words, unit, end, scale, "largest kinetic and strain energy")
 
 
@@ -100,6 +104,11 @@ def _largest(array: xr.DataArray) -> float:
 def _ended(runs: xr.Dataset) -> xr.DataArray:
     status = runs["status"]
     return status.copy(data=np.vectorize(is_complete, otypes=[bool])(status.values))
+
+
+def _of_codes(runs: xr.Dataset) -> xr.DataArray:
+    """Return True for runs of other codes, which measure neither gaps nor works."""
+    return runs["code"] != "" if "code" in runs else xr.zeros_like(runs["status"], dtype=bool)
 
 
 #: Rows of the table of differences, and the least difference that has one.
