@@ -167,9 +167,9 @@ def test_the_input_of_calculix_joins_quadrilaterals(tmp_path):
     Calculix().prepare(load_scene("sliding-block", set={"grid.cell_size": 0.3}), tmp_path)
     lines = (tmp_path / "scene.inp").read_text().splitlines()
     front = int(lines[lines.index("*NSET, NSET=FRONT, GENERATE") + 1].split(",")[1])
-    assert front == 3 * 2 + 13 * 2
+    assert front == 3 * 2 + 15 * 2  # of elements of 0.3 m, and below of 0.27 m
     elements = [line for line in lines if line.count(",") == 8]
-    assert len(elements) == 2 + 12
+    assert len(elements) == 2 + 14
     surface = lines[lines.index("*SURFACE, NAME=Sblock, TYPE=ELEMENT") + 1 :][:6]
     assert sorted(surface) == ["1,S3", "1,S5", "1,S6", "2,S3", "2,S4", "2,S5"]
     assert "Eblock,GRAV,10,0.5,-0.866025403784,0." in lines  # of the motion
