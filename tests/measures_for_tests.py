@@ -40,21 +40,6 @@ def angular_velocity(sim):
     return np.linalg.solve(np.trace(second) * np.eye(3) - second, angular_momentum(sim))
 
 
-def gyration(sim):
-    """Radius of gyration of the points [m]."""
-    r, _ = relative(sim.state.particles)
-    mass = sim.state.particles.mass
-    return float(np.sqrt(mass @ (r**2).sum(axis=1) / mass.sum()))
-
-
-def total_energy(sim):
-    """Kinetic and strain energy of a scene with the one material ``soft``."""
-    p = sim.state.particles
-    material = next(plugin for name, plugin in sim.manager.list_name_plugin() if name.endswith(" soft"))
-    strain = material.energy_density(p.deformation_gradient) @ p.initial_volume
-    return float(0.5 * p.mass @ (p.velocity**2).sum(axis=1) + strain)
-
-
 class Torque:
     """Nodal forces Σ_p φ_ip m_p a × (x_p − c), whose torque is known from the points alone: Σ m r × (a × r).
 

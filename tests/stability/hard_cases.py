@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 from hard_scenes import (
     FULL,
+    PLACES,
+    PLACES_IN_SPACE,
     TICK,
     corner_on_corner,
     corner_on_flat,
@@ -19,6 +21,7 @@ from hard_scenes import (
     long_sliding,
     oblique,
     parting,
+    placed,
     slow,
     soft_and_stiff,
     solid,
@@ -31,7 +34,6 @@ from hard_scenes_in_space import corner_on_face, edge_on_corner, edge_on_edge, l
 from hard_scenes_in_space import soft_and_stiff as soft_and_stiff_in_space
 from hard_scenes_in_space import stack as stack_in_space
 from hard_scenes_in_space import thin as thin_in_space
-from places import PLACES, PLACES_IN_SPACE, placed
 
 from mpmfw.api import SimulationError
 from mpmfw.plugin.discovery import load

@@ -2,10 +2,9 @@
 
 import pytest
 from hard_cases import MUST_HOLD, MUST_STAY_BOUNDED
-from hard_scenes import FULL, C, block, disc, scene, solid, wave_speed
+from hard_scenes import FULL, C, block, disc, placed, scene, solid, wave_speed
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from places import placed
 
 from mpmfw.stability import probe
 
