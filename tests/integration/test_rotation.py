@@ -138,11 +138,6 @@ def test_the_far_end_of_a_struck_bar_waits_for_the_wave(bar):
     assert reached("spin", bar) < 1e-4
 
 
-def test_the_exact_correction_is_not_causal():
-    # Known of the method: it turns the body as a whole in the step in which the torque acts.
-    assert reached("exact", BAR["2D"]) > 0.01
-
-
 LAME = BULK - 2.0 * SHEAR / 3.0
 H = 0.25
 

@@ -91,17 +91,6 @@ def test_forces_are_eq_9_of_every_segment_that_eq_10_names():
     np.testing.assert_allclose(actual, expected, atol=1e-12 * np.abs(expected).max())
 
 
-@pytest.mark.parametrize(("literal", "ratio"), [(False, 1.0), (True, 4.0)])
-def test_literal_friction_depends_on_the_time_step_and_the_reading_does_not(literal, ratio):
-    """The same path in steps four times as long: k_t times one step's slip is four times the force."""
-
-    def last(steps):
-        tip = Tip(literal=literal)
-        return [tip.move(2e-5 / steps)[1] for _ in range(steps)][-1]
-
-    assert last(8) / last(32) == pytest.approx(ratio, rel=1e-9)
-
-
 def test_literal_friction_leaves_the_cone_and_ignores_the_value_of_mu():
     forces = [Tip(literal=True, friction=friction).move(0.01)[1] for friction in (0.05, 0.9)]
     assert forces[0] == forces[1] == pytest.approx(-K * 0.01)
