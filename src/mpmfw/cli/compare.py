@@ -31,6 +31,9 @@ def compare(
     trust: args.Trust = False,
     output: args.Output = None,
     report: Annotated[Path | None, Option(metavar="FILE", help="HTML page to write as well.")] = None,
+    records: Annotated[
+        Path | None, Option(metavar="FOLDER", help="Folder for a JSON record of each row.")
+    ] = None,
     force: args.Force = False,
     jobs: args.Jobs = None,
     scheduler: args.Scheduler = None,
@@ -70,6 +73,10 @@ def compare(
         methods: dict[str, Any] = {"contact": contacts, "shape": shapes, "code": codes or ()}
         dataset = run_all(loaded, vary=varied, **methods, **running, **reports)
     alone = form is not Format.table
+    if records is not None:
+        from mpmfw.report.records import write_records
+
+        typer.echo(f"{records}: {len(write_records(dataset, records))} records", err=True)
     if alone:
         write_rows(table(dataset), form)
     else:

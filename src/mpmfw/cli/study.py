@@ -194,7 +194,10 @@ def _print_choice(dataset: xr.Dataset, form: Format) -> None:
 
 
 def rank(
-    results: Annotated[list[Path], Argument(metavar="RESULTS", help="Files of mpmfw study.")],
+    results: Annotated[list[Path] | None, Argument(metavar="RESULTS", help="Files of mpmfw study.")] = None,
+    records: Annotated[
+        Path | None, Option(metavar="FOLDER", help="Rank the records of mpmfw compare --records instead.")
+    ] = None,
     by: Annotated[str, Option(metavar="KEY", help="Rank contact, shape, or another dimension.")] = "contact",
     levels: Annotated[str, Option(metavar="ERRORS", help="Errors to reach, falling.")] = "10%,5%,2%,1%,0.5%",
     body: args.Body = None,
@@ -209,6 +212,12 @@ def rank(
     Of every method the cheapest run counts that reaches a level. With --output a figure (PNG, PDF or SVG):
     the share of problems and levels that each method solves within a cost.
     """
+    if (records is None) != bool(results):
+        raise SceneError("RESULTS: expected files of mpmfw study, or --records FOLDER")
+    if records is not None:
+        _print_records(records, form)
+        return
+    assert results is not None
     from mpmfw.studies import ranking
     from mpmfw.studies.study import relative_error
 
@@ -240,3 +249,17 @@ def rank(
 
         write_figure(profiles(found), output)
         typer.echo(str(output), err=form is not Format.table)
+
+
+def _print_records(folder: Path, form: Format) -> None:
+    from mpmfw.report.records import ranked, read_records
+
+    scenes = ranked(read_records(folder))
+    if form is not Format.table:
+        write_rows([{"scene": scene} | row for scene, rows in scenes.items() for row in rows], form)
+        return
+    for scene, rows in scenes.items():
+        heads = {
+            name: name.replace("_", "\n") for name in dict.fromkeys(name for row in rows for name in row)
+        }
+        print_table(rows, heads, labels=("method", "shape"), words=("code", "status", "machine"), title=scene)
