@@ -26,7 +26,6 @@ from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError
 
 app = typer.Typer(
     name="mpmfw",
-    help="Contact algorithms of the Material Point Method, side by side: error, noise and cost.",
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode=None,  # what draws boxes takes longer to import than the help may take

@@ -10,7 +10,6 @@ import sys
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from enum import StrEnum
-from numbers import Integral
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 from typer import Option
@@ -34,7 +33,7 @@ def formatted(value: Any) -> str:
     """Return a cell: numbers to four digits, a dash for NaN, nothing for None."""
     if isinstance(value, bool) or not hasattr(value, "__float__"):
         return "" if value is None else str(value)
-    if isinstance(value, Integral):
+    if hasattr(value, "__index__"):
         return str(int(value))
     number = float(value)
     return "–" if math.isnan(number) else f"{number:.4g}"
@@ -116,9 +115,6 @@ def _plain(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-#: Called with the simulated time [s] and the number of steps done.
-RunReport: TypeAlias = Callable[[float, int], None]
-
 #: Shown before the first step of a run.
 PREPARING = "compiling, settling"
 
@@ -139,8 +135,8 @@ def _bar(*columns: str, total: float | None = None, **fields: Any) -> Iterator[C
 
 
 @contextmanager
-def run_progress(end: float) -> Iterator[RunReport | None]:
-    """Context with the report of one run until ``end`` [s]."""
+def run_progress(end: float) -> Iterator[Callable[[float, int], None] | None]:
+    """Context with the report of one run until ``end`` [s]: of the simulated time [s] and of steps done."""
     simulated = "{task.completed:.4g} of {task.total:.4g} s simulated"
     columns = ("BarColumn", simulated, "TimeElapsedColumn", "left", "TimeRemainingColumn")
     with _bar("{task.description}", *columns, total=end) as update:
