@@ -10,7 +10,7 @@ from typing import Any, Unpack
 
 import xarray as xr
 
-from mpmfw.campaigns.grid import RunGrid, given_twice, label_of, make_grid
+from mpmfw.campaigns.grid import RunGrid, given_twice, labels_of, make_grid
 from mpmfw.campaigns.grid_runs import GridRuns, costs_of, least, over_repeats
 from mpmfw.campaigns.judging import judge_all
 from mpmfw.campaigns.measures import exact_of, measure_of, names_of_measures
@@ -25,9 +25,7 @@ from mpmfw.results.references import RingsReference, RollingReference, declared
 from mpmfw.results.replacing import check_replaceable, replace_dataset
 from mpmfw.scene import Scene, load_scene
 from mpmfw.scene.requested import check_compared
-from mpmfw.scene.sources import plain
 from mpmfw.scene.specification import written
-from mpmfw.scene.toml_text import value_text
 
 
 def campaign(
@@ -182,12 +180,14 @@ def compare(
     SceneError
         The request as a whole is wrong, no combination can run, or the output is a file of another kind.
     """
-    methods = {"contact": _methods("contact", contact), "shape": _methods("shape", shape)}
+    methods = {
+        "contact": _checked("contact", contact, "contact"), "shape": _checked("shape", shape, "shape"),
+    }  # fmt: skip
     varied = dict(vary or {})
     check_compared(scene, methods, set or {}, varied)
     methods["contact"] += codes_of(code)
     for key, values in varied.items():
-        _check_values(key, values)
+        _checked(f"vary {key}", values)
     if output is not None:
         check_replaceable(output, "compare")
     path = None if output is None else os.path.abspath(output)
@@ -246,22 +246,12 @@ def _write(dataset: xr.Dataset, path: str) -> None:
     replace_dataset(packed, path)
 
 
-def _methods(kind: Kind, chosen: Sequence[Any]) -> list[Any]:
-    if isinstance(chosen, str) or len(chosen) == 0:
-        raise SceneError(f"{kind}: expected a list of at least one method, got {chosen!r}")
-    methods = [written(kind, one, kind) if isinstance(one, str) else object_of(one) for one in chosen]
-    for k in given_twice(methods):
-        method = methods[k]
-        raise SceneError(f"{kind}: {method if isinstance(method, str) else label_of(method)} is given twice")
-    return methods
-
-
-def _check_values(key: str, values: Sequence[Any]) -> None:
-    if isinstance(values, str) or not hasattr(values, "__len__"):
-        raise SceneError(f"vary {key}: expected a list of values, got {values!r}")
-    if len(values) == 0:
-        raise SceneError(f"vary: {key} has no values")
+def _checked(name: str, values: Any, kind: Kind | None = None) -> list[Any]:
+    """Return values, each once; of a ``kind`` methods as labels write them, and objects of classes."""
+    if isinstance(values, str) or not hasattr(values, "__len__") or len(values) == 0:
+        raise SceneError(f"{name}: expected a list of at least one value, got {values!r}")
+    if kind is not None:
+        values = [written(kind, one, kind) if isinstance(one, str) else object_of(one) for one in values]
     for k in given_twice(values):
-        value = plain(values[k])
-        text = value if isinstance(value, str) else value_text(value)
-        raise SceneError(f"vary {key}: {text} is given twice")
+        raise SceneError(f"{name}: {labels_of([values[k]])[0]} is given twice")
+    return list(values)
