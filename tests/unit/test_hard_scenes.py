@@ -2,13 +2,14 @@
 
 import importlib.util
 import sys
+from pathlib import Path
 
 import pytest
 
 from mpmfw.validation import Case, Method
-from mpmfw.validation.suite import find_cases, shipped_suite
+from mpmfw.validation.suite import find_cases, suite_of
 
-SUITE = shipped_suite() / "hard"
+SUITE = suite_of(Path("hard"))
 
 
 @pytest.fixture(autouse=True)

@@ -113,19 +113,16 @@ def _alone(suite: Path) -> Iterator[None]:
                 del sys.modules[name]
 
 
-def shipped_suite() -> Path:
-    """Return the folder of mpmfw's own cases: installed with it, or in the checkout that it runs from."""
+def suite_of(given: Path | None = None) -> Path:
+    """Return the folder of a suite: as given, one of mpmfw's own by name (``hard``), or the main one.
+
+    Its own are installed with it, or in the checkout that it runs from."""
     package = Path(__file__).parents[1]
-    installed = package / "cases"
-    return installed if installed.is_dir() else package.parents[1] / "validation"
-
-
-def suite_of(given: Path | None) -> Path:
-    """Return the folder of a suite: as given, one of mpmfw's own by name (``hard``), or the main one."""
-    if given is None or given.is_dir():
-        return given or shipped_suite()
-    own = shipped_suite() / given
-    return own if len(given.parts) == 1 and own.is_dir() else given
+    own = package / "cases" if (package / "cases").is_dir() else package.parents[1] / "validation"
+    if given is None:
+        return own
+    inside = len(given.parts) == 1 and not given.is_dir() and (own / given).is_dir()
+    return own / given if inside else given
 
 
 def find_cases(suite: Path, names: Sequence[str] = ()) -> list[Path]:
