@@ -10,7 +10,7 @@ from mpmfw.contact.surfaces.assembly import assemble
 from mpmfw.contact.surfaces.detection import SurfaceRows
 from mpmfw.contact.surfaces.near_facets import VerletList
 from mpmfw.contact.surfaces.outline import Candidates
-from mpmfw.geometry.facets import neighbours_of, stars_of, tributaries_of
+from mpmfw.geometry.layout import neighbours_of, stars_of, tributaries_of
 from mpmfw.kernels import struct
 from mpmfw.kernels.contact import Records, match_rows
 from mpmfw.kernels.contact import pair_table as pair_of_bodies

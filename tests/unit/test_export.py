@@ -12,7 +12,7 @@ from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 import mpmfw
 from drop_for_tests import drop
 from mpmfw.errors import SceneError
-from mpmfw.geometry.facets import neighbours_of
+from mpmfw.geometry.layout import neighbours_of
 from scenes_for_tests import ball_on_a_box
 
 BODIES = ("upper", "floor")

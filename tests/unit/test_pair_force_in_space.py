@@ -7,7 +7,7 @@ from mpmfw.contact.surfaces.assembly import assemble
 from mpmfw.contact.surfaces.detection import SurfaceRows
 from mpmfw.contact.surfaces.outline import Candidates
 from mpmfw.contact.surfaces.turning import write_spins
-from mpmfw.geometry.facets import neighbours_of, stars_of
+from mpmfw.geometry.layout import neighbours_of, stars_of
 from mpmfw.kernels import kernel, signed_distance, struct
 from mpmfw.kernels.contact import add_turned, pair_table
 from mpmfw.kernels.facets import project

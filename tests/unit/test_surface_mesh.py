@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from mpmfw.errors import SceneError
 from mpmfw.geometry import Ball, Box, SurfaceMesh
 from mpmfw.geometry.cut_cells import volume_of
-from mpmfw.geometry.facets import neighbours_of
+from mpmfw.geometry.layout import neighbours_of
 from mpmfw.geometry.solid import joined
 from mpmfw.scene import load_scene
 from msh_files import write_msh

@@ -5,7 +5,7 @@ import pytest
 
 from mpmfw.geometry.cut_cells import cut_cells
 from mpmfw.geometry.extrusion import Cylinder
-from mpmfw.geometry.facets import tributaries_of
+from mpmfw.geometry.layout import tributaries_of
 from mpmfw.geometry.solid import turning
 from mpmfw.geometry.solids import Ball, Box
 

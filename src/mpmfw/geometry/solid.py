@@ -12,8 +12,7 @@ from pydantic import Field
 from mpmfw.geometry.base import BodyGeometry
 from mpmfw.geometry.clipped_lattice import SMALLEST_PIECE, covering_cells, merge_small_pieces
 from mpmfw.geometry.cut_cells import centroid_of, cut_cells, volume_of
-from mpmfw.geometry.facets import measures_of
-from mpmfw.geometry.layout import FloatArray, IntArray, Layout, layout_of_boxes
+from mpmfw.geometry.layout import FloatArray, IntArray, Layout, layout_of_boxes, measures_of
 from mpmfw.units import Angle
 
 #: Edge of the triangles by which the cells are cut, over that of a cell, where the body's faces are curved.

@@ -6,8 +6,7 @@ import numpy as np
 import shapely
 
 from mpmfw.geometry.cut_cells import volume_of
-from mpmfw.geometry.facets import measures_of
-from mpmfw.geometry.layout import FloatArray, IntArray
+from mpmfw.geometry.layout import FloatArray, IntArray, measures_of
 
 #: Height of a triangle over its longest side below which it has no area.
 FLAT = 1e-7

@@ -105,7 +105,7 @@ class Setup:
         """Edge of a cell, h [m]."""
         return self.state.grid.cell_size
 
-    @property
+    @functools.cached_property
     def field_per_body(self) -> bool:
         """True if every body has a velocity field."""
         return self.state.grid.n_fields == len(self.bodies)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.geometry.facets import neighbours_of, stars_of, tributaries_of
+from mpmfw.geometry.layout import neighbours_of, stars_of, tributaries_of
 from mpmfw.kernels.surfaces import minimum_gaps
 from mpmfw.state.fields import FloatArray, IntArray
 from mpmfw.state.structs import Body, Surface

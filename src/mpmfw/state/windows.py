@@ -54,10 +54,10 @@ def fitted_windows(
 ) -> tuple[IntArray, IntArray]:
     """Return the windows that :func:`fit_windows` lays, (n_fields, dim) each."""
     low, high = particles.position - reach, particles.position + reach
-    first, shape = np.empty_like(grid.window_lower), np.empty_like(grid.window_shape)
-    for index in range(grid.n_fields):
+    first, shape, n_fields = np.empty_like(grid.window_lower), np.empty_like(grid.window_shape), grid.n_fields
+    for index in range(n_fields):
         own = slice(int(particles.first[index]), int(particles.first[index + 1]))
-        if index >= grid.n_fields - grid.rigid_fields:
+        if index >= n_fields - grid.rigid_fields:
             first[index], shape[index] = _rigid_window(grid)
             continue
         lower, upper = low[own].min(axis=0), high[own].max(axis=0)
@@ -114,7 +114,7 @@ def allocate_nodes(grid: Grid) -> None:
     for f, (first, shape) in enumerate(zip(grid.window_lower, grid.window_shape, strict=True)):
         axes = [grid.lower[d] + h * (first[d] + np.arange(shape[d])) for d in range(dim)]
         positions = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
-        grid.position[grid.field_nodes(f)] = positions.reshape(-1, dim)
+        grid.position[grid.offset[f] : grid.offset[f + 1]] = positions.reshape(-1, dim)
     grid.frame += 1
 
 
