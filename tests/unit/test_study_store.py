@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from mpmfw.campaigns.grid_runs import costs_of, least, over_repeats
+from mpmfw.campaigns.running import counted
 from mpmfw.campaigns.store import COSTS, Cost, Outcome, Store
 from mpmfw.errors import SceneError
 from mpmfw.state.fields import STEP_STAGES
@@ -97,6 +98,12 @@ def test_the_cost_is_that_of_the_cheapest_repeat_with_its_own_stages():
     assert (one["stages"] == 0.25).all()
     assert one["peak_memory"].item() == 9.0  # only a process's first run knows it
     assert over_repeats(each)["cpu_time_spread"].item() == 2.0
+
+
+def test_costs_on_shared_cores_do_not_count_where_exclusive_ones_are_asked_for():
+    both = replace(record("a"), costs=(replace(COST, timing="shared cores"), COST))
+    assert counted(both, exclusive=True) == [COST]
+    assert counted(both, exclusive=False) == list(both.costs)
 
 
 def test_runs_without_a_cost_have_none():
