@@ -23,11 +23,27 @@ def _add_scaled_row(out, i, factor, other, j, _spacing):
     out[i] += factor * other[j]
 
 
+def _add_outer_product(out, a, i, b, j, _spacing):
+    out += np.outer(a[i], b[j])
+
+
+def _divide(out, number, _spacing):
+    out /= number
+
+
+def _multiply_by_hats(out, factor, at, d, node, spacing):
+    corners = slice(2 ** len(spacing))
+    out[corners] = factor[corners] * np.maximum(1.0 - np.abs(at[d, corners] - node), 0.0)
+
+
 #: In place of what emits its own code.
 IN_PYTHON = [
     (scratch, ON_THE_HEAP),
     (arithmetic.set_scaled_row, _set_scaled_row),
     (arithmetic.add_scaled_row, _add_scaled_row),
+    (arithmetic.add_outer_product, _add_outer_product),
+    (arithmetic.divide, _divide),
+    (arithmetic.multiply_by_hats, _multiply_by_hats),
 ]
 
 

@@ -11,24 +11,28 @@ from __future__ import annotations
 from typing import Any
 
 from llvmlite import ir  # type: ignore[import-untyped]
-from numba.core import types
+from numba.core import cgutils, types
 from numba.np import arrayobj
 
 from mpmfw.kernels._jit import device, intrinsic
 from mpmfw.kernels.types import Float, Floats
 
 _arrayobj: Any = arrayobj  # numba has no annotations here
+_cgutils: Any = cgutils
+_INT = ir.IntType(64)
 
 
-def _row_pointer(
-    context: Any, builder: Any, array_type: Any, array: Any, index_type: Any, index: Any, width: int
-) -> Any:
-    """Address of row ``index``, as one vector."""
-    data = _arrayobj.make_array(array_type)(context, builder, array).data
-    first = builder.mul(
-        context.cast(builder, index, index_type, types.intp), ir.Constant(ir.IntType(64), width)
-    )
+def _row_at(context: Any, builder: Any, signature: Any, args: Any, k: int, index: Any, width: int) -> Any:
+    """Address of row ``index`` of array ``args[k]``, as one vector."""
+    data = _arrayobj.make_array(signature.args[k])(context, builder, args[k]).data
+    first = builder.mul(index, _INT(width))
     return builder.bitcast(builder.gep(data, [first]), ir.VectorType(ir.DoubleType(), width).as_pointer())
+
+
+def _row_of(context: Any, builder: Any, signature: Any, args: Any, k: int, width: int) -> Any:
+    """Address of row ``args[k + 1]`` of array ``args[k]``."""
+    index = context.cast(builder, args[k + 1], signature.args[k + 1], types.intp)
+    return _row_at(context, builder, signature, args, k, index, width)
 
 
 def _repeated(builder: Any, value: Any, width: int) -> Any:
@@ -42,8 +46,8 @@ def _repeated(builder: Any, value: Any, width: int) -> Any:
 def _emit(context: Any, builder: Any, signature: Any, args: Any, *, accumulate: bool) -> Any:
     """Code of both operations."""
     width = len(signature.args[5])
-    target = _row_pointer(context, builder, signature.args[0], args[0], signature.args[1], args[1], width)
-    source = _row_pointer(context, builder, signature.args[3], args[3], signature.args[4], args[4], width)
+    target = _row_of(context, builder, signature, args, 0, width)
+    source = _row_of(context, builder, signature, args, 3, width)
     factor = context.cast(builder, args[2], signature.args[2], types.float64)
     value = builder.fmul(_repeated(builder, factor, width), builder.load(source, align=8))
     if accumulate:
@@ -87,6 +91,80 @@ def set_scaled_row(_typing: Any, out: Any, i: Any, factor: Any, other: Any, j: A
     return types.void(out, i, factor, other, j, spacing), codegen
 
 
+def _chosen(builder: Any, vector: Any, components: list[int]) -> Any:
+    """Vector of some components of another."""
+    mask = ir.Constant(ir.VectorType(ir.IntType(32), len(components)), components)
+    return builder.shuffle_vector(vector, vector, mask)
+
+
+@intrinsic
+def add_outer_product(_typing: Any, out: Any, a: Any, i: Any, b: Any, j: Any, spacing: Any) -> Any:
+    """``out[d, e] += a[i, d] * b[j, e]``: in the plane the whole matrix in one operation, in space a row.
+
+    ``out`` is of shape (dim, dim), all else as in :func:`add_scaled_row`."""
+    _check(out, a)
+    _check(out, b)
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        dim = len(signature.args[5])
+        rows = 2 if dim == 2 else 1
+        left, right = (
+            builder.load(_row_of(context, builder, signature, args, k, dim), align=8) for k in (1, 3)
+        )
+        right = _chosen(builder, right, [e for _ in range(rows) for e in range(dim)])
+        for first in range(0, dim, rows):
+            target = _row_at(context, builder, signature, args, 0, _INT(first // rows), rows * dim)
+            factor = _chosen(builder, left, [first + d for d in range(rows) for _ in range(dim)])
+            value = builder.fadd(builder.load(target, align=8), builder.fmul(factor, right))
+            builder.store(value, target, align=8)
+        return context.get_dummy_value()
+
+    return types.void(out, a, i, b, j, spacing), codegen
+
+
+@intrinsic
+def divide(_typing: Any, out: Any, number: Any, spacing: Any) -> Any:
+    """``out[d, e] /= number`` in one operation; one after the other, divisions take four times as long."""
+    _check(out, out)
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        size = len(signature.args[2]) ** 2
+        target = _row_at(context, builder, signature, args, 0, _INT(0), size)
+        divisor = _repeated(builder, context.cast(builder, args[1], signature.args[1], types.float64), size)
+        builder.store(builder.fdiv(builder.load(target, align=8), divisor), target, align=8)
+        return context.get_dummy_value()
+
+    return types.void(out, number, spacing), codegen
+
+
+@intrinsic
+def multiply_by_hats(_typing: Any, out: Any, factor: Any, at: Any, d: Any, node: Any, spacing: Any) -> Any:
+    """``out[c] = factor[c] * max(1 − abs(at[d, c] − node), 0)`` of 2**dim corners c in one operation.
+
+    ``out`` and ``factor`` (8,) and ``at`` (dim, 8) are C-contiguous."""
+    _check(out, factor)
+    _check(out, at)
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        width = 2 ** len(signature.args[5])
+        vector = ir.VectorType(ir.DoubleType(), width)
+        row = _row_of(context, builder, signature, args, 2, 8)
+        position = builder.load(builder.bitcast(row, vector.as_pointer()), align=8)
+        centre = _repeated(builder, context.cast(builder, args[4], signature.args[4], types.float64), width)
+        difference = builder.fsub(position, centre)
+        absolute = _cgutils.get_or_insert_function(
+            builder.module, ir.FunctionType(vector, [vector]), f"llvm.fabs.v{width}f64"
+        )
+        one, zero = ir.Constant(vector, [1.0] * width), ir.Constant(vector, [0.0] * width)
+        hat = builder.fsub(one, builder.call(absolute, [difference]))
+        hat = builder.select(builder.fcmp_ordered(">", zero, hat), zero, hat)
+        target, source = (_row_at(context, builder, signature, args, k, _INT(0), width) for k in (0, 1))
+        builder.store(builder.fmul(builder.load(source, align=8), hat), target, align=8)
+        return context.get_dummy_value()
+
+    return types.void(out, factor, at, d, node, spacing), codegen
+
+
 @device
 def determinant(a: Floats, spacing: tuple[float, ...]) -> Float:
     """det a; the length of ``spacing`` is the dimension."""
@@ -104,14 +182,12 @@ def invert(a: Floats, out: Floats, spacing: tuple[float, ...]) -> Float:
     """Write a⁻¹ to ``out`` and return det a; a singular matrix gives inf or nan, as in NumPy."""
     det = determinant(a, spacing)
     if len(spacing) == 2:
-        out[0, 0] = a[1, 1] / det
-        out[0, 1] = -a[0, 1] / det
-        out[1, 0] = -a[1, 0] / det
-        out[1, 1] = a[0, 0] / det
+        out[0, 0], out[0, 1], out[1, 0], out[1, 1] = a[1, 1], -a[0, 1], -a[1, 0], a[0, 0]
     else:
         for i in range(3):
             j, k = (i + 1) % 3, (i + 2) % 3
             for m in range(3):
                 n, o = (m + 1) % 3, (m + 2) % 3
-                out[m, i] = (a[j, n] * a[k, o] - a[j, o] * a[k, n]) / det
+                out[m, i] = a[j, n] * a[k, o] - a[j, o] * a[k, n]
+    divide(out, det, spacing)
     return det

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from mpmfw.kernels import scratch
 from mpmfw.kernels._jit import device, kernel
-from mpmfw.kernels.arithmetic import add_scaled_row, determinant, invert, set_scaled_row
+from mpmfw.kernels.arithmetic import add_outer_product, add_scaled_row, determinant, invert, set_scaled_row
 from mpmfw.kernels.stencil import NodeRange, entries, is_apart, own_entries
 from mpmfw.kernels.types import Floats, Nodes, Points, Table
 
@@ -161,7 +161,8 @@ def gather(
     """
     dim = len(spacing)
     x, l = scratch.vector(spacing), scratch.matrix(spacing, spacing)
-    v, q = scratch.matrix((0.0,), spacing), scratch.matrix((0.0,), spacing)
+    phi_v, phi_q = scratch.matrix((0.0,), spacing), scratch.matrix((0.0,), spacing)
+    q = scratch.matrix((0.0,), spacing)
     new, start = scratch.matrix((0.0,), spacing), scratch.matrix((0.0,), spacing)
     moment, spread = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
     for p in range(len(points.mass)):
@@ -173,17 +174,16 @@ def gather(
         for k in entries(table.row, p):
             i = table.nodes[k]
             phi = table.weight[k]
-            set_scaled_row(v, 0, 1.0, grid.velocity, i, spacing)
-            add_scaled_row(new, 0, phi, v, 0, spacing)
+            set_scaled_row(phi_v, 0, phi, grid.velocity, i, spacing)
+            add_scaled_row(new, 0, 1.0, phi_v, 0, spacing)
             add_scaled_row(start, 0, phi, grid.start_velocity, i, spacing)
-            for d in range(dim):
-                add_scaled_row(l, d, v[0, d], table.gradient, k, spacing)
+            add_outer_product(l, grid.velocity, i, table.gradient, k, spacing)
             if affine is not None:
                 for d in range(dim):
                     q[0, d] = grid.position[i, d] - x[d]
-                for d in range(dim):
-                    add_scaled_row(moment, d, phi * v[0, d], q, 0, spacing)
-                    add_scaled_row(spread, d, phi * q[0, d], q, 0, spacing)
+                set_scaled_row(phi_q, 0, phi, q, 0, spacing)
+                add_outer_product(moment, phi_v, 0, q, 0, spacing)
+                add_outer_product(spread, phi_q, 0, q, 0, spacing)
         for d in range(dim):
             increment = new[0, d] - start[0, d]
             points.velocity[p, d] = flip * (points.velocity[p, d] + increment) + (1.0 - flip) * new[0, d]

@@ -9,7 +9,7 @@ import numpy as np
 
 from mpmfw.kernels import scratch
 from mpmfw.kernels._jit import device, kernel
-from mpmfw.kernels.arithmetic import add_scaled_row, set_scaled_row
+from mpmfw.kernels.arithmetic import add_scaled_row, multiply_by_hats, set_scaled_row
 from mpmfw.kernels.types import Float, Floats, Indices, Ints, Nodes, Table
 
 #: First node of a part of the nodes, and the one after its last.
@@ -204,9 +204,9 @@ def _write_box(
     at = scratch.matrix(spacing, CORNERS)  # axis by axis: the corners' weights are worked out side by side
     terms = scratch.matrix(CORNERS, entry_like)
     total = scratch.matrix((0.0,), entry_like)
-    edge, n = scratch.vector(CORNERS), scratch.vector(CORNERS)
+    edge, n, one = scratch.vector(CORNERS), scratch.vector(CORNERS), scratch.vector(CORNERS)
     for c in range(n_corners):
-        terms[c, 0] = share[c]
+        one[c], terms[c, 0] = 1.0, share[c]
         for d in range(dim):
             at[d, c] = corner[c, d]
             terms[c, 1 + d] = slope[c, d]
@@ -214,16 +214,13 @@ def _write_box(
     for plane in range(extent[0] if dim == 3 else 1):
         for j in range(low[dim - 2], low[dim - 2] + extent[dim - 2]):
             first = offset + j * shape[dim - 1]
-            for c in range(n_corners):
-                edge[c] = _hat(at[dim - 2, c] - j)
+            multiply_by_hats(edge, one, at, dim - 2, j, spacing)
             if dim == 3:
                 i = low[0] + plane
                 first += i * shape[1] * shape[2]
-                for c in range(n_corners):
-                    edge[c] *= _hat(at[0, c] - i)
+                multiply_by_hats(edge, edge, at, 0, i, spacing)
             for l in range(low[dim - 1], low[dim - 1] + extent[dim - 1]):
-                for c in range(n_corners):
-                    n[c] = edge[c] * _hat(at[dim - 1, c] - l)
+                multiply_by_hats(n, edge, at, dim - 1, l, spacing)
                 set_scaled_row(total, 0, n[0], terms, 0, entry_like)
                 for c in range(1, n_corners):
                     add_scaled_row(total, 0, n[c], terms, c, entry_like)
@@ -232,11 +229,3 @@ def _write_box(
                 for d in range(dim):
                     gradients[entry, d] = total[0, 1 + d]
                 entry += np.uint64(1)
-
-
-@device
-def _hat(x: Float) -> Float:
-    """Linear function of a node, ``x`` cells away from it; a corner on a grid line has its whole weight on
-    that line.
-    """
-    return max(1.0 - abs(x), 0.0)
