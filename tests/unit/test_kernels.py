@@ -7,7 +7,7 @@ import numpy_twins as twin
 import pytest
 
 from mpmfw.api import Stencil
-from mpmfw.kernels import particle_grid, struct
+from mpmfw.kernels import arithmetic, kernel, particle_grid, struct
 from mpmfw.step.transfer import make_transfer
 
 N_POINTS, N_NODES = 23, 41
@@ -135,3 +135,28 @@ def test_deformation_and_volume(problem):
     close(p.deformation_gradient, expected)
     close(p.volume, np.linalg.det(expected) * p.initial_volume)
     assert bad == -1
+
+
+@kernel
+def in_one_operation(a, b, factor, at, product, quotient, hats, spacing):
+    """What acts on a whole matrix or on all corners."""
+    arithmetic.add_outer_product(product, a, 2, b, 1, spacing)
+    arithmetic.divide(quotient, a[0, 0], spacing)
+    for d in range(len(spacing)):
+        arithmetic.multiply_by_hats(hats[d], factor, at, d, 3, spacing)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_what_acts_in_one_operation_is_rounded_as_number_by_number(dim):
+    rng, corners = np.random.default_rng(dim), 2**dim
+    a, b, factor = rng.normal(size=(4, dim)), rng.normal(size=(4, dim)), rng.normal(size=8)
+    product, quotient = rng.normal(size=(2, dim, dim))
+    at = 3.0 + rng.normal(size=(dim, 8))
+    at[0, 0] = np.nan
+    wanted, divided = product + np.outer(a[2], b[1]), quotient / a[0, 0]
+    hats, expected = np.full((dim, 8), -1.0), np.full((dim, 8), -1.0)
+    expected[:, :corners] = (factor * np.maximum(1.0 - np.abs(at - 3.0), 0.0))[:, :corners]
+    in_one_operation(a, b, factor, at, product, quotient, hats, (0.5,) * dim)
+    np.testing.assert_array_equal(product, wanted)
+    np.testing.assert_array_equal(quotient, divided)
+    np.testing.assert_array_equal(hats, expected)
