@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -43,56 +43,43 @@ def figures_of(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
     dataset = without_round_off(dataset)
     if "status" not in dataset:
         return {"series": (_overview(dataset), "Series of the bodies and pairs.")}
-    reference = drawn_reference(dataset)
-    figures: dict[str, tuple[Figure, str]] = {}
-    if isinstance(reference, RollingReference):
-        figures["motion"] = (
-            motion([dataset]),
-            "Displacement, velocity and spin of the cylinder, and displacement less the closed form.",
-        )
-    if isinstance(reference, RingsReference) and "contact_force" in dataset:
-        figures["force"] = (
-            contact_force(dataset),
-            "Contact force on the right ring: as stored (noisy), averaged over 100 µs, and its impulse.",
-        )
-    elif "outline" in dataset and np.isfinite(at_last(dataset)["outline"].values).any():
-        figures["positions"] = (
-            positions(dataset),
-            "Outlines at the first output (dashed) and at the last; bodies that stand still are grey.",
-        )
-    if not isinstance(reference, RollingReference) and "force" not in figures:
-        figures |= _any_scene(dataset)
-    if "min_gap" in dataset and isinstance(reference, RollingReference | RingsReference):
-        figures["gap"] = (
-            scene.gap_history(dataset),
-            "Least distance between the bodies' outlines, in cells; negative where they penetrate.",
-        )
-    if "cpu_stage" in dataset and np.isfinite(dataset["cpu_stage"].values).any():
-        figures["cost"] = (cost_bars(dataset), "CPU time per material point and step, by stage of the step.")
     text = f" {drawn_values(dataset)}." if drawn_values(dataset) else ""
-    return {name: (figure, caption + text) for name, (figure, caption) in figures.items()}
+    return {name: (draw(dataset), caption + text) for name, draw, caption in _figures(dataset)}
+
+
+def _figures(dataset: xr.Dataset) -> Iterator[tuple[str, Callable[[xr.Dataset], Figure], str]]:
+    """Yield name, function and caption of each figure that a comparison has."""
+    reference, names = drawn_reference(dataset), set(dataset.data_vars)
+    rolls = isinstance(reference, RollingReference)
+    collide = isinstance(reference, RingsReference) and "contact_force" in names
+    if rolls:
+        text = "Displacement, velocity and spin of the cylinder, and displacement less the closed form."
+        yield "motion", lambda one: motion([one]), text
+    if collide:
+        text = "Contact force on the right ring: as stored (noisy), averaged over 100 µs, and its impulse."
+        yield "force", contact_force, text
+    elif "outline" in names and np.isfinite(at_last(dataset)["outline"].values).any():
+        text = "Outlines at the first output (dashed) and at the last; bodies that stand still are grey."
+        yield "positions", positions, text
+    if not rolls and not collide:
+        if "centre_of_mass" in names and scene.moving_bodies(dataset):
+            yield "motion", scene.body_motion, "Motion of the bodies that do not stand still, furthest first."
+        if "contact_force" in names and scene.touching_pairs(dataset):
+            yield "forces", scene.pair_forces, "Contact force of every pair, across the surface and along it."
+        if "min_gap" in names and scene.near_pairs(dataset):
+            yield "gaps", scene.gap_history, "Gap of every pair that comes near; negative where they overlap."
+        if {"kinetic_energy", "strain_energy"} <= names:
+            yield "energies", scene.energies, "Energies of all bodies, and what contact has dissipated."
+    if "min_gap" in names and isinstance(reference, RollingReference | RingsReference):
+        text = "Least distance between the bodies' outlines, in cells; negative where they penetrate."
+        yield "gap", scene.gap_history, text
+    if "cpu_stage" in names and np.isfinite(dataset["cpu_stage"].values).any():
+        yield "cost", cost_bars, "CPU time per material point and step, by stage of the step."
 
 
 def _overview(series: xr.Dataset) -> Figure:
     present = [name for name in _OVERVIEW if name in series] or [str(name) for name in series.data_vars][:6]
     return history(xr.DataTree.from_dict({"series": series}), present)
-
-
-def _any_scene(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
-    figures = {}
-    if "centre_of_mass" in dataset and scene.moving_bodies(dataset):
-        text = "Motion of the bodies that do not stand still, the furthest first."
-        figures["motion"] = (scene.body_motion(dataset), text)
-    if "contact_force" in dataset and scene.touching_pairs(dataset):
-        text = "Contact force of every pair that touches, across the surface and along it."
-        figures["forces"] = (scene.pair_forces(dataset), text)
-    if "min_gap" in dataset and scene.near_pairs(dataset):
-        text = "Gap of every pair that comes near; negative where they overlap."
-        figures["gaps"] = (scene.gap_history(dataset), text)
-    if {"kinetic_energy", "strain_energy"} <= set(dataset.data_vars):
-        text = "Energies of all bodies, and what contact has dissipated."
-        figures["energies"] = (scene.energies(dataset), text)
-    return figures
 
 
 def plot_file(
