@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import json
 import math
+import subprocess
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -13,7 +14,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from mpmfw.api import MpmfwError, Time
+from mpmfw.api import MpmfwError, SceneError, Time
 from mpmfw.api.code import (
     Code,
     MotionOutputs,
@@ -132,6 +133,14 @@ class Newton(Code):
         """Return this interpreter, if it has Newton."""
         found = all(importlib.util.find_spec(name) for name in ("newton", "warp"))
         return sys.executable if found else None
+
+    def version(self, program: str) -> str:
+        """Return the versions of Newton and Warp that an interpreter has."""
+        text = "from importlib.metadata import version as v; print(v('newton'), v('warp-lang'))"
+        done = subprocess.run([program, "-I", "-c", text], capture_output=True, text=True, timeout=60)
+        if done.returncode:
+            raise SceneError(f"code {self.name}: {program} has no Newton; {self.install}")
+        return done.stdout.strip()
 
     def command(self, program: str, folder: Path) -> Sequence[str]:
         """Return the arguments: the driver beside this file, isolated from names of this package."""

@@ -16,6 +16,7 @@ from mpmfw.codes.process import run_process
 from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.report import table
 from mpmfw.results.references import reference_of
+from mpmfw.runs.identity import key_of
 from mpmfw.scene import load_scene
 from mpmfw_code.calculix import Calculix
 from mpmfw_code.newton import Newton
@@ -271,8 +272,25 @@ def test_a_program_that_the_environment_names_is_checked(monkeypatch):
     assert Newton().find() == sys.executable
 
 
+def test_the_version_of_a_code_is_part_of_the_key_of_its_runs(tmp_path, monkeypatch):
+    program = tmp_path / "ccx"
+    program.write_text("#!/bin/sh")
+    program.chmod(0o755)
+    monkeypatch.setenv("MPMFW_CODE_CALCULIX", str(program))
+    scene, keys = load_scene("sliding-block"), []
+    for content in ("#!/bin/sh", "#!/bin/sh\n# another version"):
+        program.write_text(content)
+        (code,) = codes_of(["calculix"])
+        keys.append(key_of(scene, code))
+        assert key_of(scene, codes_of(["calculix"])[0]) == keys[-1]
+    assert keys[0] != keys[1]
+    monkeypatch.setenv("MPMFW_CODE_NEWTON", "/bin/false")
+    with pytest.raises(SceneError, match=r"/bin/false has no Newton; pip install 'mpmfw\[newton\]'"):
+        codes_of(["newton"])
+
+
 def test_names_of_codes_stand_for_plainest_and_best_settings(monkeypatch):
-    monkeypatch.setenv("MPMFW_CODE_NEWTON", sys.executable)
+    monkeypatch.setattr(Newton, "identify", lambda self: None)  # noqa: ARG005
     labels = [
         code.label for code in codes_of(["newton", "newton(step=0.01)", "newton(collider_basis=pic27)"])
     ]
@@ -403,6 +421,18 @@ def test_a_code_refuses_keys_of_other_methods_and_scenes_that_it_cannot_run():
 
 
 def test_a_study_takes_codes_among_its_contacts():
+    study = {
+        "scene": "rolling-cylinder-no-slip-rigid",
+        "vary": {"contact": ["penalty"], "shape": ["linear"]},
+        "set": {**COARSE, "time.end": 0.1},
+        "error": {"quantity": "spin"},
+    }
+    with pytest.warns(mpmfw.ResultsWarning, match="it is exact"):
+        found = mpmfw.study(study, code=[Parabola()], under=0.5)
+    own = found.sel(contact="Parabola", shape="linear")
+    assert float(own["error"]) == pytest.approx(0.0, abs=1e-12)
+    assert (str(own["status"].item()), str(own["code"].item())) == ("ok", "Parabola")
+    assert str(own["scheme"].item()) == ""
     study = {
         "scene": SLIP,
         "code": ["newton"],

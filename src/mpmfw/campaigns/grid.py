@@ -147,8 +147,10 @@ def _combination(
         }
         loaded = load_scene(scene, set=overrides, said=said)
         code = objects.get("contact")
-        if isinstance(code, Code) and (problems := code.problems(loaded)):
-            return Combination(labels, None, problems)
+        if isinstance(code, Code):
+            code.identify()
+            if problems := code.problems(loaded):
+                return Combination(labels, None, problems)
         return Combination(labels, loaded, **objects)
     except SceneError as error:
         return Combination(labels, None, error.problems)

@@ -53,6 +53,8 @@ class Code(PlugIn):
     #: optional tables of a scene that it reads, of gravity, loads, boundaries and settle
     reads: ClassVar[frozenset[str]] = frozenset()
     limits: ClassVar[ProcessLimits] = ProcessLimits()
+    #: program and version that were found, which the keys of stored runs contain
+    installed: str = ""
 
     @property
     def label(self) -> str:
@@ -72,6 +74,11 @@ class Code(PlugIn):
     def program(self) -> str | None:
         """Return the path of the code's program, or None if it is not installed."""
         raise NotImplementedError
+
+    def version(self, program: str) -> str:
+        """Return what tells this version of the program from others."""
+        facts = os.stat(program)
+        return f"{program}, {facts.st_size} bytes of {facts.st_mtime_ns}"
 
     def command(self, program: str, folder: Path) -> Sequence[str]:
         """Return the arguments that start the code on the input of a folder."""
@@ -112,6 +119,11 @@ class Code(PlugIn):
             wrong = f"{variable}={given} is no program" if given else "is not installed"
             raise SceneError(f"code {self.name}: {wrong}; {self.install}")
         return path
+
+    def identify(self) -> None:
+        """Look once for the program and its version; a SceneError says how to install the code."""
+        if not self.installed:
+            self.installed = self.version(self.find())
 
     def prepare(self, scene: Scene, folder: Path) -> None:
         """Write the code's input and the scene; a SceneError has a problem for each thing it cannot do."""
@@ -158,7 +170,7 @@ def codes_of(given: Iterable[Any]) -> list[Any]:
     for code in codes:
         if not isinstance(code, Code):
             raise SceneError(f"code: {code!r} is no adapter; expected a name or an object of mpmfw.api.Code")
-        code.find()
+        code.identify()
     return list({code.label: code for code in codes}.values())
 
 
