@@ -187,7 +187,7 @@ ROWS: dict[str, tuple[dict[str, Any], str, Any, Any]] = {
         *(body(gravity={"vector": [0, -1]}, **{SIDES: [{"side": "top", "pressure": 1e4}]}),),
         *(f"{SOLID}__rotation", "exact", "lumped"),
     ),
-    "Body.volumetric": (held(), f"{SOLID}__volumetric", "pointwise", "averaged"),
+    "Body.volumetric": (held(), f"{SOLID}__volumetric", "auto", "averaged"),
     "Body.sides": (held(), SIDES, HELD, [{"side": "left", "fixed": True}]),
     "Body.thickness": (body(), f"{SOLID}__thickness", 1.0, 0.1),
     "RigidBody.rigid": (against(True), "bodies__right__rigid", True, {"density": 1e3}),

@@ -125,6 +125,7 @@ class J2(Plastic):
     """
 
     name = "j2"
+    isochoric = True
     Options = J2Options
     options: J2Options
 

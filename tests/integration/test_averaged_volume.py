@@ -34,8 +34,9 @@ def test_means_keep_volume_and_work_and_leave_a_common_motion(seed: int, dim: in
     pressure, volume = np.trace(points.stress, axis1=1, axis2=2) / dim, points.volume
     rate = np.trace(before, axis1=1, axis2=2)
     cell, first, second = np.zeros(n, np.int64), np.zeros(len(grid.mass)), np.zeros(len(grid.mass))
+    of_points = np.zeros(n)
     change = np.linalg.det(np.eye(dim) + dt * before)
-    average_volume(0, n, points, grid, 0, dt, cell, first, second, spacing)
+    average_volume(0, n, points, grid, 0, dt, cell, of_points, first, second, spacing)
     after = points.velocity_gradient
     averaged = np.linalg.det(np.eye(dim) + dt * after)
     assert volume @ averaged == pytest.approx(volume @ change, rel=1e-12)
@@ -48,7 +49,7 @@ def test_means_keep_volume_and_work_and_leave_a_common_motion(seed: int, dim: in
     assert volume @ (mean * rate) == pytest.approx(work, abs=1e-5 * n * np.abs(volume).max())
     common = rng.normal(size=(dim, dim))
     points.velocity_gradient[:] = common
-    average_volume(0, n, points, grid, 0, dt, cell, first, second, spacing)
+    average_volume(0, n, points, grid, 0, dt, cell, of_points, first, second, spacing)
     assert np.allclose(points.velocity_gradient, common, atol=1e-8)
 
 
@@ -84,6 +85,29 @@ def half_of_impulse(scene: dict[str, Any]) -> tuple[float, float]:
     residual = series["energy_residual"] - series["half_step_work"]
     start = float(series["kinetic_energy"].isel(time=0).sum())
     return float(np.interp(0.5, passed / passed[-1], time)), float(np.abs(residual).max()) / start
+
+
+METAL = {**STIFF, "model": "j2", "poissons_ratio": 0.3, "yield_stress": 1e3}
+
+
+@pytest.mark.parametrize(
+    ("material", "shape", "how", "averaged"),
+    [
+        ({**STIFF, "poissons_ratio": 0.399}, "cpdi", "auto", False),
+        ({**STIFF, "poissons_ratio": 0.401}, "cpdi", "auto", True),
+        (STIFF, "bspline", "auto", False),
+        (STIFF, "linear", "pointwise", False),
+        (METAL, "gimp", "auto", True),
+        (METAL, "cubic_bspline", "auto", False),
+        (METAL, "cubic_bspline", "averaged", True),
+    ],
+)
+def test_bodies_that_lock_are_averaged_by_default(
+    material: dict[str, Any], shape: str, how: str, averaged: bool
+) -> None:
+    scene = disc(materials__soft=material, shape__method=shape, bodies__solid__volumetric=how)
+    effects = {effect.name: effect.on for effect in mpmfw.explain(scene).effects}
+    assert effects["averaged volume"] == averaged
 
 
 @pytest.mark.filterwarnings("ignore::mpmfw.errors.ResultsWarning")

@@ -39,10 +39,10 @@ def change_of_volume(p: int, points: Points, dt: float, spacing: tuple[float, ..
 
 @kernel
 def average_volume(
-    first: int, last: int, points: Points, grid: Nodes, field: int, dt: float, cell: Ints, before: Floats,
-    after: Floats, spacing: tuple[float, ...],
+    first: int, last: int, points: Points, grid: Nodes, field: int, dt: float, cell: Ints, change: Floats,
+    before: Floats, after: Floats, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
-    """Replace L by L̄ of a body's points, and note the ``cell`` (n,) of each, by its lowest node.
+    """Replace L by L̄ of a body's points; note the ``cell`` of each, by its lowest node, and the ``change`` j.
 
     ``before`` and ``after`` (N,) [m^dim] become the volumes of its points in each cell. A point that has left
     the window counts to the last cell.
@@ -57,11 +57,11 @@ def average_volume(
         for d in range(dim):
             c = c * shape[d] + min(max(int((points.position[p, d] - origin[d]) * inverse_h), 0), shape[d] - 1)
         c += grid.offset[field]
-        cell[p] = c
+        cell[p], change[p] = c, change_of_volume(p, points, dt, spacing)
         before[c] += points.volume[p]
-        after[c] += points.volume[p] * change_of_volume(p, points, dt, spacing)
+        after[c] += points.volume[p] * change[p]
     for p in range(first, last):
-        ratio = after[cell[p]] / (before[cell[p]] * change_of_volume(p, points, dt, spacing))
+        ratio = after[cell[p]] / (before[cell[p]] * change[p])
         factor = math.sqrt(ratio) if dim == 2 else ratio ** (1.0 / 3.0)
         for d in range(dim):
             for e in range(dim):
@@ -105,24 +105,22 @@ class AveragedVolume:
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
-        """Return the means of the bodies that name them."""
-        tables = setup.scene.bodies
-        averaged = [body for body in setup.bodies if tables[body.name].volumetric == "averaged"]
-        names = ", ".join(body.name for body in averaged)
-        return Acts(f"given for {names}", [cls(averaged, apart=setup.field_per_body)])
+        """Return the means of bodies that may lock, or that name them."""
+        averaged = setup.averaged_bodies
+        return Acts(", ".join(body.name for body in averaged), [cls(averaged, apart=setup.field_per_body)])
 
     @hookimpl
     def after_velocity_gradient(self, particles: Particles, grid: Grid, dt: float) -> None:
         """Average the change of volume."""
         if self.frame != grid.frame:  # the windows were laid anew
             self.frame, self.grid = grid.frame, grid
-            self.cell = np.zeros(particles.count, dtype=np.int64)
+            self.cell, self.change = np.zeros(particles.count, dtype=np.int64), np.zeros(particles.count)
             self.before, self.after = np.zeros((2, len(grid.mass)))
         self._each(
             particles,
             lambda body: average_volume(
                 body.particles.start, body.particles.stop, particles, grid, body.field, dt, self.cell,
-                self.before, self.after, grid.spacing,
+                self.change, self.before, self.after, grid.spacing,
             ),
         )  # fmt: skip
 

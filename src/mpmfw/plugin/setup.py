@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 #: Distance within which an outline lies on a side [cells].
 FLAT = 1e-6
 
+#: K / G above which a body locks: that of ν = 0.4.
+INCOMPRESSIBLE = 14.0 / 3.0
+
 
 @dataclass(frozen=True, slots=True)
 class Effect:
@@ -119,6 +122,23 @@ class Setup:
     def loaded_sides(self) -> list[tuple[Body, Side]]:
         """Bodies and their sides under a load."""
         return [each for each in self._sides if each[1].is_loaded]
+
+    @functools.cached_property
+    def averaged_bodies(self) -> list[Body]:
+        """Bodies whose change of volume is averaged over cells: as the scene says, or where bodies lock."""
+        how = {body.index: self.scene.bodies[body.name].volumetric for body in self.bodies}
+        return [
+            body
+            for body in self.bodies
+            if how[body.index] == "averaged" or (how[body.index] == "auto" and self._locks(body))
+        ]
+
+    def _locks(self, body: Body) -> bool:
+        """Return True if points of the body keep their volume. With B-splines bodies do not lock, and a mean
+        would make them too soft."""
+        isochoric = self.materials[self.scene.bodies[body.name].material].isochoric
+        keeps_volume = isochoric or body.bulk_modulus > INCOMPRESSIBLE * body.shear_modulus
+        return keeps_volume and self.shape_function.boundary_degree == 1
 
     @property
     def _sides(self) -> list[tuple[Body, Side]]:

@@ -33,7 +33,6 @@ def _table(setup: Setup) -> list[tuple[str, str, object, str]]:
     contact, rigid = setup.contact, any(body.rigid for body in setup.bodies)
     gravity = scene.gravity or (scene.settle and scene.settle.gravity)
     damped = any(scene.materials[name].damping for name in setup.materials)
-    averaged = any(scene.bodies[body.name].volumetric == "averaged" for body in setup.bodies)
     slides = setup.whole is None and contact is not None and contact.uses_friction
     slides = slides and setup.friction_law is None and setup.has_friction
     no_gap = "one body" if output.gap else "output.gap = false"
@@ -46,8 +45,8 @@ def _table(setup: Setup) -> list[tuple[str, str, object, str]]:
         ("surfaces", "effects.surface:SurfaceTracker.from_setup", setup.surface_users,
          "nothing needs outlines"),
         ("material damping", "effects.damping:Damping.from_setup", damped, "no material has damping"),
-        ("averaged volume", "effects.averaged_volume:AveragedVolume.from_setup", averaged,
-         "no body has volumetric = 'averaged'"),
+        ("averaged volume", "effects.averaged_volume:AveragedVolume.from_setup", setup.averaged_bodies,
+         "no body may lock, or names it"),
         ("gravity", "effects.gravity:Gravity.from_setup", gravity, "no [gravity]"),
         ("settling", "effects.settling:from_setup", scene.settle, "no [settle]"),
         ("prescribed sides", "effects.constraint:Constraint.from_setup", setup.held_sides,

@@ -180,8 +180,8 @@ class Body(Table):
     angular_velocity: Spin | None = None  #: at the start, about the centroid [rad/s]
     #: Treatment of rotational inertia; None lets the build decide.
     rotation: Literal["spin", "exact", "lumped"] | None = None
-    #: Change of volume at every point, or averaged over cells, against locking.
-    volumetric: Literal["averaged", "pointwise"] = "pointwise"
+    #: Change of volume at points or averaged over cells, against locking: see ``Setup.averaged_bodies``.
+    volumetric: Literal["auto", "averaged", "pointwise"] = "auto"
     thickness: PositiveLength | None = None  #: in the plane, across it [m]; None is 1 m
     sides: Annotated[tuple[Side, ...], Strict(False)] = ()
 
