@@ -389,6 +389,7 @@ EACH: dict[str, Each] = {
         _made_of("drucker_prager"), "materials__soft__fit", "plane_strain", "compression", "extension"
     ),
     "Body.rotation": chosen(PRESSED, f"{SOLID}__rotation", "spin", "exact", "lumped"),
+    "Body.volumetric": chosen(held(), f"{SOLID}__volumetric", "averaged", "pointwise", auto="pointwise"),
     "Side.side": Each(
         CUBE,
         {

@@ -106,7 +106,7 @@ def test_bodies_that_lock_are_averaged_by_default(
     material: dict[str, Any], shape: str, how: str, averaged: bool
 ) -> None:
     scene = disc(materials__soft=material, shape__method=shape, bodies__solid__volumetric=how)
-    effects = {effect.name: effect.on for effect in mpmfw.explain(scene).effects}
+    effects = {effect.name: effect.on for effect in Simulation(scene).effects}
     assert effects["averaged volume"] == averaged
 
 
