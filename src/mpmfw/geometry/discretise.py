@@ -11,7 +11,6 @@ from pydantic import (
     BaseModel,
     ConfigDict,
     Field,
-    SerializerFunctionWrapHandler,
     ValidationError,
     ValidatorFunctionWrapHandler,
     WrapSerializer,
@@ -101,11 +100,6 @@ def _of_any_distribution(value: Any, handler: ValidatorFunctionWrapHandler) -> A
         raise ValueError(said) from error
 
 
-def _by_its_own_model(value: Any, handler: SerializerFunctionWrapHandler) -> Any:
-    """The fields of a geometry of whatever distribution."""
-    return value.model_dump() if isinstance(value, BodyGeometry) else handler(value)
-
-
 Geometry = Annotated[
     Disc
     | Ring
@@ -121,7 +115,7 @@ Geometry = Annotated[
     | SurfaceMesh,
     Field(discriminator="type"),
     WrapValidator(_of_any_distribution),
-    WrapSerializer(_by_its_own_model),
+    WrapSerializer(lambda one, handler: one.model_dump() if isinstance(one, BodyGeometry) else handler(one)),
 ]
 
 

@@ -41,12 +41,6 @@ class Scales:
     largest_force: float  #: drawn as the longest arrow; 0 without arrows
     extend: str = "neither"  #: ends of the colours that values lie beyond, as matplotlib names them
 
-    @property
-    def longest_arrow(self) -> float:
-        """Shown length of the arrow of the largest force."""
-        x0, x1, y0, y1 = self.box
-        return self.length * min(_ARROW[0] * (x1 - x0), _ARROW[1] * (y1 - y0))
-
 
 class FieldPanel:
     """A field of one run in 2D on the material points of ``bodies``."""
@@ -142,7 +136,9 @@ class FieldPanel:
         if scales.largest_force > 0.0 and "force" in data:
             force = data["force"].values
             acting = np.linalg.norm(force, axis=1) > 1e-3 * scales.largest_force
-            arrows = force[acting] * scales.longest_arrow / scales.largest_force
+            x0, x1, y0, y1 = scales.box
+            longest = scales.length * min(_ARROW[0] * (x1 - x0), _ARROW[1] * (y1 - y0))
+            arrows = force[acting] * longest / scales.largest_force
             plain = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "width": 0.004, "zorder": 4}
             drawn.append(axes.quiver(*position[acting].T, *arrows.T, color="#D55E00", **plain))
         return drawn

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
 
@@ -29,10 +29,6 @@ class Table(BaseModel):
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
-
-
-def _free_or_value(value: Any) -> str:
-    return "free" if value == "free" else "value"
 
 
 PositiveTime = Annotated[Time, Field(gt=0)]
@@ -67,7 +63,8 @@ MomentPoint = Annotated[
 ]
 
 _Component = Annotated[
-    Annotated[Literal["free"], Tag("free")] | Annotated[Velocity, Tag("value")], Discriminator(_free_or_value)
+    Annotated[Literal["free"], Tag("free")] | Annotated[Velocity, Tag("value")],
+    Discriminator(lambda value: "free" if value == "free" else "value"),
 ]
 #: Velocity of a side; ``"free"`` for a component that is left to the body.
 SideVelocity = Annotated[tuple[_Component, ...], Strict(False), _PLANE_OR_SPACE]

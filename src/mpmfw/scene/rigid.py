@@ -61,12 +61,9 @@ class Rigid(Table):
     inertia: Inertias | None = None
 
 
-def _kind_of_rigid(value: Any) -> str:
-    return "at rest" if isinstance(value, bool) else "moves"
-
-
 RigidTable = Annotated[
-    Annotated[Literal[True], Tag("at rest")] | Annotated[Rigid, Tag("moves")], Discriminator(_kind_of_rigid)
+    Annotated[Literal[True], Tag("at rest")] | Annotated[Rigid, Tag("moves")],
+    Discriminator(lambda value: "at rest" if isinstance(value, bool) else "moves"),
 ]
 
 
