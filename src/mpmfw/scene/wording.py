@@ -110,7 +110,9 @@ def _value_message(item: Any, expectation: str) -> str:
     if kind in ("too_short", "too_long"):
         bound = f"at least {item['ctx']['min_length']}" if kind == "too_short" else item["ctx"]["max_length"]
         return _join(f"has {len(item['input'])} entries, not {bound}", expectation)
-    return _join(f"{shown(item['input'])} is {_type_name(item['input'])}", expectation)
+    names = {**TYPES, bool: "a boolean", list: "an array", dict: "a table"}
+    given = names.get(type(item["input"]), f"a {type(item['input']).__name__}")
+    return _join(f"{shown(item['input'])} is {given}", expectation)
 
 
 def _join(what: str, expectation: str) -> str:
@@ -121,13 +123,6 @@ def shown(value: Any) -> str:
     """A value as TOML writes it, shortened."""
     text = {True: "true", False: "false"}[value] if isinstance(value, bool) else repr(value)
     return text if len(text) <= 60 else text[:57] + "…"
-
-
-def _type_name(value: Any) -> str:
-    if isinstance(value, bool):
-        return "a boolean"
-    names = {**TYPES, list: "an array", dict: "a table"}
-    return names.get(type(value), f"a {type(value).__name__}")
 
 
 class _NoOptions(BaseModel):
