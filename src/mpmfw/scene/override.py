@@ -70,11 +70,9 @@ def _put(table: dict[str, Any], path: Path, value: Any) -> None:
                 raise LookupError(f"{dotted(path[:2])}: no such name; {hint}")
             at[str(part)] = {}
         at = _entry(at, part, path[:depth])
-    if isinstance(at, dict) and isinstance(path[-1], str):
-        at[path[-1]] = value
-    else:
+    if not (isinstance(at, dict) and isinstance(path[-1], str)):
         _entry(at, path[-1], path[:-1])
-        at[path[-1]] = value
+    at[path[-1]] = value
 
 
 def _entry(at: Any, part: str | int, above: Path) -> Any:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from mpmfw.errors import NoSuchFileError, SceneError
-from mpmfw.plugin.discovery import names_code, nearest
+from mpmfw.plugin.discovery import did_you_mean, names_code
 from mpmfw.scene.override import parse_value
 from mpmfw.scene.problem import Path as KeyPath
 from mpmfw.scene.problem import Problem
@@ -142,9 +142,8 @@ def read_source(
         raise SceneError(f"{name}: is a folder; expected a TOML file or a shipped {kind} ({listed})")
     if not shipped:
         raise NoSuchFileError(f"{name}: no such file; expected a {kind}")
-    close = nearest(name.removesuffix(".toml"), shipped)
-    hint = f"; did you mean '{close}'?" if close else ""
-    raise NoSuchFileError(f"{name}: no such file, and no shipped {kind}{hint} (shipped: {listed})")
+    hint = did_you_mean(name.removesuffix(".toml"), shipped)
+    raise NoSuchFileError(f"{name}: no such file, and no shipped {kind}; {hint}")
 
 
 def _parse(text: str, name: str, directory: Path | None) -> Source:
