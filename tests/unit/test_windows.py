@@ -22,7 +22,9 @@ def laid(*bodies, reach=0.0, surface=None, dim=2):
     """A grid from −2 to 3 m with the windows of some bodies."""
     grid = make_grid(H, np.full(dim, -2.0), np.full(dim, 3.0), len(bodies))
     points = particles(*bodies)
-    fit_windows(grid, points, np.full_like(points.position, reach), surface)
+    state = SimpleNamespace(grid=grid, particles=points, surface=surface, near=None)
+    hook = SimpleNamespace(particle_reach=lambda particles: np.full_like(particles.position, reach))
+    fit_windows(state, hook)
     return grid
 
 

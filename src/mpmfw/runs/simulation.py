@@ -21,7 +21,7 @@ from mpmfw.runs.frames import Recorder, check_state_finite
 from mpmfw.runs.limits import coarse_bodies, outputs_of
 from mpmfw.state.fields import STAGES, STEP_STAGES, AnyArray, Field
 from mpmfw.state.history import NotSaved, put, take
-from mpmfw.state.windows import fit_windows, is_cut_off, set_windows, update_pairs
+from mpmfw.state.windows import fit_windows, is_cut_off, set_windows
 from mpmfw.step.schemes import SCHEMES, interpolate
 from mpmfw.step.timestep import Clock, TimeStep
 
@@ -103,9 +103,7 @@ class Simulation:
         declared = zip(self._callers("declare_fields"), answers, strict=True)
         self.fields: tuple[Field, ...] = declared_fields(declared)
         self.hook.setup(setup=setup)
-        reach = self.hook.particle_reach(particles=state.particles)
-        fit_windows(state.grid, state.particles, reach, state.surface)
-        update_pairs(state, self.hook)
+        fit_windows(state, self.hook)
         self._check_supports()
         self._step: Any = SCHEMES[self.scheme]
         self._time_step = TimeStep(setup, self._callers("stable_timestep"))

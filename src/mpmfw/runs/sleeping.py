@@ -69,9 +69,9 @@ class Sleep:
     )  # fmt: skip
 
     def __init__(self, full: Any, setup: Setup) -> None:
-        settings, bodies, dim = setup.scene.sleep, setup.state.bodies, setup.scene.dim
-        assert settings is not None
-        assert setup.contact is not None
+        settings: Any = setup.scene.sleep
+        contact: Any = setup.contact
+        bodies, dim = setup.state.bodies, setup.scene.dim
         self.full, self.setup, self.scheme = full, setup, SCHEMES[setup.scheme]
         self.active: Any = None  #: simulation of the bodies that move, if these are some and not all
         waves = np.array([body.wave_speed for body in bodies])
@@ -88,7 +88,7 @@ class Sleep:
         #: Of the active simulation, when its state was copied last.
         self.windows: dict[str, IntArray] = {k: np.zeros((0, dim), np.int64) for k in ("lower", "shape")}
         self.frame = -1  #: of the windows that were compared last
-        self._records = {name: f"{setup.contact.name}/{name}" for name in IMPULSES}
+        self._records = {name: f"{contact.name}/{name}" for name in IMPULSES}
         self._loads = [each for each in setup.plugins if isinstance(each, BodyLoad | SurfaceLoad)]
         self._gravity = setup.plugin("gravity")
         self._forces_change = bool(self._loads or (self._gravity and len(self._gravity.table.times) > 1))
@@ -131,8 +131,7 @@ class Sleep:
             body = int(awake[k])
             free = self._forces(body, time)[1] * (time - self.moved[body])
             rested[k] = free == 0.0 or free >= FALLS * self.bound[body]
-        reach = running.hook.particle_reach(particles=state.particles)
-        lower, shape = fitted_windows(state.grid, state.particles, reach, state.surface)
+        lower, shape = fitted_windows(state, running.hook)
         upper = lower + shape - 1
         sleepy = ~_reached(~rested, *overlapping(lower, upper))
         if not sleepy.any():
@@ -220,8 +219,7 @@ class Sleep:
             self.active.started = True
             _hand_over(full, self.active)
         state, hook = self.running.state, self.running.hook
-        reach = hook.particle_reach(particles=state.particles)
-        lower, shape = fitted_windows(state.grid, state.particles, reach, state.surface)
+        lower, shape = fitted_windows(state, hook)
         most = SPARE * float(np.prod(shape, axis=1).sum())
         if windows is not None:
             lower, shape = windows["lower"], windows["shape"]

@@ -11,7 +11,7 @@ import numpy as np
 from mpmfw.kernels.boxes import bounding_boxes, sweep_strips
 from mpmfw.state.fields import GRID_FIELDS, AnyArray, FloatArray, IntArray
 from mpmfw.state.history import NotSaved
-from mpmfw.state.structs import Grid, Pair, Particles, State, Surface
+from mpmfw.state.structs import Grid, Pair, State
 
 #: Nodes kept free round a body: room for supports, and for motion until windows are laid again.
 MARGIN = 3
@@ -41,18 +41,18 @@ def make_grid(
     )
 
 
-def fit_windows(grid: Grid, particles: Particles, reach: FloatArray, surface: Surface | None) -> None:
-    """Lay every field's window round its points and surface nodes, with new nodal arrays of zeros.
+def fit_windows(state: State, hook: Any) -> None:
+    """Lay every field's window round its points and surface nodes, with new nodal arrays of zeros; list the
+    pairs that have come near."""
+    state.grid.window_lower[:], state.grid.window_shape[:] = fitted_windows(state, hook)
+    allocate_nodes(state.grid)
+    update_pairs(state, hook)
 
-    ``reach`` (n, dim) [m] is half the extent of every domain."""
-    grid.window_lower[:], grid.window_shape[:] = fitted_windows(grid, particles, reach, surface)
-    allocate_nodes(grid)
 
-
-def fitted_windows(
-    grid: Grid, particles: Particles, reach: FloatArray, surface: Surface | None
-) -> tuple[IntArray, IntArray]:
+def fitted_windows(state: State, hook: Any) -> tuple[IntArray, IntArray]:
     """Return the windows that :func:`fit_windows` lays, (n_fields, dim) each."""
+    grid, particles, surface = state.grid, state.particles, state.surface
+    reach = hook.particle_reach(particles=particles)
     low, high = particles.position - reach, particles.position + reach
     first, shape, n_fields = np.empty_like(grid.window_lower), np.empty_like(grid.window_shape), grid.n_fields
     for index in range(n_fields):

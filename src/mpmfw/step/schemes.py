@@ -9,7 +9,7 @@ from mpmfw.errors import Diverged, OutsideGrid, SimulationError
 from mpmfw.kernels import integrate_momentum, particle_grid, velocity_of_momentum
 from mpmfw.state.fields import FloatArray
 from mpmfw.state.structs import Body, Grid, Particles, State, Stencil
-from mpmfw.state.windows import fit_windows, update_pairs
+from mpmfw.state.windows import fit_windows
 from mpmfw.step.timestep import Clock
 from mpmfw.step.transfer import Transfer
 
@@ -142,14 +142,12 @@ def interpolate(state: State, hook: Any, clock: Clock) -> Stencil:
     Windows are laid anew when a body leaves its own. Raise SimulationError for a point outside the background
     grid.
     """
-    particles, surface = state.particles, state.surface
     try:
         return _fill_tables(state, hook, clock)
     except OutsideGrid:
-        fit_windows(state.grid, particles, hook.particle_reach(particles=particles), surface)
-        update_pairs(state, hook)
-        if particles.threads is not None:
-            particles.threads.share_anew()
+        fit_windows(state, hook)
+        if state.particles.threads is not None:
+            state.particles.threads.share_anew()
     try:
         return _fill_tables(state, hook, clock)
     except OutsideGrid as error:

@@ -57,8 +57,7 @@ class Placement:
 
     def lay(self) -> None:
         """Lay the windows by the plug-in's own ``particle_reach``."""
-        reach = self.hook.particle_reach(particles=self.particles)
-        fit_windows(self.grid, self.particles, reach, None)
+        fit_windows(self.state, self.hook)
 
     def table(self) -> Stencil:
         """Lay the windows and fill the table."""
