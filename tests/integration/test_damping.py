@@ -117,13 +117,15 @@ def test_damping_is_objective_and_never_gives_energy(seed: int, dim: int) -> Non
     bulk, shear = rng.choice([0.0, 1.0], 2) * rng.lognormal(size=2)
     points = points_at_rest(np.zeros((3, dim)), np.ones(3), [0, 3])
     points.velocity_gradient[:] = gradient, turn @ gradient @ turn.T + spin, spin
+    points.deformation_gradient *= 1.2
     work = np.zeros(3)
     add_viscous_stress(0, 3, points, float(bulk), float(shear), 0.5, work, (1.0,) * dim)
     stress = points.stress
     scale = 1.0 + np.abs(stress).max()
     assert np.allclose(stress[1], turn @ stress[0] @ turn.T, atol=1e-12 * scale)
     assert np.abs(stress[2]).max() < 1e-12 * scale
-    assert np.allclose(work[:2], 0.5 * np.einsum("ij,ij", stress[0], gradient), atol=1e-12 * scale)
+    power = 1.2**dim * np.einsum("ij,ij", stress[0], gradient)
+    assert np.allclose(work[:2], 0.5 * power, atol=1e-12 * scale)
     assert work[0] >= -1e-12 * scale
 
 

@@ -1,6 +1,7 @@
 """The energy ledger: every term against what it must be, and the end of runs whose energy grows."""
 
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from contact_scenes import impact, rectangle, scene
 from mpmfw import run
 from mpmfw.api import SimulationError
 from mpmfw.effects.ledger import CHECK_EVERY
-from mpmfw.effects.ledger_works import GROWTH_LIMIT, EnergyGuard
+from mpmfw.effects.ledger_works import GROWTH_LIMIT, EnergyGuard, HalfStep
 from mpmfw.effects.series import negligible_energy
 from mpmfw.runs.simulation import Simulation
 
@@ -191,6 +192,27 @@ def test_bodies_that_adhesion_draws_together_or_lets_go_are_not_stopped(gap, spe
     assert held.min() < -5.0
     whole = (energy + held + lost)[1:]  # contact says what it holds from the first step on, where that began
     np.testing.assert_allclose(whole, whole[0], atol=0.15 * np.abs(held).max())
+
+
+def test_half_of_what_held_bodies_together_may_be_gained():
+    """As they are drawn together what adhesion holds is no gain; once it lets go it counts as energy that
+    there was.
+    """
+    guard = EnergyGuard(0.0, {})
+    guard.update(0.0, -10.0, 0.0)
+    assert [guard.grown(energy) for energy in (14.9, 15.1)] == [False, True]
+    guard.update(0.0, 0.0, 0.0)
+    assert [guard.grown(energy) for energy in (4.9, 5.1)] == [False, True]
+
+
+def test_the_half_step_of_contact_is_that_of_its_own_step():
+    """What contact did on the motion of a step of 2 s is half of that on the motion of the next, of 1 s."""
+    half, nobody = HalfStep(), np.zeros((0, 2))
+    grid = SimpleNamespace(mass=np.zeros(0), start_velocity=nobody)
+    half.dt = 2.0
+    for contact in (-3.0, -4.5):
+        half.add_contact(grid, 1.0, nobody, 6.0)
+        assert half.contact == contact
 
 
 def test_springs_loaded_at_first_may_give_what_they_hold():
