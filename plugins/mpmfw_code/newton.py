@@ -42,11 +42,10 @@ class NewtonOptions(BaseModel):
     collider_basis: Literal["S2", "Q1", "pic", "pic8", "pic27"] = Field(
         default="S2", description="contact at nodes (S2, quadratic; Q1) or at material points (pic…)"
     )
-    velocity_basis: Literal["Q1", "B2", "B3"] = Field(default="Q1", description="basis of the velocity")
     step: Time = Field(default=1.0 / 480.0, gt=0, description="longest time step, 1/480 s by default")
     tolerance: float = Field(default=1e-4, gt=0, description="of the solver of a step")
     max_iterations: int = Field(default=250, ge=1, description="of the solver of a step")
-    device: Literal["cpu", "cuda"] = Field(default="cpu", description="processor that it runs on")
+    device: Literal["cpu", "cuda"] = Field(default="cpu", description="processor; cuda was not measured here")
 
 
 class Newton(Code):

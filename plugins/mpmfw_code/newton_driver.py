@@ -50,7 +50,7 @@ def make_solver(model: Any, facts: dict[str, Any]) -> Any:
     """Return the solver, without the drag of air that is its default."""
     config = SolverImplicitMPM.Config()
     config.grid_type, config.air_drag, config.voxel_size = "dense", 0.0, facts["cell_size"]
-    for name in ("collider_basis", "velocity_basis", "tolerance", "max_iterations"):
+    for name in ("collider_basis", "tolerance", "max_iterations"):
         setattr(config, name, facts[name])
     return SolverImplicitMPM(model, config=config)
 

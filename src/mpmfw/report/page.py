@@ -147,6 +147,8 @@ def write_report(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
         svg=_svg,
         versions=json.loads(versions) if isinstance(versions, str) and versions.startswith("{") else {},
         commit=attributes.get("commit"),
+        processor=attributes.get("processor"),
+        timing=attributes.get("timing"),
         scene=attributes.get("scene"),
     )
     replace_bytes(text.encode("utf-8", "replace"), path)
