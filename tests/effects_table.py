@@ -83,7 +83,7 @@ EFFECTS = {
     "affine field": brings(arrays="particles/affine", series="affine_energy"),
     "affine moments": brings(arrays="particles/moment"),
     "gravity": brings("gravity", modules=".gravity"),
-    "prescribed sides": brings("constraint", modules=".constraint .side_rows"),
+    "prescribed sides": brings("constraint", modules=".constraint .side_rows", series="side_force side_work"),
     "settling": brings(modules=".settling"),
     "pressure": brings("pressure on solid top", modules=".side_loads"),
     "damping": brings(

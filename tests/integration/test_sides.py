@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+import mpmfw
 from mpmfw.errors import SceneError
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import BULK, DENSITY, SHEAR, block, box, disc, one_body, with_changes
@@ -72,6 +73,27 @@ def test_a_turned_block_is_driven_by_its_own_sides():
     # there are far off
     assert turned.mean() == pytest.approx(straight.mean(), rel=0.01)
     assert np.median(np.abs(turned / straight.mean() - 1.0)) < 0.02
+
+
+@pytest.mark.parametrize(("scheme", "angle"), [("usl", 0.3), ("musl", 0.0), ("usf", 0.3)])
+def test_forces_of_sides_are_what_changes_the_momentum_and_do_the_work(scheme, angle):
+    """A heavy block that is pressed from above."""
+    sides = [{"side": "bottom", "fixed": True}, {"side": "top", "velocity": [0.0, -0.01 * SPEED]}]
+    scene = block(
+        bodies__solid__geometry__angle=angle, bodies__solid__sides=sides, gravity={"vector": [3.0, -10.0]},
+        stepping__scheme=scheme, output={"ledger": True, "particles": False},
+    )  # fmt: skip
+    series = mpmfw.run(scene)["series"].sel(body="solid")
+    interval = np.diff(series["time"])
+    change = np.diff(series["linear_momentum"].values, axis=0) / interval[:, None]
+    force = series["side_force"].sel(side=["bottom", "top"]).sum("side").values[1:]
+    weight = (change - force).mean(axis=0)
+    np.testing.assert_allclose(change - force, np.tile(weight, (len(force), 1)), rtol=1e-8)
+    assert weight[0] / weight[1] == pytest.approx(-0.3, rel=1e-9)
+    work = series["side_work"].sel(side=["bottom", "top"]).values[-1]
+    assert work[0] == 0.0
+    assert work[1] == pytest.approx(float(series["external_work"][-1]), rel=0.02)  # of the mean velocity
+    assert np.isnan(series["side_force"].sel(side="left")).all()
 
 
 def test_pressure_acts_on_a_turned_bodys_own_side():

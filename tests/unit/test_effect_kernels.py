@@ -75,7 +75,11 @@ def side_table(rows, entries):
     whole = {name: np.zeros(rows, dtype=np.int64) for name in ("row", "side")}
     real = {name: np.zeros(rows) for name in ("target", "compliance", "c", "distance")}
     return SideTable(
-        nodes=np.zeros(entries, dtype=np.int64), weights=np.zeros(entries), work=np.zeros(1), **whole, **real
+        nodes=np.zeros(entries, dtype=np.int64),
+        weights=np.zeros(entries),
+        impulse=np.zeros((rows, 3)),
+        **whole,
+        **real,
     )
 
 

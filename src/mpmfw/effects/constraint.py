@@ -11,12 +11,20 @@ from mpmfw.effects.side_rows import AXIS, PlaneSides, SideTable, list_rows, meet
 from mpmfw.errors import SceneError
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import FLAT, Acts, Setup
-from mpmfw.state.fields import FloatArray
+from mpmfw.state.fields import SIDES, AnyArray, Field, FloatArray
 from mpmfw.state.history import IndexMap
 from mpmfw.state.structs import Body, Grid
 
 if TYPE_CHECKING:
     from mpmfw.scene.tables import Settle, Side
+
+FIELDS = (
+    Field("side_force", ("body", "side", "axis"), "N m-1",
+          "force of a prescribed side on the body, mean over the output interval", "series", output=True,
+          missing=True, mean=True),
+    Field("side_work", ("body", "side"), "J m-1", "work of a moving side on the body since time zero",
+          "series", output=True, missing=True),
+)  # fmt: skip
 
 #: Largest number of passes over rows that share nodes; two sides may ask for different velocities at their
 #: corner.
@@ -34,14 +42,18 @@ class Constraint:
 
     name = "constraint"
     ledger_term = ("external", "prescribed sides")
-    history = ("planes", "work")
+    history = ("planes", "works", "impulse")
 
     def __init__(self, setup: Setup, sides: list[tuple[Body, Side]]) -> None:
         shape, bodies = setup.shape_function, [body for body, _ in sides]
         self.bodies, self.degree = bodies, shape.boundary_degree
         #: Calls in each step that move the body: that of MUSL after the second projection moves nothing.
         self.calls = self.left = 2 if setup.scheme == "usf" else 1
-        self.work = 0.0  #: of the moving sides on the bodies so far [J/m]
+        self.works = np.zeros(len(sides))  #: of each side on its body so far [J/m]
+        #: of each side along its directions since the last output, (n_sides, dim) [N s/m]
+        self.impulse = np.zeros((len(sides), setup.dim))
+        self.places = [b.index for b in bodies], [SIDES.index(side.side) for _, side in sides]
+        self.shape = len(setup.state.bodies), 2 * setup.dim
         #: While a scene settles, moving sides are held where they are.
         self.at_rest = False
         faces = [_face_of(setup, body, side) for body, side in sides]
@@ -49,6 +61,7 @@ class Constraint:
         self.directions = np.array([setup.scene.bodies[body.name].geometry.axes for body in bodies])
         #: components along these, (n_sides, dim) [m/s]; NaN leaves one free
         self.velocity = np.array([_velocity(side, setup.dim) for _, side in sides])
+        self.pace = np.nan_to_num(self.velocity)
         self.planes = _planes(setup, bodies, faces, self.degree, 2 if shape.staggered else 1)
         self.relaxation = RELAXATION if len(self.planes.weight) else 1.0
         along = [axes @ normal for axes, (normal, _) in zip(self.directions, faces, strict=True)]
@@ -59,6 +72,11 @@ class Constraint:
         self.motions = np.zeros(len(sides))
         self.agreed = AGREED * max(body.wave_speed for body in bodies)
         self.frame = -1
+
+    @property
+    def work(self) -> float:
+        """Work of all moving sides so far [J/m]."""
+        return float(self.works.sum())
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
@@ -72,12 +90,13 @@ class Constraint:
 
     def copy_history(self, other: Constraint, index_map: IndexMap) -> None:
         """Copy the places of sides, renumbered by ``index_map``, and the work."""
-        self.work, other.work = self.work + other.work, 0.0
         here = [int(index_map.body[body.index]) for body in other.bodies]
         theirs = [k for k, body in enumerate(here) if body >= 0]
-        self.planes.place[[k for k, b in enumerate(self.bodies) if b.index in here]] = other.planes.place[
-            theirs
-        ]
+        ours = [k for k, b in enumerate(self.bodies) if b.index in here]
+        self.planes.place[ours] = other.planes.place[theirs]
+        for mine, given in ((self.works, other.works), (self.impulse, other.impulse)):
+            mine[ours] += given[theirs]
+            given[theirs] = 0.0
 
     def held_momentum(self, grid: Grid) -> FloatArray:
         """Return momenta that meet the sides, (n_nodes, dim) [kg/s]."""
@@ -88,20 +107,23 @@ class Constraint:
     @hookimpl
     def constrain_momentum(self, grid: Grid) -> None:
         """Bring the velocity at every side to the prescribed one."""
-        work = self._meet(grid)
-        self.work, self.left = self.work + (work if self.left > 0 else 0.0), self.left - 1
+        self._meet(grid)
+        if self.left > 0:
+            self.impulse += self.table.impulse
+            if not self.at_rest:
+                self.works += (self.table.impulse * self.pace).sum(axis=1)
+        self.left -= 1
 
-    def _meet(self, grid: Grid) -> float:
-        """Meet the prescribed velocities; return the work of moving sides [J/m]."""
+    def _meet(self, grid: Grid) -> None:
+        """Meet the prescribed velocities."""
         self._fit(grid)
-        self.table.work[:] = 0.0
+        self.table.impulse[:] = 0.0
         self.rows = list_rows(self.degree, self.planes, grid.position, grid.mass, self.table, grid.spacing)
         velocity = 0.0 * self.velocity if self.at_rest else self.velocity
         self.passes = meet(
             self.rows, self.table, self.directions, velocity, PASSES, self.agreed, self.relaxation, grid.mass,
             grid.momentum, grid.spacing,
         )  # fmt: skip
-        return float(self.table.work[0])
 
     def _fit(self, grid: Grid) -> None:
         """Make room for the table, and find columns, in new windows."""
@@ -125,7 +147,7 @@ class Constraint:
             compliance=np.zeros(rows),
             c=np.zeros(longest),
             distance=np.zeros(longest),
-            work=np.zeros(1),
+            impulse=np.zeros_like(self.velocity),
         )
 
     @hookimpl
@@ -151,6 +173,21 @@ class Constraint:
         """Move the sides at the end of the step."""
         self.planes.place += self.motions
         self.left = self.calls
+
+    @hookimpl
+    def declare_fields(self) -> list[Field]:
+        """Return the series of prescribed sides; others have no value."""
+        return list(FIELDS)
+
+    @hookimpl
+    def diagnostics(self, interval: float) -> dict[str, AnyArray]:
+        """Return means over the ``interval`` [s] since the last output, zero at the first, and the works."""
+        force, work = np.full((*self.shape, len(self.pace[0])), np.nan), np.full(self.shape, np.nan)
+        impulse = np.einsum("se,sed->sd", self.impulse, self.directions)
+        force[self.places] = impulse / interval if interval > 0.0 else 0.0
+        work[self.places] = self.works
+        self.impulse = np.zeros_like(self.impulse)
+        return {"side_force": force, "side_work": work}
 
 
 def _planes(

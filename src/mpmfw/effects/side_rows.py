@@ -65,7 +65,8 @@ class SideTable(Struct):
     compliance: Floats  #: Σ A_rk² / m_k, (n_rows,)
     c: Floats  #: weights of a column, as many as the longest has nodes
     distance: Floats  #: of its nodes from the side, outwards [cells]
-    work: Floats  #: of all impulses on moving sides since it was set, (1,) [J/m]
+    #: of each side on its body along its ``directions`` since it was set, (n_sides, dim) [N s/m]
+    impulse: Floats
 
 
 @device
@@ -142,15 +143,15 @@ def tabulate(normal: FloatArray, axis: int, degree: int, grids: int) -> tuple[fl
             share = np.multiply.outer(share, value).ravel()
     if len(shift) == 1:
         return half, np.zeros(0)
-    reach = np.ceil(half + np.abs(shift).max())
-    x = np.arange(-reach * TABULATED, reach * TABULATED + 1) / TABULATED
+    steps = int(np.ceil((half + np.abs(shift).max()) * TABULATED))
+    x = np.arange(-steps, steps + 1) / TABULATED
     away = np.subtract.outer(x, shift)
     value = np.empty(away.size)
     if grids == 1:
         splines(away.ravel(), degree, value)
     else:
         compact_kernels(away.ravel(), value)
-    return float(half + np.abs(shift).max()), value.reshape(away.shape) @ share
+    return steps / TABULATED, value.reshape(away.shape) @ share
 
 
 @device
@@ -331,7 +332,7 @@ def meet(
                         impulse = relaxation * missing / compliance[r] * weights[a]
                         for d in range(dim):
                             node_momentum[nodes[a], d] += impulse * directions[side[r], e, d]
-                    table.work[0] += relaxation * missing / compliance[r] * target[r] * prescribed
+                    table.impulse[side[r], e] += relaxation * missing / compliance[r] * target[r]
                     largest = max(largest, target[r] * abs(missing))
         if largest <= agreed:
             return count + 1

@@ -33,7 +33,7 @@ FINEST = 0.02
 SHORTEST = 1e-6
 
 #: Names of dimensions in a run's file: a group beside a dimension of the same name cannot be read back.
-_DIMENSIONS = frozenset({"time", "body", "pair", "axis", "axis2", "rotation"})
+_DIMENSIONS = frozenset({"time", "body", "pair", "axis", "axis2", "rotation", "side"})
 
 
 def check(scene: Tables, plugins: Mapping[Path, type[Any]], options: Mapping[Path, Any]) -> Iterator[Problem]:
