@@ -17,7 +17,7 @@ import numpy as np
 
 from mpmfw.api.types import FloatArray, Grid, IntArray, Particles, Setup, Stencil, hookimpl
 from mpmfw.kernels import device, kernel, scratch
-from mpmfw.kernels.arithmetic import determinant, invert
+from mpmfw.kernels.arithmetic import determinant, invert, multiply
 from mpmfw.kernels.stencil import CORNERS, FULL, OUTSIDE, fill_domain, read_window
 from mpmfw.kernels.types import Float, Floats, Ints, Nodes, Table
 from mpmfw_shape._tables import PackedRows
@@ -94,12 +94,7 @@ def make_rectangle(r: Floats, start: Floats, spacing: tuple[float, ...]) -> None
 @device
 def deformed_edges(f: Floats, start: Floats, r: Floats, spacing: tuple[float, ...]) -> None:
     """Write R = F R_0 [m] to ``r``; a degenerate domain becomes a rectangle (:func:`make_rectangle`)."""
-    dim = len(spacing)
-    for d in range(dim):
-        for e in range(dim):
-            r[d, e] = 0.0
-            for a in range(dim):
-                r[d, e] += f[d, a] * start[a, e]
+    multiply(f, start, r, spacing)
     if is_degenerate(r, start, spacing):
         make_rectangle(r, start, spacing)
 

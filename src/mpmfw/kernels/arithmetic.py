@@ -166,6 +166,16 @@ def multiply_by_hats(_typing: Any, out: Any, factor: Any, at: Any, d: Any, node:
 
 
 @device
+def multiply(a: Floats, b: Floats, out: Floats, spacing: tuple[float, ...]) -> None:
+    """out = a b, all of them (dim, dim)."""
+    for d in range(len(spacing)):
+        for e in range(len(spacing)):
+            out[d, e] = 0.0
+        for e in range(len(spacing)):
+            add_scaled_row(out, d, a[d, e], b, e, spacing)
+
+
+@device
 def determinant(a: Floats, spacing: tuple[float, ...]) -> Float:
     """det a; the length of ``spacing`` is the dimension."""
     if len(spacing) == 2:

@@ -7,7 +7,14 @@ from __future__ import annotations
 
 from mpmfw.kernels import scratch
 from mpmfw.kernels._jit import device, kernel
-from mpmfw.kernels.arithmetic import add_outer_product, add_scaled_row, determinant, invert, set_scaled_row
+from mpmfw.kernels.arithmetic import (
+    add_outer_product,
+    add_scaled_row,
+    determinant,
+    invert,
+    multiply,
+    set_scaled_row,
+)
 from mpmfw.kernels.stencil import NodeRange, entries, is_apart, own_entries
 from mpmfw.kernels.types import Floats, Nodes, Points, Table
 
@@ -106,12 +113,7 @@ def affine_from_moment(
             for d in range(dim):
                 add_scaled_row(spread, d, table.weight[k] * q[0, d], q, 0, spacing)
         invert(spread, inverse, spacing)
-        for d in range(dim):
-            for e in range(dim):
-                c = 0.0
-                for a in range(dim):
-                    c += moment[p, d, a] * inverse[a, e]
-                affine[p, d, e] = c
+        multiply(moment[p], inverse, affine[p], spacing)
 
 
 @kernel
@@ -199,18 +201,14 @@ def _store_affine(
     moment: Floats, spread: Floats, least_squares: bool, affine: Floats, p: int, spacing: tuple[float, ...]
 ) -> None:
     """affine[p] = B D⁻¹ if ``least_squares``, else B."""
-    dim = len(spacing)
-    inverse = scratch.matrix(spacing, spacing)
+    dim, inverse = len(spacing), scratch.matrix(spacing, spacing)
     if least_squares:
         invert(spread, inverse, spacing)
+        multiply(moment, inverse, affine[p], spacing)
+        return
     for d in range(dim):
         for e in range(dim):
-            c = moment[d, e]
-            if least_squares:
-                c = 0.0
-                for a in range(dim):
-                    c += moment[d, a] * inverse[a, e]
-            affine[p, d, e] = c
+            affine[p, d, e] = moment[d, e]
 
 
 @kernel
@@ -255,12 +253,7 @@ def transport_affine(points: Points, affine: Floats, dt: float, spacing: tuple[f
                 c[d, e] = affine[p, d, e]
         _add_identity_scaled(c, dt, motion, spacing)
         invert(motion, inverse, spacing)
-        for d in range(dim):
-            for e in range(dim):
-                value = 0.0
-                for a in range(dim):
-                    value += c[d, a] * inverse[a, e]
-                affine[p, d, e] = value
+        multiply(c, inverse, affine[p], spacing)
 
 
 @kernel
@@ -278,13 +271,10 @@ def update_deformation(points: Points, dt: float, spacing: tuple[float, ...]) ->
                 f[d, e] = points.deformation_gradient[p, d, e]
                 l[d, e] = points.velocity_gradient[p, d, e]
         _add_identity_scaled(l, dt, motion, spacing)
+        multiply(motion, f, l, spacing)
         for d in range(dim):
             for e in range(dim):
-                value = 0.0
-                for a in range(dim):
-                    value += motion[d, a] * f[a, e]
-                l[d, e] = value
-                points.deformation_gradient[p, d, e] = value
+                points.deformation_gradient[p, d, e] = l[d, e]
         jacobian = determinant(l, spacing)
         points.volume[p] = jacobian * points.initial_volume[p]
         if bad < 0 and not jacobian > 0.0:
