@@ -99,17 +99,17 @@ def affine_from_moment(
     ``position`` (n, dim) [m] is that of the points which the table belongs to.
     """
     dim = len(spacing)
-    x, q = scratch.vector(spacing), scratch.matrix((0.0,), spacing)
+    x, q = scratch.matrix((0.0,), spacing), scratch.matrix((0.0,), spacing)
     spread, inverse = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
     tiny = 1e-10 * spacing[0] * spacing[0]
     for p in range(len(points.mass)):
         for d in range(dim):
-            x[d] = position[p, d]
+            x[0, d] = position[p, d]
             for e in range(dim):
                 spread[d, e] = tiny if d == e else 0.0
         for k in entries(table.row, p):
-            for d in range(dim):
-                q[0, d] = grid.position[table.nodes[k], d] - x[d]
+            set_scaled_row(q, 0, 1.0, grid.position, table.nodes[k], spacing)
+            add_scaled_row(q, 0, -1.0, x, 0, spacing)
             for d in range(dim):
                 add_scaled_row(spread, d, table.weight[k] * q[0, d], q, 0, spacing)
         invert(spread, inverse, spacing)
@@ -162,14 +162,14 @@ def gather(
     becomes B_p D_p⁻¹ if ``least_squares``, else B_p; it is left out where ``affine`` is None.
     """
     dim = len(spacing)
-    x, l = scratch.vector(spacing), scratch.matrix(spacing, spacing)
+    x, l = scratch.matrix((0.0,), spacing), scratch.matrix(spacing, spacing)
     phi_v, phi_q = scratch.matrix((0.0,), spacing), scratch.matrix((0.0,), spacing)
     q = scratch.matrix((0.0,), spacing)
     new, start = scratch.matrix((0.0,), spacing), scratch.matrix((0.0,), spacing)
     moment, spread = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
     for p in range(len(points.mass)):
         for d in range(dim):
-            x[d] = points.position[p, d]
+            x[0, d] = points.position[p, d]
             new[0, d] = start[0, d] = 0.0
             for e in range(dim):
                 l[d, e] = moment[d, e] = spread[d, e] = 0.0
@@ -181,15 +181,15 @@ def gather(
             add_scaled_row(start, 0, phi, grid.start_velocity, i, spacing)
             add_outer_product(l, grid.velocity, i, table.gradient, k, spacing)
             if affine is not None:
-                for d in range(dim):
-                    q[0, d] = grid.position[i, d] - x[d]
+                set_scaled_row(q, 0, 1.0, grid.position, i, spacing)
+                add_scaled_row(q, 0, -1.0, x, 0, spacing)
                 set_scaled_row(phi_q, 0, phi, q, 0, spacing)
                 add_outer_product(moment, phi_v, 0, q, 0, spacing)
                 add_outer_product(spread, phi_q, 0, q, 0, spacing)
         for d in range(dim):
             increment = new[0, d] - start[0, d]
             points.velocity[p, d] = flip * (points.velocity[p, d] + increment) + (1.0 - flip) * new[0, d]
-            points.position[p, d] = x[d] + dt * new[0, d]
+            points.position[p, d] = x[0, d] + dt * new[0, d]
             for e in range(dim):
                 points.velocity_gradient[p, d, e] = l[d, e]
         if affine is not None:
