@@ -145,6 +145,7 @@ class Law:
     friction: float = 0.3
     tangential_ratio: float = 1.0
     keep_q: bool = False
+    pull: float = 0.0  #: beside the spring's force, which friction goes by as well [N/m]
 
 
 def pair_table(n_bodies):
@@ -215,6 +216,7 @@ def forces(loops, found, law, old_master=None, old_tangential=None):
     rows.friction[:m] = law.friction
     own.entered[:m] = 1.0
     spring_forces(rows, m, own, old, law.tangential_ratio, law.damping / law.stiffness, np.inf, records)
+    own.pull[:m] = law.pull
     add_friction(rows, m, own, old, old.count, old.own, records, np.zeros(n_pairs))
     force, tangential = np.zeros((n, 2)), np.zeros((n, slots))
     rows.add_to(force, (1.0, 1.0))

@@ -150,17 +150,18 @@ def force_twin(loops, found, law, old_master, old_tangential):
                 slip *= min(1.0, g / approach)
             k_t = law.tangential_ratio * stiffness
             trial = (part * old_tangential[s][known][-1] if known.any() else 0.0) - k_t * slip
-            f_t = np.clip(trial, -law.friction * f_n, law.friction * f_n)
+            limit = law.friction * (f_n + law.pull)
+            f_t = np.clip(trial, -limit, limit)
             work[pairs.index(pair)] += abs(f_t) * abs(trial - f_t) / k_t
             force += f_n * normal + f_t * tangential
     return force, work
 
 
 @every_scene
-@pytest.mark.parametrize("damping", [0.0, 2e3])
-def test_contact_forces_agree_with_numpy(name, damping):
+@pytest.mark.parametrize(("damping", "pull"), [(0.0, 20.0), (2e3, 0.0)])
+def test_contact_forces_agree_with_numpy(name, damping, pull):
     rng = np.random.default_rng(2)
-    loops, law = join(SCENES[name]), Law(damping=damping, tangential_ratio=0.7, friction=0.4)
+    loops, law = join(SCENES[name]), Law(damping=damping, pull=pull, tangential_ratio=0.7, friction=0.4)
     loops.displacement[:] = 0.01 * rng.normal(size=loops.position.shape)
     found = find(loops, h=H)
     old_master = np.where(rng.random(found.facet.shape) < 0.5, found.master, -1)
