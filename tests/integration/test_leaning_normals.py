@@ -58,6 +58,8 @@ def test_averaged_normals_throw_up_what_slides_in_and_say_so(body):
     assert rebound > 2.0
     assert kept < 0.7
     assert lean > 0.2
+    felt = (1.0 - kept) * math.tan(math.radians(76.0)) / (1.0 + rebound)  # a friction, of the impulses
+    assert 0.65 * felt < lean < felt
     assert len(concerns) == 1
     assert concerns[0].startswith(f"faller-plane: averaged normals lean to one side by {lean:.2g} ")
     rebound, _, lean, concerns = outcome(0.0, body)

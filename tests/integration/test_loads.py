@@ -4,8 +4,10 @@ import math
 
 import numpy as np
 import pytest
+from pydantic import BaseModel
 
 from measures_for_tests import momentum
+from mpmfw.api import SurfaceLoad
 from mpmfw.errors import SceneError
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import BULK, DENSITY, SHEAR, SOFT, block, box, disc, two_blocks
@@ -156,6 +158,30 @@ def test_drag_lets_the_velocity_decay_towards_the_medium():
     velocity = momentum(sim) / sim.state.particles.mass.sum()
     np.testing.assert_allclose(velocity, [1.0 - decay, 2.0 * decay], rtol=2 * 20.0 * STEP)
     assert (2e-6, "drag") in after(0, block(loads={"air": {"model": "drag", "rate": 1e6}})).limits()
+
+
+class Wind(SurfaceLoad):
+    """Traction c (u − v)·n n where the wind blows on the surface: by place, motion and direction."""
+
+    name = "wind"
+
+    class Options(BaseModel):
+        speed: float = 3.0
+
+    def traction(self, facets, time):  # noqa: ARG002
+        against = (facets.velocity - [self.options.speed, 0.0])[:, 0] * facets.normal[:, 0]
+        return -np.maximum(against, 0.0)[:, None] * facets.normal
+
+
+def test_a_strangers_traction_by_place_and_motion(announce):
+    """On the left side of 1 m alone: c (u − v_x) pushes towards +x."""
+    announce("load", "wind", f"{__name__}:Wind")
+    for speed, gained in ((0.0, 3e-4), (1.0, 2e-4)):
+        wind = {"model": "wind", "speed": 3.0}
+        sim = after(1, block(loads={"wind": wind}, bodies__solid__velocity=[speed, 0.0], time__step=STEP))
+        before = speed * sim.state.particles.mass.sum()
+        np.testing.assert_allclose(momentum(sim) - [before, 0.0], [gained, 0.0], rtol=1e-6, atol=1e-10)
+    assert any(effect.name == "surfaces" and "wind" in effect.reason for effect in sim.effects)
 
 
 DRAG = {"model": "drag", "rate": 1.0}

@@ -3,8 +3,9 @@
 import itertools
 
 import numpy as np
+import pytest
 
-from contact_kernels import empty_candidates, join
+from contact_kernels import empty_candidates, flat, join, lists_of
 from mpmfw.contact.surfaces import near_facets
 from mpmfw.contact.surfaces.near_facets import VerletList
 from mpmfw.contact.surfaces.search import keep_nearest
@@ -61,3 +62,16 @@ def test_a_run_with_lists_is_one_without(monkeypatch):
     assert few < 0.5 * many
     for ours, theirs in zip(with_lists, without, strict=True):
         np.testing.assert_array_equal(ours, theirs)
+
+
+@pytest.mark.parametrize(("skins", "times"), [(0.9, 1), (1.1, 2)])
+def test_lists_are_made_anew_when_a_body_has_moved_by_the_skin(monkeypatch, skins, times):
+    made = []
+    plain = VerletList._list
+    monkeypatch.setattr(VerletList, "_list", lambda self: made.append(plain(self)))
+    loops = join([flat(-1.0, 1.0, -1.0, 0.0, 4), flat(-1.0, 1.0, 0.05, 1.0, 4)])
+    lists = lists_of(loops, 0.25)
+    lists.update()
+    loops.position[loops.body == 1, 0] += skins * lists.skin
+    lists.update()
+    assert len(made) == times
