@@ -221,9 +221,7 @@ def gather_velocity_gradient(points: Points, table: Table, grid: Nodes, spacing:
             for e in range(dim):
                 l[d, e] = 0.0
         for k in entries(table.row, p):
-            i = table.nodes[k]
-            for d in range(dim):
-                add_scaled_row(l, d, grid.velocity[i, d], table.gradient, k, spacing)
+            add_outer_product(l, grid.velocity, table.nodes[k], table.gradient, k, spacing)
         for d in range(dim):
             for e in range(dim):
                 points.velocity_gradient[p, d, e] = l[d, e]
