@@ -177,8 +177,14 @@ class Drawing:
         self.figure, grid = new_panels(len(panels), min(width / ratio, 110.0) + _ABOVE, most)
         self.figure.set_layout_engine("compressed")
         self.axes = dict(zip(self.panels, grid, strict=True))
-        for axes in self.axes.values():
-            self._frame(axes)
+        length = self.scales.length
+        metres = "m" if length == 1.0 else "mm"
+        for axes in grid:
+            axes.set_aspect("equal")
+            axes.set_xlim(length * x0, length * x1)
+            axes.set_ylim(length * y0, length * y1)
+            dress(axes, f"x [{metres}]", f"y [{metres}]")
+            axes.grid(False)
         self._bar(unit, below=below)
 
     @journal_style()
@@ -186,15 +192,6 @@ class Drawing:
         """Draw one output of one panel."""
         title = label or _methods(self.panels[label].tree)
         self.panels[label].show(self.axes[label], frame, self.scales, title)
-
-    def _frame(self, axes: Any) -> None:
-        x0, x1, y0, y1 = (self.scales.length * value for value in self.scales.box)
-        unit = "m" if self.scales.length == 1.0 else "mm"
-        axes.set_aspect("equal")
-        axes.set_xlim(x0, x1)
-        axes.set_ylim(y0, y1)
-        dress(axes, f"x [{unit}]", f"y [{unit}]")
-        axes.grid(False)
 
     def _bar(self, unit: str, *, below: bool) -> None:
         about = next(iter(self.panels.values())).about

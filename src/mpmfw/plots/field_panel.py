@@ -39,7 +39,7 @@ class Scales:
     length: float  #: shown length of a metre
     box: Box  #: that is seen
     largest_force: float  #: drawn as the longest arrow; 0 without arrows
-    extend: str = "neither"  #: ends of the colours that values lie beyond, as matplotlib names them
+    extend: str  #: ends of the colours that values lie beyond, as matplotlib names them
 
 
 class FieldPanel:
@@ -88,16 +88,14 @@ class FieldPanel:
         ]
         return float(np.nanmax(sizes))
 
-    def show(self, axes: Any, frame: int, scales: Scales, title: str = "") -> Any:
-        """Draw another output; return the artist of the colour bar."""
+    def show(self, axes: Any, frame: int, scales: Scales, title: str) -> None:
+        """Draw another output."""
         while self._drawn:
             self._drawn.pop().remove()
-        first = None
         for body in self.bodies:
             data = frame_of(self.tree, f"particles/{body}", frame)
             shapes, values = self._shapes(axes, body, data, scales), point_field(data, self.name).values
             shapes.set(norm=scales.norm, cmap=scales.colours, array=values / scales.unit_size)
-            first = first or shapes
             self._drawn.append(axes.add_collection(shapes, autolim=False))
         for body in self.outlined:
             self._drawn += self._draw_surface(axes, frame_of(self.tree, f"surface/{body}", frame), scales)
@@ -107,7 +105,6 @@ class FieldPanel:
         text = f"{title}, {time}" if title else time
         lines = [textwrap.fill(line, TITLE_WIDTH) for line in on_lines(text).splitlines()]
         axes.set_title("\n".join(lines), loc="left")
-        return first
 
     def _places(self, body: str, data: xr.Dataset) -> tuple[FloatArray, float]:
         """Return corners of domains, or centres and the largest point's radius [m]."""

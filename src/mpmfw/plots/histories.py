@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -44,15 +44,6 @@ _THIN: dict[str, Any] = {"linewidth": 0.5, "alpha": 0.6}
 
 
 @dataclass(frozen=True)
-class RunSeries:
-    """Series of one run, and how its lines look."""
-
-    label: str
-    series: xr.Dataset
-    look: dict[str, Any]
-
-
-@dataclass(frozen=True)
 class Curve:
     """A curve of a series: of a body or a pair, along an axis."""
 
@@ -74,11 +65,11 @@ class Curve:
 
 @dataclass(frozen=True)
 class Panel:
-    """One curve of several runs, and of the reference."""
+    """Curves of one series, and of the reference."""
 
-    curve: Curve
-    sources: Sequence[RunSeries]
-    title: str
+    name: str  #: of the series
+    lines: Sequence[tuple[xr.Dataset, Curve, dict[str, Any]]]  #: with the look of each
+    title: str = ""
     exact: tuple[FloatArray, FloatArray] | None = None
 
 
@@ -118,12 +109,18 @@ def history(
         figure = _drawn(panels, results)
         legend_below(figure, key)
         return figure
-    runs = _runs(results)
-    curves = _curves([run.series for run in runs], names, selection)
-    if len(runs) == 1:
-        return _of_one(runs[0], curves)
-    figure = _drawn([Panel(curve, runs, curve.label) for curve in curves])
-    _legend(figure, [entry(run.label, **run.look) for run in runs])
+    with labelled(results) as trees:
+        runs = {label: without_round_off(series_of(tree)) for label, tree in trees.items()}
+    for label, series in runs.items():
+        if series.sizes.get("time", 0) < 2:
+            raise SceneError(f"{label or 'the run'}: no series with two outputs or more")
+    curves = _curves(list(runs.values()), names, selection)
+    panels, entries = (_of_one if len(runs) == 1 else _of_several)(runs, curves)
+    figure = _drawn(panels)
+    if entries:
+        longest = max(len(str(one.get_label())) for one in entries)
+        most = max(1, int(_LETTERS * figure.get_figwidth() / PANEL / (longest + 8)))
+        legend_below(figure, [entries[k : k + most] for k in range(0, len(entries), most)])
     return figure
 
 
@@ -145,10 +142,10 @@ def beside_reference(
         drawn, key = _compared(without_round_off(dataset.assign(arrays)), list(series), {})
         keys.append(key)
         for panel in drawn:
-            runs = panel.sources
-            if panel.curve.name == noisy:
-                runs = [replace(run, look={"color": run.look["color"], **_THIN}) for run in runs]
-            panels.append(Panel(panel.curve, runs, title, series[panel.curve.name][2:]))
+            lines = panel.lines
+            if panel.name == noisy:
+                lines = [(run, curve, {"color": look["color"], **_THIN}) for run, curve, look in lines]
+            panels.append(Panel(panel.name, lines, title, series[panel.name][2:]))
     figure = _drawn(panels, comparisons[0][0] if len(comparisons) == 1 else None)
     key = max(keys, key=lambda rows: sum(map(len, rows)))
     if any(len(times) for _, _, series in comparisons for _, _, times, _ in series.values()):
@@ -157,88 +154,54 @@ def beside_reference(
     return figure
 
 
-def _of_one(source: RunSeries, curves: Sequence[Curve]) -> Figure:
-    """Draw a run: a panel for each series, colours and styles for its curves."""
-    names = list(dict.fromkeys(curve.name for curve in curves))
-    looks, key = _looks(curves)
-    figure, grid = _figure(len(names))
-    for axes, name in zip(grid, names, strict=True):
-        for curve in curves:
-            if curve.name == name:
-                look = {"linewidth": 1.1, **looks.get(curve.label, {"color": "black"})}
-                _draw(axes, source.series, curve, look)
-        _dress(axes, [source], name, "")
-    if key:
-        _legend(figure, key)
-    return figure
-
-
-def _looks(curves: Sequence[Curve]) -> tuple[dict[str, dict[str, Any]], list[Artist]]:
+def _of_one(runs: Mapping[str, xr.Dataset], curves: Sequence[Curve]) -> tuple[list[Panel], list[Artist]]:
+    """Return a panel for each series of a run, with colours and styles for its curves."""
     colours: dict[Any, str] = {}
     styles: dict[Any, Any] = {}
-    looks = {}
+    lines: dict[str, list[Any]] = {}
     for curve in curves:
+        look = {"linewidth": 1.1, "color": "black"}
         if curve.choice:
             (_, first), *rest = curve.choice
-            along = ", ".join(str(value) for _, value in rest)
-            looks[curve.label] = {
-                "color": colours.setdefault(first, _CYCLE[len(colours) % len(_CYCLE)]),
-                "linestyle": styles.setdefault(along, _STYLES[len(styles) % len(_STYLES)]) if along else "-",
-            }
+            look["color"] = colours.setdefault(first, _CYCLE[len(colours) % len(_CYCLE)])
+            if along := ", ".join(str(value) for _, value in rest):
+                look["linestyle"] = styles.setdefault(along, _STYLES[len(styles) % len(_STYLES)])
+        lines.setdefault(curve.name, []).extend((series, curve, look) for series in runs.values())
     key = [entry(name, color=colour, linewidth=2.5) for name, colour in colours.items()]
-    return looks, key + [entry(name, color="0.3", linestyle=style) for name, style in styles.items()]
+    key += [entry(name, color="0.3", linestyle=style) for name, style in styles.items()]
+    return [Panel(name, of_name) for name, of_name in lines.items()], key
 
 
-def _legend(figure: Figure, entries: Sequence[Artist]) -> None:
-    longest = max(len(str(one.get_label())) for one in entries)
-    most = max(1, int(_LETTERS * figure.get_figwidth() / PANEL / (longest + 8)))
-    legend_below(figure, [entries[k : k + most] for k in range(0, len(entries), most)])
+def _of_several(runs: Mapping[str, xr.Dataset], curves: Sequence[Curve]) -> tuple[list[Panel], list[Artist]]:
+    """Return a panel for each curve, with a look for each run."""
+    colours, styles = itertools.cycle(_CYCLE), itertools.cycle(_STYLES)
+    looks = {label: {"color": next(colours), "linestyle": next(styles), "linewidth": 1.1} for label in runs}
+    panels = [
+        Panel(curve.name, [(runs[label], curve, look) for label, look in looks.items()], curve.label)
+        for curve in curves
+    ]
+    return panels, [entry(label, **look) for label, look in looks.items()]
 
 
 def _drawn(panels: Sequence[Panel], compared: xr.Dataset | None = None) -> Figure:
-    figure, grid = _figure(len(panels))
+    if len(panels) > _MOST:
+        raise SceneError(f"{len(panels)} panels, of {_MOST} at most; choose a body, a pair or an axis")
+    figure, grid = new_panels(len(panels), 58.0 if len(panels) <= 2 else 48.0)
     if compared is not None:
         head(figure, compared)
     for axes, panel in zip(grid, panels, strict=True):
-        for source in panel.sources:
-            _draw(axes, source.series, panel.curve, source.look)
+        for series, curve, look in panel.lines:
+            values = curve.of(series)
+            if np.isfinite(values).any():
+                axes.plot(series["time"].values, values, **look)
         if panel.exact is not None:
             axes.plot(*panel.exact, **_EXACT)
-        _dress(axes, panel.sources, panel.curve.name, panel.title)
+        scale, unit = time_scale(max(float(series["time"].values[-1]) for series, _, _ in panel.lines))
+        count_in(axes.xaxis, 1.0 / scale)
+        stored = next(series[panel.name] for series, _, _ in panel.lines if panel.name in series)
+        words = scaled_label(axes.yaxis, panel.name.replace("_", " "), stored.attrs.get("units", "1"))
+        dress(axes, f"time [{unit}]", words, panel.title)
     return figure
-
-
-def _figure(panels: int) -> tuple[Figure, list[Any]]:
-    if panels > _MOST:
-        raise SceneError(f"{panels} panels, of {_MOST} at most; choose a body, a pair or an axis")
-    return new_panels(panels, 58.0 if panels <= 2 else 48.0)
-
-
-def _draw(axes: Any, series: xr.Dataset, curve: Curve, look: Mapping[str, Any]) -> None:
-    values = curve.of(series)
-    if np.isfinite(values).any():
-        axes.plot(series["time"].values, values, **look)
-
-
-def _dress(axes: Any, sources: Sequence[RunSeries], name: str, label: str) -> None:
-    last = max(float(source.series["time"].values[-1]) for source in sources)
-    scale, unit = time_scale(last)
-    count_in(axes.xaxis, 1.0 / scale)
-    own = next(source.series[name] for source in sources if name in source.series)
-    words = scaled_label(axes.yaxis, name.replace("_", " "), own.attrs.get("units", "1"))
-    dress(axes, f"time [{unit}]", words, label)
-
-
-def _runs(results: Any) -> list[RunSeries]:
-    with labelled(results) as trees:
-        series = {label: without_round_off(series_of(tree)) for label, tree in trees.items()}
-    runs = []
-    for k, (label, data) in enumerate(series.items()):
-        if data.sizes.get("time", 0) < 2:
-            raise SceneError(f"{label or 'the run'}: no series with two outputs or more")
-        look = {"color": _CYCLE[k % len(_CYCLE)], "linestyle": _STYLES[k % len(_STYLES)], "linewidth": 1.1}
-        runs.append(RunSeries(label, data, look))
-    return runs
 
 
 def _compared(
@@ -251,11 +214,12 @@ def _compared(
     curves = _curves([dataset.isel(dict.fromkeys(dataset["status"].dims, 0))], names, selection)
     runs, drawn = [], []
     for turn, (contact, shape, run) in enumerate(combinations(dataset)):
-        runs.append(RunSeries(f"{contact}, {shape}", run, look.line(contact, shape, points, turn)))
+        runs.append((run, look.line(contact, shape, points, turn)))
         if any(np.isfinite(curve.of(run)).any() for curve in curves):
             drawn.append((contact, shape))
     key = look.key({contact for contact, _ in drawn}, {shape for _, shape in drawn})
-    return [Panel(curve, runs, curve.label) for curve in curves], key
+    panels = [Panel(one.name, [(run, one, line) for run, line in runs], one.label) for one in curves]
+    return panels, key
 
 
 def _curves(

@@ -189,10 +189,10 @@ def _key(dataset: xr.Dataset, look: Look, resolution: str | None) -> list[list[A
         entry(f"{100.0 * float(dataset.attrs['under']):g} %", **_LIMIT),
     ]
     sizes = []
-    for label in order_of(dataset, resolution) if resolution is not None else ():
-        assert resolution is not None
-        size = _size(dataset, resolution, {resolution: label})
-        sizes.append(entry(label_of(resolution, label), marker="o", **grey | {"markersize": size}))
+    if resolution is not None:
+        for label in order_of(dataset, resolution):
+            size = _size(dataset, resolution, {resolution: label})
+            sizes.append(entry(label_of(resolution, label), marker="o", **grey | {"markersize": size}))
     return [colours, markers, [*sizes, *lines]] if len(sizes) <= 2 else [colours, markers, sizes, lines]
 
 

@@ -103,9 +103,9 @@ def dress(axes: Any, xlabel: str, ylabel: str, title: str = "") -> None:
         axes.set_title(letter + on_lines(title))
 
 
-def on_lines(text: str, width: int = 30) -> str:
-    """Return a text whose options have lines of at most ``width`` letters."""
-    return re.sub(r"(?<=\w)\((?=\w+=)[^)]*\)", lambda options: "\n" + textwrap.fill(options[0], width), text)
+def on_lines(text: str) -> str:
+    """Return a text whose options have lines of at most 30 letters."""
+    return re.sub(r"(?<=\w)\((?=\w+=)[^)]*\)", lambda options: "\n" + textwrap.fill(options[0], 30), text)
 
 
 class Look:
