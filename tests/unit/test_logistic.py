@@ -13,7 +13,7 @@ from interpreted import interpreted
 from mpmfw.contact import shared_nodes as shared
 from mpmfw.contact.rows import ContactRows
 from mpmfw.kernels import struct
-from mpmfw_contact import _regression as regression
+from mpmfw_contact import logistic as regression
 from mpmfw_contact.logistic import write_regressed_rows
 from mpmfw_contact.surface_impulse import SurfaceImpulse
 

@@ -10,8 +10,7 @@ from interpreted import interpreted
 from mpmfw.contact.rows import ContactRows
 from mpmfw.contact.surfaces.near_facets import NearFacets
 from mpmfw.kernels import struct
-from mpmfw_contact._segment_pairs import LEAST_COSINE, LEAST_OVERLAP
-from mpmfw_contact.midplane import DEEPEST, write_midlines
+from mpmfw_contact.midplane import DEEPEST, LEAST_COSINE, LEAST_OVERLAP, write_midlines
 
 
 def cut(x, y0, y1):

@@ -15,7 +15,7 @@ from mpmfw.contact.rows import ContactRows
 from mpmfw.kernels import struct
 from mpmfw.kernels.boxes import Boxes, bounding_boxes
 from mpmfw.runs.simulation import Simulation
-from mpmfw_contact._point_pairs import NEAR, find_near
+from mpmfw_contact.points import NEAR, find_near
 from scenes_for_tests import block, box
 
 Bodies = list[tuple[np.ndarray, np.ndarray]]

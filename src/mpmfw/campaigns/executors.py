@@ -24,6 +24,7 @@ from concurrent.futures import Executor as FuturesExecutor
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from multiprocessing import connection
 from typing import Any, Protocol, TypeVar
+from unittest import mock
 
 from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.runs.interruption import unbroken
@@ -32,8 +33,8 @@ from mpmfw.runs.limits import cores
 T = TypeVar("T")
 R = TypeVar("R")
 
-_THREADS = [f"{name}_NUM_THREADS" for name in ("NUMBA", "OMP", "OPENBLAS", "MKL")]
-_THREADS.append("VECLIB_MAXIMUM_THREADS")
+_ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("NUMBA", "OMP", "OPENBLAS", "MKL")}
+_ONE_THREAD |= {"VECLIB_MAXIMUM_THREADS": "1"}
 
 #: Seconds to wait for the scheduler of a Dask cluster to answer.
 PATIENCE = 10.0
@@ -74,7 +75,7 @@ class Pool:
         leaving, here, died, dead = (deque[T]() for _ in range(4))
         for task in tasks:
             (leaving if _leaves(task) else here).append(task)
-        with _one_thread():
+        with mock.patch.dict(os.environ, _ONE_THREAD):
             yield from self._done(work, leaving, self.jobs, died)
             yield from self._done(work, died, 1, dead)
         for task in dead:
@@ -217,21 +218,7 @@ def _begin_worker() -> None:
     threading.Thread(target=watch, daemon=True).start()
 
 
-@contextmanager
-def _one_thread() -> Iterator[None]:
-    before = {name: os.environ.get(name) for name in _THREADS}
-    os.environ.update(dict.fromkeys(_THREADS, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value
-
-
-def executor_of(executor: Any = None, jobs: int | None = None) -> Executor:
+def executor_of(executor: Any, jobs: int | None) -> Executor:
     """Return an ``executor``, or one of so many processes."""
     if executor is not None and jobs not in (None, 1):
         raise SceneError("jobs: has no effect with an executor")

@@ -21,10 +21,6 @@ from mpmfw.errors import ResultsWarning, is_complete
 from mpmfw.plugin.measure import Measure
 from mpmfw.state.fields import STEP_STAGES
 
-_SPREAD = {"units": "s", "long_name": "half the range of the repeats; NaN of a single one"}
-_REPEATS = {"units": "1", "long_name": "runs of the cost"}
-_LOAD = {"units": "1", "long_name": "cores that other processes kept busy meanwhile"}
-
 
 def costs_of(coords: Mapping[str, Sequence[Any]], costs: Mapping[Index, Sequence[Cost]]) -> xr.Dataset:
     """Return :data:`COSTS` and ``load`` (…, repeat), ``stages`` and ``settling`` (…, repeat, stage) [s]."""
@@ -55,11 +51,12 @@ def over_repeats(each: xr.Dataset) -> dict[str, xr.DataArray]:
     """Return half the range of the CPU time, the repeats and the mean load."""
     times = each["cpu_time"]
     count = times.count("repeat")
-    spread = 0.5 * (times.max("repeat") - times.min("repeat"))
+    spread, load = 0.5 * (times.max("repeat") - times.min("repeat")), each["load"].mean("repeat")
+    half, busy = "half the range of the repeats; NaN of a single one", "cores that others kept busy meanwhile"
     return {
-        "cpu_time_spread": spread.where(count > 1).assign_attrs(_SPREAD),
-        "repeats": count.astype(float).assign_attrs(_REPEATS),
-        "load": each["load"].mean("repeat").assign_attrs(_LOAD),
+        "cpu_time_spread": spread.where(count > 1).assign_attrs(units="s", long_name=half),
+        "repeats": count.astype(float).assign_attrs(units="1", long_name="runs of the cost"),
+        "load": load.assign_attrs(units="1", long_name=busy),
     }
 
 

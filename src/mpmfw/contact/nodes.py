@@ -235,7 +235,7 @@ class Nodes(AtNodes):
             self.given = np.array(direction)
         if self.by_position:
             self.cut_off = self.options.cut_off * setup.cell_size
-        self.projects_gradient = self.options.normal != "specified"
+        self.projects_gradient = self.measures_area
         self.projects_mean = self.by_position
         if self.options.normal == "averaged":  # the other kinds are of one body alone
             from mpmfw.contact.normal_bias import NormalBias

@@ -90,7 +90,11 @@ class RigidSurfaces:
         weight, part = self.state.rigid.weights_at(near.body, grid.position[nodes]), slice(c, c + n)
         points = self.state.rigid.own(grid.start_velocity)[near.body]
         rows.pair[part], rows.sign[part], rows.normal[part] = near.pair.index, 1.0, normal
-        rows.identity[part] = self._identity(near, grid)
+        field = self.state.bodies[near.pair.first].field
+        at = np.unravel_index(nodes - grid.offset[field], grid.window_shape[field])
+        node = np.ravel_multi_index(tuple(np.array(at) + grid.window_lower[field, :, None]), grid.nodes)
+        behind = len(self.state.pairs) + near.pair.index  # behind the identities of all shared nodes
+        rows.identity[part] = behind * int(np.prod(grid.nodes)) + node
         rows.gap[part] = distance - beyond if len(mean) else 0.0
         rows.area[part], rows.tributary_area[part] = area(nodes, normal), grid.cell_size ** (dim - 1)
         rows.motion[part] = self.state.dt * (grid.start_velocity[nodes] - weight @ points)
@@ -102,10 +106,3 @@ class RigidSurfaces:
         rows.dof[entries] = dofs.ravel()
         rows.weight[entries] = np.column_stack([np.ones(n), -weight]).ravel()
         rows.count += n
-
-    def _identity(self, near: NearRigid, grid: Grid) -> IntArray:
-        """Return a number of pair and node of the background grid, behind those of all shared nodes."""
-        field = self.state.bodies[near.pair.first].field
-        place = np.unravel_index(near.nodes - grid.offset[field], grid.window_shape[field])
-        node = np.ravel_multi_index(tuple(np.array(place) + grid.window_lower[field, :, None]), grid.nodes)
-        return np.asarray((len(self.state.pairs) + near.pair.index) * int(np.prod(grid.nodes)) + node)

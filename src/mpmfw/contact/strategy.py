@@ -59,14 +59,6 @@ class ContactStrategy(PlugIn):
         """Forget accumulated work and impulse after settling; the state of contact stays."""
 
 
-class NoInteraction(ContactStrategy):
-    """A velocity field for each body without interaction, as a reference of checks."""
-
-    name = "no-interaction"
-    velocity_fields = "per_body"
-    keeps_apart = False
-
-
 def from_setup(setup: Setup) -> Acts | str:
     """Return the contact with its parts; velocity fields, friction and search have lines too."""
     contact, law = setup.contact, setup.friction_law

@@ -125,7 +125,9 @@ def _check_overlap(bodies: tuple[Body, ...]) -> None:
 
         near, at, unit = np.union1d(first, second), "", "m²"
         regions = np.full(len(bodies), None, dtype=object)
-        regions[near] = [_area(bodies[index], shapely) for index in near.tolist()]
+        for index in near.tolist():  # a loop within another is a hole
+            loops = map(shapely.Polygon, bodies[index].outlines)
+            regions[index] = functools.reduce(shapely.symmetric_difference, loops)
         size, common = (
             shapely.area(regions),
             shapely.area(shapely.intersection(regions[first], regions[second])),
@@ -136,11 +138,6 @@ def _check_overlap(bodies: tuple[Body, ...]) -> None:
             "move them apart, or say allow_overlap = true",
             key=f"bodies.{bodies[first[pair]].name}",
         )
-
-
-def _area(body: Body, shapely: Any) -> Any:
-    """Return the body's region; a loop within another is a hole."""
-    return functools.reduce(shapely.symmetric_difference, map(shapely.Polygon, body.outlines))
 
 
 def make_particles(

@@ -144,12 +144,9 @@ def _dataset(ladder: Ladder) -> xr.Dataset:
     dataset["error"] = grid.array(ladder.errors, f"relative error of: {judge.measure.meaning}", "1")
     costs = ladder.costs().where(dataset["status"] != "not run")
     dataset["cpu_time"] = costs.assign_attrs(units="s", long_name="CPU time of the steps and of settling")
-    marks = {
-        "meets": ("whether it meets the target", {i: ladder.meets(i) for i in points}),
-        "answer": ("the cheapest run that does", {i: i == answer for i in points}),
-    }
-    for name, (meaning, values) in marks.items():
-        dataset[name] = grid.array(values, meaning).astype(bool)
+    meets, best = {i: ladder.meets(i) for i in points}, {i: i == answer for i in points}
+    dataset["meets"] = grid.array(meets, "whether it meets the target").astype(bool)
+    dataset["answer"] = grid.array(best, "the cheapest run that does").astype(bool)
     dataset.attrs = {
         "kind": "choice",
         "quantity": judge.says(),

@@ -99,19 +99,17 @@ def rank(
         unit=("quantity", [UNITS.get(name, "%") for name in QUANTITIES])
     )
     cost, ran = table["cpu_time"], pd.crosstab(found["problem"], found[by]).loc[problems, methods] > 0
-    values = {
-        "cost": (cost, "CPU time of the cheapest run that reaches the level", "s"),
-        "over_best": (cost / cost.min(by), "the same over the cheapest method's", "1"),
-        "best": (table["settings"].astype(object).fillna(""), "settings of that run", None),
-        "ran": (
-            (("problem", by), ran.values),
-            "whether a study has runs of the method for the problem",
-            None,
-        ),
-    }
-    ranking = xr.Dataset({name: value for name, (value, _, _) in values.items()})
-    for name, (_, meaning, unit) in values.items():
-        ranking[name].attrs = {"long_name": meaning, **({"units": unit} if unit else {})}
+    over_best, best = cost / cost.min(by), table["settings"].astype(object).fillna("")
+    reaches = "CPU time of the cheapest run that reaches the level"
+    has_runs = {"long_name": "whether a study has runs of the method for the problem"}
+    ranking = xr.Dataset(
+        {
+            "cost": cost.assign_attrs(long_name=reaches, units="s"),
+            "over_best": over_best.assign_attrs(long_name="the same over the cheapest method's", units="1"),
+            "best": best.assign_attrs(long_name="settings of that run"),
+            "ran": (("problem", by), ran.values, has_runs),
+        }
+    )
     failed = found[found["status"] != "ok"].rename(columns={by: "method"})
     failures = failed[["problem", "method", "settings", "status"]].to_dict("records")
     errors = "; ".join(dict.fromkeys(map(_error_of, studies)))

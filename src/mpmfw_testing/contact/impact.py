@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from mpmfw.contact.strategy import ContactStrategy
 from mpmfw.plugin.discovery import available
 from mpmfw.state.fields import FloatArray
 from mpmfw_testing.searching import hypothesis, ladder, search
@@ -42,6 +43,13 @@ NAMES = {
     "rise": "shift along y [cells]",
     "form": "bodies",
 }
+
+
+class NoInteraction(ContactStrategy):
+    """A velocity field for each body without interaction, as a reference."""
+
+    name = "no-interaction"
+    keeps_apart = False
 
 
 @dataclass(frozen=True)

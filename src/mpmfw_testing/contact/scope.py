@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.contact.strategy import NoInteraction
 from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import available, distribution_of
 from mpmfw.runs.simulation import Simulation
@@ -23,6 +22,7 @@ from mpmfw_testing.contact.impact import (
     NAMES,
     WIDTH,
     Impact,
+    NoInteraction,
     body,
     material,
     scene,

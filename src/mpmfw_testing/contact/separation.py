@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.contact.strategy import NoInteraction
 from mpmfw_testing.check import within
 from mpmfw_testing.contact.impact import (
     CELL,
@@ -15,6 +14,7 @@ from mpmfw_testing.contact.impact import (
     UNEQUAL,
     WAVE_SPEED,
     Impact,
+    NoInteraction,
     body,
     rectangle,
     search_impacts,

@@ -15,7 +15,7 @@ from mpmfw.contact.surfaces.near_facets import TravelLimit, VerletList
 from mpmfw.contact.surfaces.outline import no_candidates, node_error
 from mpmfw.contact.surfaces.search import find_candidates
 from mpmfw.contact.surfaces.tracking import CROSSED
-from mpmfw.errors import SceneError, SimulationError
+from mpmfw.errors import SceneError
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 from mpmfw.state.fields import Field as ArrayField
@@ -133,12 +133,6 @@ class Surfaces(OnFacets):
         self.surface_map = self.options.map
         self.adds_mass = self.options.interface_thickness > 0.0
         self.leaves_bodies_out = self.options.master is None and not self.adds_mass  # a master must be there
-        self.two_passes = getattr(self.options, "passes", "one") == "two"
-
-    @property
-    def tilts(self) -> bool:
-        """Return True if the normal varies along the facet (eq. 7)."""
-        return getattr(self.options, "normal_variation", "hamad2017") == "hamad2017"
 
     def parts(self) -> list[Any]:
         """Return the limit of travel, and the surface layer where it has a thickness."""
@@ -173,7 +167,7 @@ class Surfaces(OnFacets):
             text = f"'{master}' meets rigid bodies alone, which are always master; leave it out"
             raise SceneError(text, key=f"contact.{owner}.master")
         ranks = np.zeros(len(bodies), dtype=np.int64)
-        if not self.two_passes:
+        if getattr(self.options, "passes", "one") == "one":
             size = np.array([surface.tributary[surface.of(body.index)].sum() for body in bodies])
             ranks = stiffness_ranks(bodies) * len(bodies) + ranks_of(size)
             ranks[[body.index for body in bodies if body.name == master]] = len(bodies) ** 2
@@ -182,9 +176,9 @@ class Surfaces(OnFacets):
 
     def new_rows(self, own: dict[str, int | None]) -> SurfaceRows:
         """Return rows with their slave node and facet."""
-        dim = self.state.grid.dim
-        spins = self.has_friction and dim == 3
-        rows = SurfaceRows(dim, couples=self.has_friction, tilts=self.tilts, spins=spins, own=own)
+        dim, friction = self.state.grid.dim, self.has_friction
+        tilts = getattr(self.options, "normal_variation", "hamad2017") == "hamad2017"  # eq. 7
+        rows = SurfaceRows(dim, couples=friction, tilts=tilts, spins=friction and dim == 3, own=own)
         rows.n_bodies = len(self.state.bodies)
         rows.limits = {"at/slave": self.surface.count, "at/facet": len(self.surface.facets)}
         return rows
@@ -221,12 +215,8 @@ class Surfaces(OnFacets):
         count = find_candidates(
             self.radius, self.surface, self.near.near, self.candidates, self.through, self.state.grid.spacing,
         )  # fmt: skip
-        if self.through[0] > CROSSED * self.cell_size:
-            raise self._crossed()
-        return count
-
-    def _crossed(self) -> SimulationError:
-        """Return the error of a node that has gone through another body."""
+        if self.through[0] <= CROSSED * self.cell_size:
+            return count
         beyond, node, other = float(self.through[0]), int(self.through[1]), int(self.through[2])
         ends = {int(self.surface.body[node]), other}
         pair = next(pair for pair in self.state.pairs if {pair.first, pair.second} == ends)
@@ -235,7 +225,7 @@ class Surfaces(OnFacets):
             f"'{self.state.bodies[other].name}', and is {beyond / self.cell_size:.2g} cells beyond it"
         )
         advice = "a slower impact, a stiffer contact, or smaller cells"
-        return node_error(self.state, self.surface, node, text, advice=advice)
+        raise node_error(self.state, self.surface, node, text, advice=advice)
 
     def copy_history(self, other: Surfaces, index_map: Any) -> None:
         """Copy the candidates of the last step; of more than there are slots the deepest."""

@@ -171,22 +171,18 @@ class VerletList:
         if near and not (
             self.listed and measure_motion(self.outline, self.listed_at, self.near.moved) <= self.skin
         ):
-            self._list()
+            while (entries := self._list()) > len(self.near.facet):
+                self.near.set(facet=np.zeros(2 * entries, dtype=np.int32), away=np.zeros(2 * entries))
+            self.near.moved.fill(0.0)
+            self.listed_at[:] = self.outline.position
+            self.listed = True
         return near
 
-    def _list(self) -> None:
-        near, cutoff = self.near, self.radius + self.skin
-        while True:
-            entries = list_near(
-                self.items, self.item_first, cutoff, self.outline, self.boxes, self.partners, self.blocks,
-                near, self.spacing,
-            )  # fmt: skip
-            if entries <= len(near.facet):
-                break
-            near.set(facet=np.zeros(2 * entries, dtype=np.int32), away=np.zeros(2 * entries))
-        near.moved.fill(0.0)
-        self.listed_at[:] = self.outline.position
-        self.listed = True
+    def _list(self) -> int:
+        return list_near(
+            self.items, self.item_first, self.radius + self.skin, self.outline, self.boxes, self.partners,
+            self.blocks, self.near, self.spacing,
+        )  # fmt: skip
 
 
 #: Share of the search radius that near bodies may travel in a step.
