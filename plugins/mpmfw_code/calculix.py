@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-from mpmfw.api import FloatArray, IntArray
+from mpmfw.api import FloatArray, IntArray, OptionsModel
 from mpmfw.api.code import (
     Code,
     MotionOutputs,
@@ -36,10 +36,8 @@ UNLIKE = 0.9
 _SIDES = {"left": (0, 0), "right": (0, 1), "bottom": (1, 0), "top": (1, 1)}
 
 
-class CalculixOptions(BaseModel):
+class CalculixOptions(OptionsModel):
     """Settings of the contact and the step."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     size: float = Field(default=1.0, gt=0, description="longest edge of an element over a cell")
     stiffness: float = Field(

@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-from mpmfw.api import MpmfwError, SceneError, Time
+from mpmfw.api import MpmfwError, OptionsModel, SceneError, Time
 from mpmfw.api.code import (
     Code,
     MotionOutputs,
@@ -34,10 +34,8 @@ SLAB = 2.0
 _MODELS = ("neo_hookean", "linear_elastic")
 
 
-class NewtonOptions(BaseModel):
+class NewtonOptions(OptionsModel):
     """Settings of Newton's solver; those without a word here keep Newton's own values."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     collider_basis: Literal["S2", "Q1", "pic", "pic8", "pic27"] = Field(
         default="S2", description="contact at nodes (S2, quadratic; Q1) or at material points (pic…)"

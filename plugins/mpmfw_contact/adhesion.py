@@ -96,12 +96,7 @@ class AdhesionLaw(SpringLaw):
         spring = float(self.options.traction) * self.cell_size / (self.kappa * softest)
         return max(float(self.options.separation), spring)
 
-    def normal_forces(
-        self,
-        rows: ContactRows,
-        old: ContactRows,  # noqa: ARG002
-        records: PairRecords,
-    ) -> None:
+    def normal_forces(self, rows: ContactRows, old: ContactRows, records: PairRecords) -> None:  # noqa: ARG002
         """Write N and the pull."""
         options = self.options
         adhesive_forces(

@@ -17,9 +17,9 @@ from __future__ import annotations
 from typing import Any, ClassVar
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-from mpmfw.api import ContactRows, FloatArray, Grid, Particles, Stencil
+from mpmfw.api import ContactRows, FloatArray, Grid, OptionsModel, Particles, Stencil
 from mpmfw.contact.nodes import Nodes
 from mpmfw.contact.shared_nodes import all_entries, point_of
 from mpmfw.kernels import kernel
@@ -59,10 +59,8 @@ def mark_compressed(
         compressed[c] = 1.0 if traction < 0.0 else 0.0
 
 
-class TractionOptions(BaseModel):
+class TractionOptions(OptionsModel):
     """The two additions of 2001."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     traction: bool = Field(
         False,

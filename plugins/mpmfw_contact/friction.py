@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-from mpmfw.api import ContactRows, FloatArray, FrictionLaw, Pressure, Velocity
+from mpmfw.api import ContactRows, FloatArray, FrictionLaw, OptionsModel, Pressure, Velocity
 from mpmfw.kernels import kernel
 from mpmfw.kernels.contact import Rows
 from mpmfw.kernels.types import Floats
@@ -19,10 +19,8 @@ class Coulomb(FrictionLaw):
     is_coulomb = True
 
 
-class MohrCoulombOptions(BaseModel):
+class MohrCoulombOptions(OptionsModel):
     """Shear strength of the interface."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     cohesion: Pressure = Field(
         gt=0, description="shear strength of the interface under no normal stress; no default"
@@ -61,10 +59,8 @@ def weaken(rows: Rows, count: int, friction: Floats, ratio: float, velocity: flo
         rows.friction[c] = friction[rows.pair[c]] * (1.0 + (ratio - 1.0) * math.exp(-speed / velocity))
 
 
-class StribeckOptions(BaseModel):
+class StribeckOptions(OptionsModel):
     """Ratio of static to kinetic friction, and the speed between the two."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     static_ratio: float = Field(
         1.5, ge=0, description="static over kinetic friction; below 1 friction grows with the slip"

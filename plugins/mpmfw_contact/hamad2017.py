@@ -88,12 +88,7 @@ class Hamad2017Law(SpringLaw):
                 key="contact.friction_law",
             )
 
-    def normal_forces(
-        self,
-        rows: ContactRows,
-        old: ContactRows,  # noqa: ARG002
-        records: PairRecords,
-    ) -> None:
+    def normal_forces(self, rows: ContactRows, old: ContactRows, records: PairRecords) -> None:  # noqa: ARG002
         """Write N."""
         linear_springs(rows, rows.count, rows.own, self.options.tangential_ratio, records)
 

@@ -16,17 +16,15 @@ node. All overlaps bear; there those below 0.1 cells do. The limit of 0.1 on a s
 from __future__ import annotations
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-from mpmfw.api import ContactRows, FloatArray, Grid, Setup, State
+from mpmfw.api import ContactRows, FloatArray, Grid, OptionsModel, State
 from mpmfw.contact.surfaces import Surfaces
 from mpmfw_contact.impulse import Impulse
 
 
-class HybridOptions(BaseModel):
+class HybridOptions(OptionsModel):
     """Stiffness of the spring that is the bound."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     kappa: float = Field(
         10.0,
@@ -48,14 +46,11 @@ class Hybrid(Impulse):
     needs = frozenset({"gap", "facets"})
     softness_option = "kappa"
     repels = True
+    waits_for_forces = True
 
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:
         """Arrays of springs, and the bound."""
         return {**super().row_arrays(friction=friction), "limit": 0}
-
-    def prepare(self, setup: Setup) -> None:
-        """With usf the strain follows from the projected momentum."""
-        self.strain_first = setup.scheme == "usf"
 
     def list_pairs(self, state: State) -> None:
         """List also κ K / h of all pairs [Pa/m]."""
@@ -83,13 +78,6 @@ class Hybrid(Impulse):
         n, limit = slice(rows.count), rows.own.limit
         limit[n] = self.modulus[rows.pair[n]] * rows.area[n] * np.maximum(-rows.gap[n], 0.0) * self.dt
         return limit  # type: ignore[no-any-return]
-
-    def impulses(self, rows: ContactRows, grid: Grid, work: FloatArray | None, *, projected: bool) -> None:
-        """Leave the projected momentum as it is, unless the strain is taken from it."""
-        if projected and not self.strain_first:
-            rows.force[: rows.count] = 0.0
-        else:
-            super().impulses(rows, grid, work, projected=projected)
 
 
 class HybridContact(Hybrid):

@@ -15,9 +15,9 @@ makes energy of nothing.
 from __future__ import annotations
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseLaw, Setup, hookimpl
+from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseLaw, OptionsModel, Setup, hookimpl
 from mpmfw.contact.surfaces import Surfaces
 from mpmfw_contact._gauss_seidel import add_friction_work, solve, state_problem
 
@@ -30,10 +30,8 @@ MISSED = 10.0
 FACING = 0.9
 
 
-class LcpOptions(BaseModel):
+class LcpOptions(OptionsModel):
     """How closely the conditions are met, and what becomes of an overlap."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     tolerance: float = Field(
         1e-3, gt=0, lt=1, description="change of a row's velocity that ends the sweeps, over the largest"
@@ -50,6 +48,7 @@ class Lcp(ImpulseLaw):
     Options = LcpOptions
     options: LcpOptions
     uses_friction = True
+    waits_for_forces = True
     history = ("identity", "force", "solutions", "unfinished", "worst")
 
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:  # noqa: ARG002
@@ -57,17 +56,13 @@ class Lcp(ImpulseLaw):
         return {"compliance": 0, "allowed": 0, "velocity": 1, "before": 1, "direction": 1}
 
     def prepare(self, setup: Setup) -> None:
-        """Allocate the multipliers; with usf the strain follows from the projected momentum."""
-        self.strain_first = setup.scheme == "usf"
+        """Allocate the multipliers."""
         self.velocity = np.zeros((0, setup.dim))
         self.identity, self.force = np.zeros(0, dtype=np.int64), np.zeros((0, setup.dim))
         self.solutions, self.unfinished, self.worst = 0, 0, 0.0
 
     def impulses(self, rows: ContactRows, grid: Grid, work: FloatArray | None, *, projected: bool) -> None:
-        """Solve for all rows; the projected momentum is left as it is unless the strain is taken from it."""
-        if projected and not self.strain_first:
-            rows.force[: rows.count] = 0.0
-            return
+        """Solve for all rows."""
         if len(self.velocity) != len(grid.mass):
             self.velocity = np.zeros_like(grid.momentum)
         own, options, spacing = rows.own, self.options, grid.spacing

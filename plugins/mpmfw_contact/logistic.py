@@ -18,9 +18,9 @@ import math
 from typing import Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-from mpmfw.api import ContactRows, Grid, Particles, SceneError, Setup, Stencil
+from mpmfw.api import ContactRows, Grid, OptionsModel, Particles, SceneError, Setup, Stencil
 from mpmfw.contact.nodes import AtNodes
 from mpmfw.contact.shared_nodes import GridNodes, NodePairs, SharedNodes, collect_sides, write_row
 from mpmfw.kernels import Struct, device, kernel, scratch
@@ -218,10 +218,8 @@ def take_reach(
         rows.gap[c] -= outermost(i, clouds, points, half_edges, origin, n, -1.0)
 
 
-class LogisticOptions(BaseModel):
+class LogisticOptions(OptionsModel):
     """Settings of the regression, and where bodies touch."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     slope_penalty: float = Field(
         1e-7, gt=0, description="penalty on the slope of the logistic function, with a cell as unit"

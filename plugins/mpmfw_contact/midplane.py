@@ -15,9 +15,9 @@ they have an energy.
 from __future__ import annotations
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-from mpmfw.api import ContactRows, Grid, Particles, Setup, Stencil
+from mpmfw.api import ContactRows, Grid, OptionsModel, Particles, Setup, Stencil
 from mpmfw.api.types import IntArray, Surface
 from mpmfw.contact.surfaces import OnFacets
 from mpmfw.contact.surfaces.near_facets import NearFacets
@@ -180,10 +180,8 @@ def write_midlines(
     return c
 
 
-class MidplaneDetectionOptions(BaseModel):
+class MidplaneDetectionOptions(OptionsModel):
     """The search."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     search_radius: float = Field(
         1.0,

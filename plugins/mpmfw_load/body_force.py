@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict
-
 from mpmfw.api.load import BodyLoad
-from mpmfw.api.types import FloatArray, Particles
+from mpmfw.api.types import FloatArray, OptionsModel, Particles
 from mpmfw.api.units import TimeTable, quantity, vector_in_time
 
 
-class BodyForceOptions(BaseModel):
+class BodyForceOptions(OptionsModel):
     """Options of a body force.
 
     Attributes
@@ -19,8 +17,6 @@ class BodyForceOptions(BaseModel):
     force
         By volume of the undeformed body [N/m^3]: a vector, or rows (t, x, y[, z]).
     """
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     force: vector_in_time(quantity("N/m^3"))  # type: ignore[valid-type]
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from mpmfw.api.load import BodyLoad
-from mpmfw.api.types import FloatArray, Particles, State, hookimpl
+from mpmfw.api.types import FloatArray, OptionsModel, Particles, State, hookimpl
 from mpmfw.api.units import TimeTable, Velocity, quantity, vector_in_time
 
 
-class DragOptions(BaseModel):
+class DragOptions(OptionsModel):
     """Options of drag.
 
     Attributes
@@ -22,8 +22,6 @@ class DragOptions(BaseModel):
     medium
         Velocity u of the medium [m/s]: a vector, or rows (t, x, y[, z]); at rest where it is not given.
     """
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     rate: Annotated[quantity("1/s"), Field(gt=0)]  # type: ignore[valid-type]
     medium: vector_in_time(Velocity) | None = None  # type: ignore[valid-type]

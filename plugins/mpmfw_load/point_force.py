@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, Strict
+from pydantic import Field, Strict
 
 from mpmfw.api.load import BodyLoad, shares_near
-from mpmfw.api.types import FloatArray, Particles, SceneError, Setup, hookimpl
+from mpmfw.api.types import FloatArray, OptionsModel, Particles, SceneError, Setup, hookimpl
 from mpmfw.api.units import Force, Length, TimeTable, vector_in_time
 
 
-class PointForceOptions(BaseModel):
+class PointForceOptions(OptionsModel):
     """Options of a point force.
 
     Attributes
@@ -22,8 +22,6 @@ class PointForceOptions(BaseModel):
     force
         [N], in the plane on a body of its thickness: a vector, or rows (t, x, y[, z]).
     """
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     at: Annotated[tuple[Length, ...], Strict(False), Field(min_length=2, max_length=3)]
     force: vector_in_time(Force)  # type: ignore[valid-type]

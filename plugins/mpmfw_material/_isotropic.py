@@ -6,20 +6,18 @@ from collections.abc import Callable
 from typing import Any, ClassVar
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError, model_validator
+from pydantic import Field, TypeAdapter, ValidationError, model_validator
 
 from mpmfw.api.material import Material
-from mpmfw.api.types import FloatArray, Setup, hookimpl
+from mpmfw.api.types import FloatArray, OptionsModel, Setup, hookimpl
 from mpmfw.api.units import Pressure
 
 _PAIRS = ("bulk_modulus", "shear_modulus"), ("youngs_modulus", "poissons_ratio")
 _PRESSURE = TypeAdapter(Pressure)
 
 
-class Moduli(BaseModel):
+class Moduli(OptionsModel):
     """Moduli at small strain: K and G, or E and ν, from which K and G follow."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     bulk_modulus: Pressure = Field(gt=0, description="bulk modulus K")
     shear_modulus: Pressure = Field(gt=0, description="shear modulus G")

@@ -13,7 +13,7 @@
 from __future__ import annotations
 
 from mpmfw.errors import MpmfwError, PluginError, SceneError, SimulationError
-from mpmfw.plugin.base import NoOptions, PlugIn
+from mpmfw.plugin.base import NoOptions, OptionsModel, PlugIn
 from mpmfw.plugin.discovery import INTERFACE
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup
@@ -33,6 +33,7 @@ __all__ = [
     "MpmfwError",
     "NoOptions",
     "NotSaved",
+    "OptionsModel",
     "Pair",
     "Particles",
     "PlugIn",

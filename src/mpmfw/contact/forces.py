@@ -149,6 +149,8 @@ class ForceLaw(ContactLaw):
 class ImpulseLaw(ContactLaw):
     """Base of laws of impulses, which correct projected and updated momentum, and MUSL's second."""
 
+    #: Whether it corrects the projected momentum with USF alone, whose strain follows from that.
+    waits_for_forces: ClassVar[bool] = False
     #: Length of the step [s], known whenever impulses are asked for.
     dt: float = 0.0
 
@@ -193,7 +195,10 @@ class ImpulseLaw(ContactLaw):
         if rows.count == 0:
             records.count.fill(0.0)
             return
-        self.impulses(rows, grid, records.frictional_work, projected=projected)
+        if projected and self.waits_for_forces and self.scheme != "usf":
+            rows.force[: rows.count] = 0.0
+        else:
+            self.impulses(rows, grid, records.frictional_work, projected=projected)
         rows.add_to(grid.momentum, grid.spacing)
         add_records(rows, rows.count, 1.0, records, grid.spacing)
         self.detection.note_forces(rows, 1.0)

@@ -174,7 +174,7 @@ class ContactLaw(ContactStrategy):
         """Prepare records, detection and law, and make the rows of this step and the last.
 
         Raise SceneError if cohesion has no area to act on."""
-        self.state, self.cell_size = setup.state, setup.cell_size
+        self.state, self.cell_size, self.scheme = setup.state, setup.cell_size, setup.scheme
         self.friction_law = setup.friction_law or FrictionLaw()
         self.records = PairRecords(setup, self.name)
         self.detection.prepare(setup, self.name)

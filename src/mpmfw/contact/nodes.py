@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
 from mpmfw.contact.rows import ContactRows, Detection
 from mpmfw.contact.shared_nodes import (
@@ -24,6 +24,7 @@ from mpmfw.contact.shared_nodes import (
 )
 from mpmfw.contact.strategy import stiffness_ranks
 from mpmfw.errors import SceneError
+from mpmfw.plugin.base import OptionsModel
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import FloatArray, IntArray
 from mpmfw.state.structs import Grid, Particles, State, Stencil
@@ -35,10 +36,8 @@ if TYPE_CHECKING:
 LEAST_MASS = 0.05
 
 
-class NodesOptions(BaseModel):
+class NodesOptions(OptionsModel):
     """Criterion of contact and kind of normal."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     criterion: Literal["auto", "velocity", "position"] = Field(
         "auto",

@@ -115,12 +115,7 @@ class ContactRows(Rows):
         arrays = {name: array for name, array in self.members().items() if name not in entries}
         return arrays | {f"own/{name}": array for name, array in self.own.members().items()}
 
-    def renumber(
-        self,
-        history: dict[str, AnyArray],
-        own: ContactRows,  # noqa: ARG002
-        index_map: IndexMap,
-    ) -> None:
+    def renumber(self, history: dict[str, AnyArray], own: ContactRows, index_map: IndexMap) -> None:  # noqa: ARG002
         """Renumber the pairs in ``history`` by ``index_map``."""
         history["pair"] = index_map.pair[history["pair"]]
 

@@ -7,7 +7,7 @@ slip since, returned to Coulomb's cone: a spring and a slider in a row.
 from __future__ import annotations
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from mpmfw.contact.forces import ForceLaw
 from mpmfw.contact.law import PairRecords
@@ -16,6 +16,7 @@ from mpmfw.errors import SceneError
 from mpmfw.kernels import Struct, device, kernel
 from mpmfw.kernels.contact import Records, Rows, add_turned, slip_limit
 from mpmfw.kernels.types import Float, Floats, Ints
+from mpmfw.plugin.base import OptionsModel
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import FloatArray
 from mpmfw.state.structs import State
@@ -110,10 +111,8 @@ def add_friction(
 KAPPA = {2: 4.0, 3: 1.0}
 
 
-class SpringOptions(BaseModel):
+class SpringOptions(OptionsModel):
     """Stiffness along the normal and the tangent."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     kappa: float | None = Field(
         None,

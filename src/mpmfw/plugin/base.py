@@ -20,10 +20,14 @@ if TYPE_CHECKING:
     from mpmfw.plugin.setup import Setup
 
 
-class NoOptions(BaseModel):
-    """Options of a plug-in that has none."""
+class OptionsModel(BaseModel):
+    """Base of models of options: unknown options are errors, values do not change."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class NoOptions(OptionsModel):
+    """Options of a plug-in that has none."""
 
 
 class PlugIn:

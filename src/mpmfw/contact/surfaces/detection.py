@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
 from mpmfw.contact.rows import ContactRows, Detection
 from mpmfw.contact.strategy import ranks_of, stiffness_ranks
@@ -16,6 +16,7 @@ from mpmfw.contact.surfaces.outline import no_candidates, node_error
 from mpmfw.contact.surfaces.search import find_candidates
 from mpmfw.contact.surfaces.tracking import CROSSED
 from mpmfw.errors import SceneError
+from mpmfw.plugin.base import OptionsModel
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 from mpmfw.state.fields import Field as ArrayField
@@ -28,10 +29,8 @@ FORCE = ArrayField(
 )
 
 
-class FacetOptions(BaseModel):
+class FacetOptions(OptionsModel):
     """Master, search and mapping."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     master: str | None = Field(
         None,
