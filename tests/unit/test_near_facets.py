@@ -48,7 +48,7 @@ def test_a_run_with_lists_is_one_without(monkeypatch):
     """Lists that last until bodies have moved by the SKIN find what lists of every step find, to the bit."""
     made = []
     plain = VerletList._list
-    monkeypatch.setattr(VerletList, "_list", lambda self: made.append(plain(self)))
+    monkeypatch.setattr(VerletList, "_list", lambda self: (made.append(1), plain(self))[1])
 
     def run():
         made.clear()
