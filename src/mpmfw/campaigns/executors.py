@@ -71,7 +71,7 @@ class Pool:
         self.cores = "one core" if self.jobs == 1 else f"{self.jobs} processes on {cores()} cores"
 
     def outcomes(self, work: Callable[[T], R], tasks: Sequence[T]) -> Iterator[tuple[T, R | None]]:
-        """Do all tasks; those whose process died again, alone; those that cannot leave this process here."""
+        """Do all tasks; repeat alone those whose process died; do here those that cannot be pickled."""
         leaving, here, died, dead = (deque[T]() for _ in range(4))
         for task in tasks:
             (leaving if _leaves(task) else here).append(task)

@@ -187,8 +187,7 @@ def _named(
 
 
 def _add_interfaces(setup: Setup) -> None:
-    """Add the friction law and all pairs of bodies; of many bodies those that are named, if the strategy
-    takes the others as they come."""
+    """Add the friction law and all pairs of bodies, or those that are named if others can come later."""
     given, contact, state = setup.scene.contact, setup.contact, setup.state
     if given is not None and given.friction_law is not None and contact and contact.takes_friction_law:
         setup.friction_law = _plugin("friction", given.friction_law, given.friction_options)

@@ -130,8 +130,7 @@ def _rotation(setup: Setup) -> Acts:
 
 
 def _treatment(setup: Setup, body: Body, held: bool) -> tuple[str, str]:
-    """Return ``spin``, ``exact`` or ``lumped``, and why: local spin for a free body with a velocity field of
-    its own, unless the shape function has another default."""
+    """Return ``spin``, ``exact`` or ``lumped``, and why."""
     model, contact = setup.scene.bodies[body.name], setup.contact
     asked = model.rotation
     if asked == "lumped":

@@ -113,8 +113,7 @@ def _rounded(value: Any) -> Any:
 
 
 def _of_object(plugin: Any, known: frozenset[int] = frozenset()) -> list[str]:
-    """Return class, options and state of an object and of those that it holds, or something new; ``known``
-    are those that hold it."""
+    """Return class, options and state of an object and of its parts; ``known`` are its holders."""
     kind, state = type(plugin), dict(vars(plugin)) if hasattr(plugin, "__dict__") else {}
     options = state.pop("options", None)
     given = options.model_dump() if hasattr(options, "model_dump") else repr(options)

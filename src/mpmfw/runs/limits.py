@@ -1,6 +1,4 @@
-"""Upper bounds of memory, steps, frames and results, and a refusal of what cannot be meant.
-
-A misplaced power of ten makes a run that never ends, or more memory than there is."""
+"""Upper bounds of memory, steps, frames and results, and a refusal of what cannot be meant."""
 
 from __future__ import annotations
 
@@ -63,8 +61,7 @@ def most_memory(scene: Scene) -> float:
 
 
 def check_memory(scene: Scene) -> None:
-    """Refuse more memory or nodes than there can be, and bodies outside the grid or far thinner than a
-    cell."""
+    """Refuse too much memory, too many nodes, and bodies outside the grid or far thinner than a cell."""
     cell, each, counts = scene.grid.cell_size, np.array(BYTES[scene.dim]), {}
     for name, body in scene.bodies.items():
         if not isinstance(body, RigidBody):

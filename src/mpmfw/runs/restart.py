@@ -225,6 +225,5 @@ def check_same(
 
 
 def _dependencies(scene: Scene, objects: Mapping[str, Any]) -> dict[str, str]:
-    """Return the versions of all that the bits depend on, by name."""
     code = code_of(scene, objects.get("contact"), objects.get("shape"))
     return {**code, "python": platform.python_version(), "processor": str(get_host_cpu_name())}

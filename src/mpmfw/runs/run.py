@@ -211,9 +211,7 @@ def resumed(
 
 
 def run_on(checkpoints: Checkpoints, progress: Callable[[float, int], None] | None) -> RunWriter:
-    """Run a simulation, from where it is, to its end, or to the end of the step in which a signal comes.
-
-    Return its writer."""
+    """Run to the end, or to the end of the step in which a signal comes; return the writer."""
     simulation, writer, signals = checkpoints.simulation, checkpoints.writer, checkpoints.signals
 
     def write(frame: Frame) -> None:
@@ -247,7 +245,6 @@ def run_on(checkpoints: Checkpoints, progress: Callable[[float, int], None] | No
 
 
 def _how_to_go_on(checkpoints: Checkpoints) -> str:
-    """Return the outputs that an interrupted run left, and how to go on."""
     simulation, writer = checkpoints.simulation, checkpoints.writer
     text = f"interrupted at {simulation.state.time:.6g} s of {simulation.scene.time.end:g} s"
     how = "run it again for the rest"

@@ -81,7 +81,6 @@ class Simulation:
         return simulation
 
     def _assemble(self, setup: Setup, clock: Clock, threads: int) -> None:
-        """Register all that acts, set it up, and lay the grid."""
         self.setup, self.clock, self.threads = setup, clock, threads
         setup.limits = self.limits
         self.scene, self.state, self.contact = setup.scene, setup.state, setup.contact
@@ -128,8 +127,8 @@ class Simulation:
         return [impl.plugin for impl in reversed(getattr(self.manager.hook, hook).get_hookimpls())]
 
     def _check_supports(self) -> None:
-        """Refuse a body whose shape functions reach beyond the grid at the start; the bundled ones stay in a
-        window that is not cut off."""
+        """Refuse a body whose shape functions reach beyond the grid at the start."""
+        # The bundled ones stay in a window that is not cut off
         if bundled(type(self.shape)) and not is_cut_off(self.state.grid):
             return
         try:
@@ -179,7 +178,7 @@ class Simulation:
             state.time = target
 
     def _take_step(self, length: Callable[[], float]) -> None:
-        """Take a step; ``length`` is asked for it when the limits are known."""
+        """Take a step of ``length()``, called when the limits are known."""
         state = self.state
         time, steps = state.time, state.steps
         try:
@@ -249,8 +248,8 @@ class Simulation:
     ) -> None:
         """Run to the end; hand a frame to ``write`` at time zero and at every output.
 
-        A restored simulation goes on from where it was. ``after_step`` is called after every step, those of
-        settling as well: there, and before the run, it may be saved."""
+        A restored simulation goes on from where it was. ``after_step`` is called after every step, also of
+        settling; the simulation may be saved there."""
         state, time, last = self.state, self.scene.time, outputs_of(self.scene)
         with self.clock.watching_compilation():
             if self._next_output == 0:
@@ -290,7 +289,6 @@ class Simulation:
         self.clock.flush()
 
     def _gather(self) -> None:
-        """Copy the active bodies' state back, where bodies sleep."""
         if self._sleep is not None:
             self._sleep.gather(self.state.time)
 

@@ -229,7 +229,7 @@ class Sleep:
             _hand_over(full, self.active)  # once more: now it lists the pairs
 
     def restored(self) -> None:
-        """Build the active simulation as it was."""
+        """Build the active simulation."""
         if any(len(rate) > len(self.full.state.pairs) for rate in self.rates.values()):
             raise NotSaved("more pairs slept than there are")
         if self.inactive.any() and not self.inactive.all():
@@ -244,7 +244,6 @@ def _reached(start: AnyArray, first: IntArray, second: IntArray) -> AnyArray:
 
 
 def _hand_over(giver: Any, taker: Any) -> None:
-    """Copy the state of the bodies that both simulations have from one to the other."""
     index_map = IndexMap.between(giver.state, taker.state)
     copy_history(taker.state, giver.state, index_map)
     for name, plugin in taker.manager.list_name_plugin():

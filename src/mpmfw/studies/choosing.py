@@ -57,10 +57,8 @@ def choose(
 ) -> xr.Dataset:
     """Say which method and cell size bring a scene's error below a target at little cost.
 
-    Methods run at one cell size after the other, from coarse to fine, at each the cheapest first, until one
-    meets the target. Without a closed form the limit of two different laws at two sizes is the reference; a
-    run meets the target where its distance and the limit's uncertainty are below it. Where no run does, the
-    choice is undecided.
+    Methods run from coarse to fine cells, the cheapest first, until one meets the target. Without a closed
+    form the reference is the limit on which laws agree; its uncertainty is added to every error.
 
     Parameters
     ----------
@@ -135,7 +133,6 @@ def _error_at(path: tuple[str, ...], message: str) -> SceneError:
 
 
 def _dataset(ladder: Ladder) -> xr.Dataset:
-    """Join what came of the runs, as :func:`choose` returns it."""
     grid, answer, judge = ladder.runs.grid, ladder.answer(), ladder.judge
     points, known = grid.combinations, ladder.runs.statuses()
     status = dict.fromkeys(points, "not run") | {i: known[i] for i in ladder.asked}

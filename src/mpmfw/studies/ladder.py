@@ -178,9 +178,7 @@ class Ladder:
 
 
 def extrapolated(coarse: Measured, fine: Measured, ratio: float, at: Measured) -> Extrapolated:
-    """Return the limit of two runs of a method, and the half width that the order of convergence leaves open.
-
-    Their cell sizes have the ``ratio``; the times are those of the run ``at``."""
+    """Return the limit of two runs whose cells have the ``ratio``, and its half width, at times of ``at``."""
     end = interpolated(fine, at)
     step = end - interpolated(coarse, at)
     farthest, nearest = (1.0 / (ratio**order - 1.0) for order in ORDERS)
