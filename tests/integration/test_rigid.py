@@ -287,7 +287,7 @@ def test_a_rigid_body_counts_as_stiffer_than_any_other():
         ({"particles": {"size": 0.1}}, "particles: does not apply to a rigid body"),
         ({"sides": []}, "sides: does not apply to a rigid body"),
         ({"rigid": False}, "false is a boolean; expected true, or a table"),
-        ({"rigid": {}}, "has no key; expected exactly one of: motion, density, mass and inertia"),
+        ({"rigid": {}}, "has no key; expected exactly one of: motion, density, mass and inertia, or rigid"),
         ({"rigid": {"mass": 1.0}}, "has mass; expected exactly one of"),
         ({"rigid": True}, "velocity: has no effect: the body is at rest; expected rigid.motion.velocity"),
         ({"rigid": {"motion": {}}}, "motion: moves nothing; expected velocity or angular_velocity"),

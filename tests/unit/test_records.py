@@ -1,23 +1,31 @@
 """Records of comparisons: written, read, refused and ranked."""
 
 import json
+import os
 
+import numpy as np
 import pytest
+from pydantic import BaseModel
 from typer.testing import CliRunner
 
 import mpmfw
+from mpmfw.api import Boundary
 from mpmfw.cli import app
 from mpmfw.errors import SceneError
 from mpmfw.report.records import Record, _problem, ranked, read_records, write_records
 from mpmfw.scene import load_scene
+from msh_files import write_msh
+from scenes_for_tests import SOFT, block, one_body, two_blocks, with_changes
 
 SLIP = "rolling-cylinder-slip-rigid"
 
 
+SIZES = {"grid.cell_size": 0.8, "bodies.cylinder.particles.size": "1 cell", "time.end": 0.05}
+
+
 @pytest.fixture(scope="module")
 def dataset():
-    sizes = {"grid.cell_size": 0.8, "bodies.cylinder.particles.size": "1 cell", "time.end": 0.05}
-    return mpmfw.compare(SLIP, ["penalty"], ["linear"], {"time.safety": [0.4, 0.5]}, set=sizes)
+    return mpmfw.compare(SLIP, ["penalty"], ["linear"], {"time.safety": [0.4, 0.5]}, set=SIZES)
 
 
 @pytest.fixture
@@ -27,9 +35,9 @@ def folder(dataset, tmp_path):
 
 
 def test_every_row_has_a_record_of_its_own(dataset, folder):
-    one, two = sorted(read_records(folder), key=lambda record: record.settings["safety"])
-    assert (one.settings["safety"], two.settings["safety"]) == (0.4, 0.5)
-    assert one.settings["cell_size"] == 0.8
+    one, two = sorted(read_records(folder), key=lambda record: record.settings["time.safety"])
+    assert (one.settings["time.safety"], two.settings["time.safety"]) == (0.4, 0.5)
+    assert one.settings["grid.cell_size"] == 0.8
     assert one.problem == two.problem
     assert (one.method, one.shape, one.status) == ("penalty", "linear", "ok")
     assert one.code == f"mpmfw {mpmfw.__version__}, float64, CPU"
@@ -39,9 +47,80 @@ def test_every_row_has_a_record_of_its_own(dataset, folder):
     assert len(list(folder.iterdir())) == 2
 
 
+def test_other_settings_have_a_record_of_their_own(dataset, folder):
+    changed = {**SIZES, "contact.penalty.kappa": "8", "time.safety": "0.4"}
+    (path,) = write_records(mpmfw.compare(SLIP, ["penalty"], ["linear"], set=changed), folder)
+    assert len(list(folder.iterdir())) == 3
+    settings = json.loads(path.read_text())["settings"]
+    assert (settings["contact.penalty.kappa"], settings["time.safety"]) == ("8", "0.4")
+    assert "time.end" not in settings
+    assert len({record.problem for record in read_records(folder)}) == 1
+    edited = dataset.assign_attrs(scene=dataset.attrs["scene"] + "\n[contact.penalty]\nkappa = 8.0\n")
+    write_records(edited.assign_attrs(title="of two\nlines"), folder)
+    assert len(list(folder.iterdir())) == 5
+
+
+class Held(Boundary):
+    """Holds its bodies at a speed."""
+
+    name = "held"
+
+    class Options(BaseModel):
+        speed: float = 1.0
+
+    def velocity(self, position, time):
+        return np.full_like(position, self.options.speed * time)
+
+
+PUSH = {"model": "point_force", "at": [0, 0], "force": [1e4, 0]}
+COHESION = {"method": "none", "friction_law": "mohr_coulomb", "mohr_coulomb": {"cohesion": 1e3}}
+
+
+@pytest.mark.parametrize(
+    ("scene", "changes"),
+    [
+        (block(), {"materials__soft__bulk_modulus": 3e6}),
+        (block(), {"materials__soft__damping": {"bulk": 1e-6}}),
+        (block(loads={"push": PUSH}), {"loads__push__force": [2e4, 0]}),
+        (block(boundaries={"a": {"model": f"{__name__}:Held"}}), {"boundaries__a__speed": 2.0}),
+        (
+            two_blocks("none", contact=COHESION),
+            {"contact__mohr_coulomb__cohesion": 2e3},
+        ),
+        (block(gravity={"vector": [0, -2]}, settle={}), {"settle": {"gravity": {"vector": [0, -1]}}}),
+    ],
+)
+def test_the_problem_knows_the_options_of_plug_ins(scene, changes):
+    assert _problem(load_scene(with_changes(scene, **changes)), {}) != _problem(load_scene(scene), {})
+
+
+@pytest.mark.parametrize(
+    ("scene", "changes"),
+    [
+        (block(gravity={"vector": [0, -2]}, settle={}), {"settle": {"max_time": 1.0, "tolerance": 1e-4}}),
+        (block(), {"allow_overlap": True, "allow_unstable": True, "bodies__solid__volumetric": "averaged"}),
+        (block(), {"materials": {"hard": SOFT}, "bodies__solid__material": "hard"}),
+        (block(loads={"push": PUSH}), {"loads": {"pull": PUSH}}),
+        (two_blocks("penalty"), {"contact__penalty": {"kappa": 2.0}}),
+    ],
+)
+def test_the_problem_knows_no_methods_and_no_names(scene, changes):
+    assert _problem(load_scene(with_changes(scene, **changes)), {}) == _problem(load_scene(scene), {})
+
+
+def test_a_mesh_counts_by_its_content(tmp_path):
+    def hashed(name, width):
+        points, file = [(0, 0, 0), (width, 0, 0), (width, 1, 0), (0, 1, 0)], tmp_path / name
+        write_msh(file, points, {"quad": [[0, 1, 2, 3]]})
+        scene = one_body({"type": "mesh", "path": str(file)}, size=0.5, layout="fitted")
+        return _problem(load_scene(scene), {})
+
+    assert hashed("a.msh", 1.0) == hashed("b.msh", 1.0) != hashed("a.msh", 1.25)
+
+
 def test_the_problem_is_the_same_for_all_methods_and_cells():
     def hashed(**changes):
-        return _problem(load_scene(SLIP, set=changes))
+        return _problem(load_scene(SLIP, set=changes), {})
 
     same = hashed()
     assert hashed(**{"grid.cell_size": 0.2, "contact.method": "lcp", "shape.method": "linear"}) == same
@@ -53,11 +132,20 @@ def test_the_problem_is_the_same_for_all_methods_and_cells():
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"more": 1}, "more: Extra inputs are not permitted"),
-        ({"version": 2}, "version: Input should be 1"),
-        ({"problem": "../../etc"}, "problem: String should match pattern"),
-        ({"figures": {"steps": "many"}}, "figures.steps: "),
+        ({"more": 1}, "'more': Extra inputs are not permitted"),
+        ({"version": 2}, "'version': Input should be 1"),
+        ({"problem": "../../etc"}, "'problem': String should match pattern"),
+        ({"figures": {"steps": "many"}}, "'figures.steps': "),
         (None, ": Invalid JSON"),
+        ({"more\nlines": 1}, r"'more\nlines': Extra"),
+        ({"settings": {"cpu_time": "x"}}, "'cpu_time' does not name one of the settings"),
+        ({"settings": {"method": "best"}}, "'method' does not name one of the settings"),
+        ({"settings": {"style": "red"}}, "'style' does not name one of the settings"),
+        ({"figures": {"style": 1.0}}, "'style' does not name one of the figures"),
+        ({"figures": {"foo_error": 1.0}}, "'foo_error' does not name one of the figures"),
+        ({"code": "\x1b[31mred"}, "'code': String should match pattern"),
+        ({"settings": {"a\x1b[31m": 1.0}}, "String should match pattern"),
+        ({"machine": "x" * 1000}, "'machine': String should have at most"),
     ],
 )
 def test_a_file_that_is_no_record_gives_one_line(folder, change, said):
@@ -70,29 +158,44 @@ def test_a_file_that_is_no_record_gives_one_line(folder, change, said):
     assert said in line
 
 
-def test_links_and_large_files_are_refused(folder, tmp_path):
+def test_links_pipes_and_large_files_are_refused(folder, tmp_path):
     (folder / "link.json").symlink_to(min(folder.iterdir()))
     (folder / "zeros.json").write_bytes(b" " * 200_000)
+    os.mkfifo(folder / "pipe.json")
     with pytest.raises(SceneError) as caught:
         read_records(folder)
-    assert len(str(caught.value).splitlines()) == 2
+    assert len(str(caught.value).splitlines()) == 3
     with pytest.raises(SceneError, match="holds no records"):
         read_records(tmp_path / "none")
 
 
-def test_the_largest_error_ranks_then_the_cost():
-    def record(method, cost, **errors):
-        figures = {f"{name}_error": value for name, value in errors.items()} | {"cpu_time": cost}
-        facts = {"scene": "s", "problem": 16 * "0", "shape": "x", "code": "c", "settings": {}}
-        return Record(**facts, method=method, machine="m", status="ok", figures=figures)
+def record(method, cost, status="ok", settings=None, **figures):
+    """A record of a made-up problem."""
+    facts = {"scene": "s", "problem": 16 * "0", "tables": 16 * "0", "shape": "x", "code": "c", "machine": "m"}
+    figures |= {"cpu_time": cost}
+    return Record(**facts, method=method, status=status, settings=settings or {}, figures=figures)
 
+
+def test_the_largest_error_ranks_then_the_cost():
     records = [
-        record("turns not", 1.0, displacement=0.1, spin=-99.0),
-        record("dear", 9.0, displacement=1.0, spin=-3.0),
-        record("cheap", 2.0, displacement=-3.0, spin=1.0),
+        record("suspect", 0.1, "suspect: energy grew", displacement_error=0.0, spin_error=0.0),
+        record("has no spin", 0.1, displacement_error=0.1),
+        record("turns not", 1.0, displacement_error=0.1, spin_error=-99.0),
+        record("dear", 9.0, displacement_error=1.0, spin_error=-3.0, settings={"foo_error": "hello"}),
+        record("cheap", 2.0, displacement_error=-3.0, spin_error=1.0),
     ]
     (rows,) = ranked(records).values()
-    assert [row["method"] for row in rows] == ["cheap", "dear", "turns not"]
+    assert [row["method"] for row in rows] == ["cheap", "dear", "turns not", "has no spin", "suspect"]
+
+
+def test_a_share_is_compared_with_per_cent():
+    records = [
+        record("20 %", 1.0, force_error_100us=0.2, impulse_error=1.0),
+        record("10 %", 2.0, force_error_100us=0.1, impulse_error=2.0),
+        record("5 %", 3.0, force_error_100us=0.01, impulse_error=5.0),
+    ]
+    (rows,) = ranked(records).values()
+    assert [row["method"] for row in rows] == ["5 %", "10 %", "20 %"]
 
 
 def test_rank_prints_records_or_says_what_it_needs(folder):
@@ -100,3 +203,17 @@ def test_rank_prints_records_or_says_what_it_needs(folder):
     assert done.exit_code == 0
     assert {row["method"] for row in json.loads(done.stdout)} == {"penalty"}
     assert CliRunner().invoke(app, ["rank"]).exit_code == 2
+    given = ["--by", "contact", "--levels", "1%", "--force", "-o", "x.png", "--body", "a"]
+    refused = CliRunner().invoke(app, ["rank", "--records", str(folder), *given])
+    assert refused.exit_code == 2
+    said = "--by, --levels, --body, --output, --force: has no effect with --records"
+    assert said in " ".join(refused.stderr.split())
+
+
+def test_a_folder_that_cannot_be_made_stops_a_comparison_before_its_runs(tmp_path):
+    (tmp_path / "file").touch()
+    given = ["--records", str(tmp_path / "file"), "-o", str(tmp_path / "x.nc")]
+    done = CliRunner().invoke(app, ["compare", SLIP, *given])
+    assert done.exit_code == 1
+    assert "file': File exists" in done.stderr
+    assert not list(tmp_path.glob("x.nc*"))

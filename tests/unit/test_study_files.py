@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from mpmfw.campaigns.keys import overrides_of
+from mpmfw.campaigns.keys import is_numerical, is_own_method, overrides_of
 from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import available
 from mpmfw.results.references import declared
@@ -119,3 +119,8 @@ def test_gravity_as_a_vector_and_another_order_of_bodies_keep_the_closed_form():
     exact = 10.0 * (math.sin(tilt) - friction * math.cos(tilt))
     assert before.solution.acceleration == pytest.approx(exact, rel=1e-12)
     assert found.solution.acceleration == pytest.approx(before.solution.acceleration, rel=1e-12)
+
+
+def test_averaged_volume_is_a_method_of_mpmfw_alone():
+    assert is_numerical("bodies.block.volumetric")
+    assert is_own_method("bodies.block.volumetric")

@@ -26,6 +26,7 @@ convergence = Runs(
     ],
     when="full",
 )
+springs = Runs("springs", places=[Place("R/h = 5")], when="quick")
 
 
 @known_red(
@@ -41,6 +42,14 @@ def test_cells(run):
     run.gate(f"contact force against the weight, error, {at}", force, 0.0, 5.0, "%", binds=True)
     run.gate(f"{MOMENT}, {at}", moment, 0.0, 5.0, "%", binds=stiff)
     run.gate(f"radius by the outermost node in contact, error, {at}", outermost, 0.0, unit="%")
+
+
+@springs
+def test_springs(run):
+    """Judge what the usual springs add to the radius: 1.22 h / R, by the full version's R/h = 10 and 14."""
+    force = run.of(circle.errors, "force")
+    run.gate("contact force against the weight, error, R/h = 5", force, 0.0, 5.0, "%")
+    run.gate(f"{MOMENT}, R/h = 5", run.of(circle.errors, "second moment"), 24.4, (19.4, 29.4), "%")
 
 
 @convergence

@@ -25,6 +25,7 @@ from mpmfw.results.references import RingsReference, RollingReference, declared
 from mpmfw.results.replacing import check_replaceable, replace_dataset
 from mpmfw.scene import Scene, load_scene
 from mpmfw.scene.requested import check_compared
+from mpmfw.scene.sources import plain
 from mpmfw.scene.specification import written
 
 
@@ -206,6 +207,7 @@ def compare(
     grid = make_grid({"": scene}, {**methods, **varied}, {**particles, **(set or {})})
     threads = 1 if first is None else first.threads
     dataset = run_grid(grid, Execution(**running), tuple(known), threads=threads, grown=grown)
+    dataset.attrs["set"] = json.dumps(plain(set or {}), default=str)
     if path is not None:
         _write(dataset, path)
     return dataset

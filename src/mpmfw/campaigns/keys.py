@@ -33,12 +33,12 @@ SHORT = {
 #: Keys of a scene that choose how it is computed; all others change what is computed.
 _NUMERICAL = re.compile(
     r"contact\.(?!friction|pairs)|shape\.|stepping\.|grid\.|time\.(safety|step|output_interval)|output\.|settle\.(?!gravity)"
-    r"|bodies\.[^.]+\.(particles|segment|rotation)"
+    r"|bodies\.[^.]+\.(particles|segment|rotation|volumetric)"
 )
 
 #: Keys of mpmfw's own methods, which other codes do not read.
 _OWN_METHODS = re.compile(
-    r"contact\.(?!friction|pairs|method)|shape\.|stepping\.|time\.(safety|step)$|bodies\.[^.]+\.(segment|rotation)"
+    r"contact\.(?!friction|pairs|method)|shape\.|stepping\.|time\.(safety|step)$|bodies\.[^.]+\.(segment|rotation|volumetric)"
 )
 
 #: Names that a dataset has for itself.

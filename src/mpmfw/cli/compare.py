@@ -60,6 +60,9 @@ def compare(
     contacts = contacts or [loaded.contact.method if loaded.contact else "none"]
     shapes = shapes or [loaded.shape.method]
     check_compared(loaded, {"contact": contacts, "shape": shapes}, shared, varied)
+    if records is not None:
+        records.mkdir(parents=True, exist_ok=True)
+        args.new_path(records / "record.json", force=True)
     from mpmfw.campaigns.campaign import compare as run_all
     from mpmfw.report import table, write_report
 
@@ -73,15 +76,15 @@ def compare(
         methods: dict[str, Any] = {"contact": contacts, "shape": shapes, "code": codes or ()}
         dataset = run_all(loaded, vary=varied, **methods, **running, **reports)
     alone = form is not Format.table
-    if records is not None:
-        from mpmfw.report.records import write_records
-
-        typer.echo(f"{records}: {len(write_records(dataset, records))} records", err=True)
     if alone:
         write_rows(table(dataset), form)
     else:
         print_comparison(dataset)
     typer.echo(f"{path}: all series and costs", err=alone)
+    if records is not None:
+        from mpmfw.report.records import write_records
+
+        typer.echo(f"{records}: {len(write_records(dataset, records))} records", err=alone)
     if report is not None:
         write_report(dataset, report)
         typer.echo(f"{report}: tables and figures", err=alone)

@@ -194,6 +194,7 @@ def _print_choice(dataset: xr.Dataset, form: Format) -> None:
 
 
 def rank(
+    context: typer.Context,
     results: Annotated[list[Path] | None, Argument(metavar="RESULTS", help="Files of mpmfw study.")] = None,
     records: Annotated[
         Path | None, Option(metavar="FOLDER", help="Rank the records of mpmfw compare --records instead.")
@@ -215,6 +216,11 @@ def rank(
     if (records is None) != bool(results):
         raise SceneError("RESULTS: expected files of mpmfw study, or --records FOLDER")
     if records is not None:
+        default = context.get_parameter_source("results")  # they are not given
+        others = ("by", "levels", "body", "pair", "axis", "output", "force")
+        given = [f"--{name}" for name in others if context.get_parameter_source(name) != default]
+        if given:
+            raise SceneError(f"{', '.join(given)}: has no effect with --records; leave it out")
         _print_records(records, form)
         return
     assert results is not None

@@ -5,25 +5,34 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Sequence
+import stat
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import xarray as xr
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
+from mpmfw.campaigns.keys import is_numerical
+from mpmfw.campaigns.measures import names_of_measures
 from mpmfw.errors import SceneError
-from mpmfw.report.table import CHOICES, method_dims, table
-from mpmfw.results.references import own_attributes, scene_of_results
+from mpmfw.report.table import CHOICES, COLUMNS, column_of, method_dims, table
+from mpmfw.results.references import own_attributes, scene_of, scene_of_results
 from mpmfw.results.replacing import replace_bytes
 from mpmfw.results.selection import points_of
+from mpmfw.runs.identity import meaning_of
+from mpmfw.scene import Scene
+from mpmfw.scene.sources import code_in
 
-#: Bytes of a file above which it is no record.
-LARGEST = 100_000
+#: Bytes of the largest record, and characters of its longest text.
+LARGEST, LONGEST = 100_000, 500
 
-#: Keys of a scene and of its bodies that choose how it is computed, and not what.
-_METHODS = {"title", "reference", "threads", "grid", "shape", "stepping", "output", "outputs", "sleep"}
-_OF_BODIES = ("particles", "segment", "rotation", "volumetric")
+#: Tables of a scene that do not change the problem.
+_METHODS = ("allow_overlap", "allow_unstable", "grid", "shape", "stepping", "output", "outputs", "sleep")
+
+#: One line without control characters.
+Text = Annotated[str, Field(max_length=LONGEST, pattern=r"^[^\p{C}\p{Zl}\p{Zp}]*$")]
+Hash = Annotated[str, Field(pattern="^[0-9a-f]{16}$")]
 
 
 class Record(BaseModel):
@@ -32,40 +41,59 @@ class Record(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     version: Literal[1] = Field(default=1, description="of this schema")
-    scene: str = Field(description="title of the scene")
-    problem: str = Field(pattern="^[0-9a-f]{16}$", description="hash of what is computed, methods left out")
-    method: str = Field(description="contact, or another code with its settings")
-    shape: str
-    code: str = Field(description="version, float width and processor of another code; or mpmfw's version")
-    settings: dict[str, str | float] = Field(description="values of varied keys, and the cell size")
-    machine: str = Field(description="model of the processor")
-    status: str
-    figures: dict[str, float] = Field(description="by the names of the columns of mpmfw compare")
+    scene: Text = Field(description="title of the scene")
+    problem: Hash = Field(description="hash of what is computed, methods left out")
+    tables: Hash = Field(description="hash of the scene's tables, methods included")
+    method: Text = Field(description="contact, or another code with its settings")
+    shape: Text
+    code: Text = Field(description="version, float width and processor of another code; or mpmfw's version")
+    settings: dict[Text, Text | float] = Field(description="keys that were set or varied, and the cell size")
+    machine: Text = Field(description="model of the processor")
+    status: Text
+    figures: dict[Text, float] = Field(description="by the names of the columns of mpmfw compare")
+
+    @field_validator("settings", "figures")
+    @classmethod
+    def _has_its_own_columns(cls, given: dict[str, Any], info: Any) -> dict[str, Any]:
+        """Refuse settings with the name of another column, and figures of unknown columns."""
+        figures = {*COLUMNS, *(f"{name.replace('-', '_')}_error" for name in names_of_measures())}
+        taken = given.keys() & {*cls.model_fields, *figures, "style"}
+        wrong = taken if info.field_name == "settings" else given.keys() - figures
+        if wrong:
+            raise ValueError(f"'{min(wrong)}' does not name one of the {info.field_name}")
+        return given
 
 
 def records_of(dataset: xr.Dataset) -> list[Record]:
     """Return a record of each row of a comparison that has figures."""
     found, attributes = [], dataset.attrs
     version = json.loads(attributes.get("versions", "{}")).get("mpmfw", "?")
+    varied, shared = (json.loads(attributes.get(name, "{}")) for name in ("varied", "set"))
     points = [one for _, one in points_of(dataset, method_dims(dataset))]
     for row, one in zip(table(dataset), points, strict=True):
         labels = {str(dim): row.pop(str(dim)) for dim in method_dims(dataset)}
         figures = {name: float(value) for name, value in row.items() if isinstance(value, int | float)}
         figures = {name: value for name, value in figures.items() if math.isfinite(value)}
-        scene = scene_of_results(own_attributes(one))
+        scene, written = scene_of_results(own_attributes(one)), scene_of(own_attributes(one))
         if not figures or scene is None:
             continue
-        settings = {dim: label for dim, label in labels.items() if dim not in ("contact", "shape")}
-        settings |= {name: str(row[name]) for name in CHOICES if row.get(name) and name != "code"}
+        problem = _problem(scene, written["materials"])
+        for kind in ("contact", "shape"):  # the first run's
+            written.get(kind, {}).pop("method", None)
+        settings = {key: value for key, value in shared.items() if is_numerical(key)}
+        settings |= {varied[dim]: label for dim, label in labels.items() if dim in varied}
+        settings |= {"grid.cell_size": scene.grid.cell_size}
+        settings |= {name: row[name] for name in CHOICES if row.get(name) and name != "code"}
         record = Record(
-            scene=str(attributes.get("title", "")),
-            problem=_problem(scene),
-            method=str(labels["contact"]),
-            shape=str(labels["shape"]),
-            code=str(row.get("code") or f"mpmfw {version}, float64, CPU"),
-            settings={"cell_size": float(scene.grid.cell_size), **settings},
-            machine=str(attributes.get("processor", "")),
-            status=str(row["status"]),
+            scene=_cleaned(attributes.get("title", "")),
+            problem=problem,
+            tables=_hash(written),
+            method=_cleaned(labels["contact"]),
+            shape=_cleaned(labels["shape"]),
+            code=_cleaned(row.get("code") or f"mpmfw {version}, float64, CPU"),
+            settings={key: _cleaned(value) for key, value in settings.items()},
+            machine=_cleaned(attributes.get("processor", "")),
+            status=_cleaned(row["status"]),
             figures=figures,
         )
         found.append(record)
@@ -77,26 +105,27 @@ def write_records(dataset: xr.Dataset, folder: Path) -> list[Path]:
     folder.mkdir(parents=True, exist_ok=True)
     paths = []
     for record in records_of(dataset):
-        run = record.model_dump_json(exclude={"status", "figures"})
-        paths.append(folder / f"{record.problem}-{hashlib.sha256(run.encode()).hexdigest()[:16]}.json")
+        run = _hash(record.model_dump(exclude={"status", "figures"}))
+        paths.append(folder / f"{record.problem}-{run}.json")
         replace_bytes(record.model_dump_json(indent=1).encode(), paths[-1])
     return paths
 
 
 def read_records(folder: Path) -> list[Record]:
-    """Return the records of a folder; a SceneError has a line for each file that is none."""
+    """Return the records of a folder; a SceneError has a line for each file that does not hold one."""
     paths = sorted(folder.glob("*.json")) if folder.is_dir() else []
     if not paths:
         raise SceneError(f"{folder}: holds no records; expected files of mpmfw compare --records")
     found, wrong = [], []
     for path in paths:
         try:
-            if path.is_symlink() or path.stat().st_size > LARGEST:
-                raise ValueError(f"is a link, or above {LARGEST} bytes")
+            about = path.lstat()
+            if not stat.S_ISREG(about.st_mode) or about.st_size > LARGEST:
+                raise ValueError(f"expected a plain file of at most {LARGEST} bytes")
             found.append(Record.model_validate_json(path.read_bytes()))
         except ValidationError as error:
             first = error.errors(include_url=False, include_input=False)[0]
-            wrong.append(f"{path}: {'.'.join(map(str, first['loc']))}: {first['msg']}")
+            wrong.append(f"{path}: {'.'.join(map(str, first['loc']))!r}: {first['msg']}")
         except (OSError, ValueError) as error:
             wrong.append(f"{path}: {error}")
     if wrong:
@@ -105,27 +134,52 @@ def read_records(folder: Path) -> list[Record]:
 
 
 def ranked(records: Sequence[Record]) -> dict[str, list[dict[str, Any]]]:
-    """Return rows by scene, the one whose largest error is least first, then the cheapest."""
-    scenes: dict[str, list[dict[str, Any]]] = {}
-    for record in records:
-        row: dict[str, Any] = {"method": record.method, "shape": record.shape, "code": record.code}
-        row |= {**record.settings, "status": record.status, **record.figures, "machine": record.machine}
-        scenes.setdefault(f"{record.scene} ({record.problem})", []).append(row)
-
-    def order(row: dict[str, Any]) -> tuple[float, float]:
-        errors = [abs(value) for name, value in row.items() if name.endswith("_error")]
-        return max(errors, default=math.inf), row.get("cpu_time", math.inf)
-
-    return {scene: sorted(rows, key=order) for scene, rows in sorted(scenes.items())}
+    """Return rows by problem: ok first, then by the largest error, infinite if it lacks one, then by cost."""
+    problems: dict[str, list[Record]] = {}
+    for record in sorted(records, key=lambda record: record.scene):
+        problems.setdefault(record.problem, []).append(record)
+    return {f"{same[0].scene} ({problem})": _rows(same) for problem, same in problems.items()}
 
 
-def _problem(scene: Any) -> str:
-    """Return a hash of the tables that say what is computed."""
-    tables = scene.model_dump(exclude=_METHODS)
-    for body in tables["bodies"].values():
-        for key in _OF_BODIES:
-            body.pop(key, None)
-    tables["time"] = {"end": tables["time"]["end"]}
-    tables["contact"] = None if scene.contact is None else [scene.pairs, scene.contact.friction_law]
-    text = json.dumps(tables, sort_keys=True, default=str)
+def _rows(records: Sequence[Record]) -> list[dict[str, Any]]:
+    names = {name for record in records for name in record.figures if "_error" in name}
+    scales = {name: 100.0 if column_of(name).unit == "1" else 1.0 for name in names}  # to per cent
+
+    def order(record: Record) -> tuple[bool, float, float]:
+        errors = [abs(scale * record.figures.get(name, math.inf)) for name, scale in scales.items()]
+        return record.status != "ok", max(errors, default=math.inf), record.figures.get("cpu_time", math.inf)
+
+    return [
+        {"method": record.method, "shape": record.shape, "code": record.code, **record.settings}
+        | {"status": record.status, **record.figures, "machine": record.machine}
+        for record in sorted(records, key=order)
+    ]
+
+
+def _cleaned(value: Any) -> Any:
+    """Return a number, or a text without control characters, shortened."""
+    if isinstance(value, int | float):
+        return float(value)
+    return "".join(c if c.isprintable() else " " for c in str(value))[:LONGEST]
+
+
+def _problem(scene: Scene, materials: Mapping[str, Any]) -> str:
+    """Return a hash of the scene's meaning without methods and names; materials of code count as written."""
+    tables, meshes = meaning_of(scene, {}).values()
+    for name, body in tables["bodies"].items():
+        own = {"material": tables["materials"].get(body["material"])}
+        tables["bodies"][name] = {k: v for k, v in body.items() if not is_numerical(f"bodies.body.{k}")} | own
+    tables["materials"] = [one for one in materials.values() if next(code_in(one), None)]
+    tables["time"] = tables["time"]["end"]
+    if scene.contact is not None:
+        pairs = [(a, b, f"{friction:.15g}") for a, b, friction in scene.pairs]
+        tables["contact"] = [pairs, scene.contact.friction_law, tables["contact"].get("friction_options")]
+    tables["settle"] = scene.settle and [tables["settle"]["gravity"]]
+    for group in ("loads", "boundaries"):
+        tables[group] = sorted(json.dumps(one, sort_keys=True) for one in tables[group].values())
+    return _hash([{key: tables[key] for key in tables if key not in _METHODS}, meshes])
+
+
+def _hash(content: Any) -> str:
+    text = json.dumps(content, sort_keys=True, default=str)
     return hashlib.sha256(text.encode()).hexdigest()[:16]

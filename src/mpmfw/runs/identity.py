@@ -19,8 +19,8 @@ from mpmfw.scene.options import NAMED
 
 #: Parts of the core that the numbers of a run depend on; the values of a scene are in its key themselves.
 _COUNTED = (
-    "contact", "effects", "geometry", "kernels", "plugin", "runs", "state", "step", "scene/scene.py",
-    "scene/tables.py",
+    "codes", "contact", "effects", "geometry", "kernels", "plugin", "runs", "state", "step",
+    "scene/scene.py", "scene/tables.py",
 )  # fmt: skip
 _LIBRARIES = ("numpy", "numba", "scipy", "shapely")
 
@@ -33,7 +33,7 @@ def key_of(scene: Scene, contact: Any = None, shape: Any = None, what: str = "")
     objects = {
         kind: _of_object(one) for kind, one in (("contact", contact), ("shape", shape)) if one is not None
     }
-    meaning = json.dumps(_meaning(scene, objects), sort_keys=True, default=str)
+    meaning = json.dumps(meaning_of(scene, objects), sort_keys=True, default=str)
     return digest(what, meaning, *(f"{k} {v}" for k, v in sorted(code_of(scene, contact, shape).items())))
 
 
@@ -79,8 +79,8 @@ def _home(kind: Kind, name: str) -> str:
     return choices(kind)[name].module.partition(".")[0]
 
 
-def _meaning(scene: Scene, objects: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the scene's tables; of plug-ins the options of those that run."""
+def meaning_of(scene: Scene, objects: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the scene's tables and hashes of its meshes; of plug-ins the options of those that run."""
     tables = scene.model_dump(exclude={"title", "reference", "threads"})
     for kind, chosen in (("contact", scene.contact), ("shape", scene.shape)):
         if tables.get(kind) is not None and chosen is not None:

@@ -85,7 +85,8 @@ def check_rigid(body: RigidBody, path: Path, dim: int) -> Iterator[Problem]:
                 yield Problem((*path, key), f"has no effect: {moves}; expected rigid.motion.{key}")
     if isinstance(rigid, bool):
         return
-    yield from one_form(at, rigid.model_fields_set, "motion", "density", "mass and inertia")
+    forms = ("motion", "density", "mass and inertia", "or rigid = true")
+    yield from one_form(at, rigid.model_fields_set, *forms)
     yield from check_spin(rigid.inertia, (*at, "inertia"), dim, "kg m^2")
     if rigid.motion is not None:
         yield from _motion(rigid.motion, (*at, "motion"), dim)
