@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import json
 import math
+import re
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
@@ -99,12 +100,12 @@ class Newton(Code):
             depth = SLAB * cell * (np.arange(layers) + 0.5) / layers
             position = np.column_stack([np.repeat(position, layers, axis=0), np.tile(depth, len(volume))])
             volume = np.repeat(volume * SLAB * cell / layers, layers)
-        velocity = np.zeros_like(position)
+        velocity, spin = np.zeros_like(position), np.zeros(3)
         velocity[:, : scene.dim] += body.velocity or 0.0
         if body.angular_velocity is not None:
-            spin = np.zeros(3)
             spin[-np.size(body.angular_velocity) :] = body.angular_velocity
             velocity += np.cross(spin, position - volume @ position / volume.sum())
+        gradient = np.cross(spin, np.eye(3)).T  # of v = ω × r
         young, poisson = elastic_constants(scene, name)
         settle = scene.settle
         at_rest = None if settle is None else _upright(scene, settle.gravity or scene.gravity)
@@ -124,7 +125,8 @@ class Newton(Code):
             **self.options.model_dump(),
         }
         (folder / "newton.json").write_text(json.dumps(facts, indent=1), encoding="utf-8")
-        np.savez(folder / "points.npz", position=position, volume=volume, velocity=velocity)
+        path = folder / "points.npz"
+        np.savez(path, position=position, volume=volume, velocity=velocity, gradient=gradient)
 
     def program(self) -> str | None:
         """Return this interpreter, if it has Newton."""
@@ -134,10 +136,14 @@ class Newton(Code):
     def version(self, program: str) -> str:
         """Return the versions of Newton and Warp that an interpreter has."""
         text = "from importlib.metadata import version as v; print(v('newton'), v('warp-lang'))"
-        done = subprocess.run([program, "-I", "-c", text], capture_output=True, text=True, timeout=60)
-        if done.returncode:
+        try:
+            done = subprocess.run([program, "-I", "-c", text], capture_output=True, text=True, timeout=60)
+            found = re.fullmatch(r"\d[\w.+-]* \d[\w.+-]*", done.stdout.strip())
+        except (OSError, ValueError, subprocess.TimeoutExpired):
+            found = None
+        if found is None or done.returncode:
             raise SceneError(f"code {self.name}: {program} has no Newton; {self.install}")
-        return done.stdout.strip()
+        return found.group()
 
     def command(self, program: str, folder: Path) -> Sequence[str]:
         """Return the arguments: the driver beside this file, isolated from names of this package."""
@@ -145,23 +151,31 @@ class Newton(Code):
 
     def outputs(self, scene: Scene, folder: Path) -> MotionOutputs:
         """Read ``motion.npz`` and ``motion.json``, which the driver writes last."""
-        facts = json.loads((folder / "motion.json").read_text(encoding="utf-8"))
-        asked = json.loads((folder / "newton.json").read_text(encoding="utf-8"))
+        names = ("motion.json", "newton.json")
+        facts, asked = (json.loads((folder / name).read_text(encoding="utf-8")) for name in names)
         motion = read_arrays(folder / "motion.npz")
         time, position, velocity = (motion[key].astype(float) for key in ("time", "position", "velocity"))
         mass = asked["density"] * read_arrays(folder / "points.npz")["volume"]
+        if not isinstance(facts["error"], str) or len(facts["error"].splitlines()) > 1:
+            raise ValueError("its error is not a line")
         if facts["error"]:
             raise MpmfwError(f"{self.title}: {facts['error']}")
         notes = [
             "Newton's elastic law is Hooke's in logarithmic strain, with the scene's moduli at small strain",
             f"implicit steps of {facts['step']:.3g} s; its time step has no limit of stability",
+            "no drag of air (default 1); a dense grid: on the default, sparse, the motion was not finite",
         ]
         if scene.dim == 2:
             width = SLAB * asked["cell_size"]
             mass = mass / width
             notes.append(f"a slab of {width:g} m, free on both sides, instead of plane strain")
-        if asked["settle_gravity"] is not None and not facts["settled"]:
-            notes.append(f"it was not at rest after {facts['settle_steps']} steps of settling")
+        if asked["settle_gravity"] is not None:
+            notes.append(
+                f"settled in {facts['settle_steps']} steps of at most 200, ten times as long, each from rest,"
+                f" to changes below {asked['settle_tolerance']:g} of the whole"
+            )
+            if not facts["settled"]:
+                notes.append("it was not at rest after settling")
         if asked["device"] == "cuda":
             notes.append("costs are those of a graphics processor and one core beside it")
         version = str(facts["versions"]["newton"])
@@ -175,10 +189,8 @@ class Newton(Code):
             time=time,
             bodies={name: points},
             code=f"Newton {version}, float32, {facts['device']}",
-            steps=int(facts["steps"]),
-            costs={
-                key: float(facts[key]) for key in ("cpu_time", "wall_time", "settle_time", "compile_time")
-            },
+            steps=facts["steps"],
+            costs={key: facts[key] for key in ("cpu_time", "wall_time", "settle_time", "compile_time")},
             status=status,
             notes=tuple(notes),
             versions={str(key): str(value) for key, value in facts["versions"].items()},

@@ -2,22 +2,29 @@
 
 import importlib.util
 import json
+import os
 import shutil
+import signal
+import subprocess
 import sys
+import time
+import types
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import mpmfw
-from mpmfw.api.code import Code, MotionOutputs, MovingPoints, ProcessLimits
+from mpmfw.api.code import Code, MotionOutputs, MovingPoints, ProcessLimits, read_arrays, read_log
 from mpmfw.codes.code import codes_of
+from mpmfw.codes.outputs import RunCost, results_of
 from mpmfw.codes.process import run_process
 from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.report import table
 from mpmfw.results.references import reference_of
 from mpmfw.runs.identity import key_of
 from mpmfw.scene import load_scene
+from mpmfw.scene.tables import Series
 from mpmfw_code.calculix import Calculix
 from mpmfw_code.newton import Newton
 
@@ -85,14 +92,23 @@ def test_damaged_output_gives_one_line(newton_folder, file, damage):
     assert file == "scene.toml" or "Newton: " in str(caught.value)
 
 
-@pytest.mark.parametrize("change", ["not finite", "fewer points", "times fall"])
-def test_a_motion_that_is_none_is_refused(newton_folder, change):
+CHANGES = ("not finite", "huge", "fewer points", "times fall", "times of two dimensions", "complex", "text")
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_a_damaged_motion_is_refused(newton_folder, change):
     with np.load(newton_folder / "motion.npz") as file:
         arrays = dict(file)
     if change == "not finite":
         arrays["velocity"][3, 2, 0] = np.nan
     elif change == "fewer points":
         arrays["position"] = arrays["position"][:, :-1]
+    elif change == "huge":
+        arrays["position"] = 1e200 * arrays["position"].astype(float)
+    elif change == "times of two dimensions":
+        arrays["time"] = arrays["time"][:, None]
+    elif change in ("complex", "text"):
+        arrays["time"] = arrays["time"].astype(complex if change == "complex" else str)
     else:
         arrays["time"][2] = arrays["time"][1]
     np.savez(newton_folder / "motion.npz", **arrays)
@@ -103,6 +119,59 @@ def test_a_motion_that_is_none_is_refused(newton_folder, change):
 def _edit(path, **changes):
     facts = json.loads(path.read_text())
     path.write_text(json.dumps(facts | changes))
+
+
+FACTS = [
+    {"steps": 1e300},
+    {"steps": -1},
+    {"steps": True},
+    {"steps": 2**70},
+    {"cpu_time": -1.0},
+    {"cpu_time": "1.0"},
+    {"settle_time": float("nan")},
+    {"error": ["a"]},
+    {"error": "a\nb"},
+]
+
+
+@pytest.mark.parametrize("facts", FACTS, ids=str)
+def test_facts_of_another_kind_are_refused(newton_folder, facts):
+    _edit(newton_folder / "motion.json", **facts)
+    with pytest.raises(MpmfwError, match="Newton: its output is missing or damaged"):
+        Newton().read(newton_folder)
+
+
+def test_a_cost_of_another_kind_is_refused(newton_folder):
+    _edit(newton_folder / "cost.json", wall_time=float("inf"))
+    with pytest.raises(MpmfwError, match="wall_time is not a finite number from 0"):
+        Newton().read(newton_folder)
+
+
+def test_files_that_are_too_large_are_not_read(newton_folder):
+    path = newton_folder / "motion.json"
+    os.truncate(path, 2**24 + 1)  # a hole, which takes no room
+    with pytest.raises(MpmfwError, match=r"motion\.json is too large"):
+        Newton().read(newton_folder)
+    packed = newton_folder / "more.npz"
+    np.savez_compressed(packed, zeros=np.zeros(10**6))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("mpmfw.codes.code.LARGEST", 10**6)
+        assert packed.stat().st_size < 10**6
+        with pytest.raises(ValueError, match=r"more\.npz is too large"):
+            read_arrays(packed)
+
+
+def test_texts_of_a_code_have_printable_characters(newton_folder):
+    _edit(newton_folder / "motion.json", device="cuda", versions={"newton": "\x1b[2J1.8\x00\u202e.0\n"})
+    asked = json.loads((newton_folder / "newton.json").read_text())
+    (newton_folder / "newton.json").write_text(json.dumps({**asked, "device": "cuda"}))
+    attrs = Newton().read(newton_folder).attrs
+    assert attrs["code"] == "Newton [2J1.8 .0 , float32, cuda"
+    assert all(attrs[name].isprintable() for name in ("code", "status", "notes", "code_versions"))
+    _edit(newton_folder / "motion.json", error="\x1b]0;title\x07 it fell")
+    with pytest.raises(MpmfwError) as caught:
+        Newton().read(newton_folder)
+    assert str(caught.value) == "Newton: ]0;title it fell"
 
 
 def test_another_version_is_named_in_the_status(newton_folder):
@@ -139,6 +208,26 @@ def test_a_recorded_folder_of_calculix_gives_the_figures_of_its_run(calculix_fol
     )
 
 
+@pytest.mark.parametrize("held", ["plane", "block", "both"])
+def test_the_contact_force_is_of_the_body_that_nothing_holds(calculix_folder, held):
+    scene = load_scene(calculix_folder / "scene.toml")
+    outputs = Calculix().outputs(scene, calculix_folder)
+    sides = [{"side": "bottom", "fixed": True}]
+    changes = {f"bodies.{name}.sides": sides if held in (name, "both") else [] for name in scene.bodies}
+    changed = scene.with_overrides(changes)
+    run = results_of(changed, outputs, RunCost(1.0, 1.0, 1.0), {}, None)
+    series = run["series"].to_dataset()
+    if held == "both":
+        assert "contact_force" not in series
+        return
+    momentum = series["linear_momentum"].sel(body="block" if held == "plane" else "plane")
+    rate = np.diff(momentum.transpose("time", "axis").values, axis=0) / np.diff(series["time"])[:, None]
+    mass = outputs.bodies[str(momentum["body"].item())].mass.sum()
+    expected = rate - mass * np.array(scene.gravity.at(0.0))
+    force = series["contact_force"].sel(pair="block-plane").transpose("time", "axis").values[1:]
+    np.testing.assert_allclose(force, expected if held == "plane" else -expected)
+
+
 def test_growing_energy_is_suspect(calculix_folder):
     path = calculix_folder / "scene.dat"
     lines, last = path.read_text().split("\n"), 0
@@ -171,15 +260,48 @@ def test_the_input_of_calculix_joins_quadrilaterals(tmp_path):
     assert front == 3 * 2 + 15 * 2  # of elements of 0.3 m, and below of 0.27 m
     elements = [line for line in lines if line.count(",") == 8]
     assert len(elements) == 2 + 14
-    surface = lines[lines.index("*SURFACE, NAME=Sblock, TYPE=ELEMENT") + 1 :][:6]
+    surface = lines[lines.index("*SURFACE, NAME=SB1, TYPE=ELEMENT") + 1 :][:6]
     assert sorted(surface) == ["1,S3", "1,S5", "1,S6", "2,S3", "2,S4", "2,S5"]
-    assert "Eblock,GRAV,10,0.5,-0.866025403784,0." in lines  # of the motion
-    assert "Eblock,GRAV,10,0,-1,0." in lines  # of the static step
+    assert "EB1,GRAV,10,0.5,-0.866025403784,0." in lines  # of the motion
+    assert "EB1,GRAV,10,0,-1,0." in lines  # of the static step
     at = lines.index("*HYPERELASTIC, NEO HOOKE")
     assert [float(each) for each in lines[at + 1].split(",")] == pytest.approx([3e6, 2 / 12e6])
 
 
+@pytest.mark.parametrize("names", [("A", "a"), ("b" * 90, "plane")])
+def test_the_input_of_calculix_has_no_names_of_bodies(tmp_path, names):
+    text = load_scene("sliding-block", set={"grid.cell_size": 0.3}).text
+    for old, new in zip(("block", "plane"), names, strict=True):
+        text = text.replace(f"bodies.{old}", f"bodies.{new}")
+    path = tmp_path / "named.toml"
+    path.write_text(text)
+    Calculix().prepare(load_scene(path), tmp_path)
+    lines = (tmp_path / "scene.inp").read_text().splitlines()
+    assert "*MATERIAL, NAME=MB1" in lines
+    assert "*MATERIAL, NAME=MB2" in lines
+    assert max(map(len, lines)) < 80
+
+
+def test_a_step_of_calculix_is_below_its_limit(tmp_path):
+    scene = load_scene("sliding-block", set={"grid.cell_size": 0.3, "time.output_interval": 0.0012})
+    Calculix().prepare(scene, tmp_path)
+    with np.load(tmp_path / "mesh.npz") as mesh:
+        shortest = min(
+            np.diff(np.unique(mesh[f"{name}_nodes"][:, 0].round(9))).min() for name in scene.bodies
+        )
+        assert mesh["step"] <= 0.3 * shortest / ((24e6 + 4 * 12e6 / 3) / 1000.0) ** 0.5
+
+
+def test_no_weight_takes_the_weight_of_rest_away(tmp_path):
+    changes = {"grid.cell_size": 0.3, "gravity": {"vector": [0.0, 0.0]}}
+    Calculix().prepare(load_scene("sliding-block", set=changes), tmp_path)
+    lines = (tmp_path / "scene.inp").read_text().splitlines()
+    at = lines.index("*DLOAD, OP=NEW")
+    assert lines[at + 1 : at + 3] == ["EB1,GRAV,0,0.,-1.,0.", "EB2,GRAV,0,0.,-1.,0."]
+
+
 REFUSED_BY_CALCULIX = {
+    "bodies.block.velocity": ("sliding-block", {"bodies.block.velocity": [1.0, 0.0]}),
     "bodies.plane.rigid": (SLIP, {}),
     "grid": ("rolling-sphere-slip", {}),
     "bodies.block.particles.layout": ("sliding-block", {"bodies.block.particles.layout": "lattice"}),
@@ -221,7 +343,73 @@ def test_the_input_has_the_points_of_mpmfw_in_a_slab(tmp_path):
     assert len(facts["times"]) == 11
 
 
+class _Values:
+    """An array as Warp has it."""
+
+    def __init__(self, values):
+        self.values = np.array(values, dtype=np.float32)
+
+    def numpy(self):
+        return self.values
+
+    def assign(self, values):
+        assert values.shape == self.values.shape
+        self.values[:] = values
+
+    def zero_(self):
+        self.values[:] = 0.0
+
+
+class _Free:
+    """A model and solver without forces: points keep their velocities."""
+
+    def __init__(self, points):
+        self.points = points
+        self.device = types.SimpleNamespace(name="CPU")
+
+    def state(self):
+        count = len(self.points["volume"])
+        gradient = types.SimpleNamespace(particle_qd_grad=_Values(np.zeros((count, 3, 3))))
+        velocity, position = _Values(self.points["velocity"]), _Values(self.points["position"])
+        return types.SimpleNamespace(particle_q=position, particle_qd=velocity, mpm=gradient)
+
+    def set_gravity(self, gravity):
+        """There is none."""
+
+    def step(self, one, two, control, contacts, step):  # noqa: ARG002
+        two.particle_q.assign(one.particle_q.values + step * one.particle_qd.values)
+        two.particle_qd.assign(one.particle_qd.values)
+        two.mpm.particle_qd_grad.assign(one.mpm.particle_qd_grad.values)
+        self.gradient = two.mpm.particle_qd_grad.values
+
+
+def test_a_velocity_at_the_start_stands_after_settling(tmp_path, monkeypatch):
+    for name in ("newton", "newton.solvers", "warp"):
+        monkeypatch.setitem(sys.modules, name, types.SimpleNamespace(SolverImplicitMPM=None))
+    path = Path(importlib.util.find_spec("mpmfw_code.newton").origin).with_name("newton_driver.py")
+    spec = importlib.util.spec_from_file_location("newton_driver", path)
+    driver = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(driver)
+    start = {"bodies.cylinder.velocity": [1.0, 0.0], "bodies.cylinder.angular_velocity": -0.5}
+    Newton().prepare(load_scene(SLIP, set={**COARSE, **start}), tmp_path)
+    free = []
+    monkeypatch.setattr(driver, "make_model", lambda facts, points: free.append(_Free(points)) or free[0])  # noqa: ARG005
+    monkeypatch.setattr(driver, "make_solver", lambda model, facts: model)  # noqa: ARG005
+    monkeypatch.setattr(driver, "version", lambda name: "1.8.0")  # noqa: ARG005
+    driver.main(tmp_path)
+    with np.load(tmp_path / "motion.npz") as motion, np.load(tmp_path / "points.npz") as points:
+        np.testing.assert_allclose(motion["position"][0], points["position"], rtol=1e-6)
+        np.testing.assert_allclose(motion["velocity"][0], points["velocity"], rtol=1e-6)
+        moved = motion["position"][-1] - motion["position"][0]
+        np.testing.assert_allclose(moved, 0.1 * points["velocity"], atol=1e-4)
+        assert points["velocity"].mean(axis=0) == pytest.approx([1.0, 0.0, 0.0], abs=1e-3)
+    np.testing.assert_allclose(free[0].gradient[0], [[0, 0.5, 0], [-0.5, 0, 0], [0, 0, 0]])
+
+
 REFUSED = {
+    "bodies.cylinder.thickness": (SLIP, {"bodies.cylinder.thickness": 0.5}),
+    "sleep": ("rolling-cylinder-slip", {"sleep": {}}),
+    "settle.max_time": (SLIP, {"settle.max_time": 1.0}),
     "bodies": ("rolling-cylinder-slip", {}),
     "contact.friction_law": (
         SLIP,
@@ -250,6 +438,11 @@ def test_what_newton_cannot_do_is_refused_by_its_key(key, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+def test_series_of_plug_ins_are_refused():
+    scene = load_scene(SLIP).model_copy(update={"outputs": {"more": Series(model="mean")}})
+    assert [problem.key for problem in Newton().problems(scene)] == ["outputs"]
+
+
 # -- a code that is not installed
 
 
@@ -266,7 +459,7 @@ def test_a_code_that_is_not_installed_gives_the_command_that_installs_it(monkeyp
 
 def test_a_program_that_the_environment_names_is_checked(monkeypatch):
     monkeypatch.setenv("MPMFW_CODE_NEWTON", "/no/such/python")
-    with pytest.raises(SceneError, match="MPMFW_CODE_NEWTON=/no/such/python is no program"):
+    with pytest.raises(SceneError, match="MPMFW_CODE_NEWTON=/no/such/python is not a program"):
         Newton().find()
     monkeypatch.setenv("MPMFW_CODE_NEWTON", sys.executable)
     assert Newton().find() == sys.executable
@@ -287,6 +480,28 @@ def test_the_version_of_a_code_is_part_of_the_key_of_its_runs(tmp_path, monkeypa
     monkeypatch.setenv("MPMFW_CODE_NEWTON", "/bin/false")
     with pytest.raises(SceneError, match=r"/bin/false has no Newton; pip install 'mpmfw\[newton\]'"):
         codes_of(["newton"])
+
+
+@pytest.mark.parametrize("script", ["exit 0", "echo 1.8", "echo one two", "printf '\\377'", "none"])
+def test_a_program_without_two_versions_is_not_newton(tmp_path, monkeypatch, script):
+    program = tmp_path / "python"
+    program.write_text("#!/no/such/shell" if script == "none" else f"#!/bin/sh\n{script}\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("MPMFW_CODE_NEWTON", str(program))
+    with pytest.raises(SceneError, match="has no Newton; pip install"):
+        codes_of(["newton"])
+
+
+def test_a_relative_path_is_that_of_the_folder_where_it_was_given(tmp_path, monkeypatch):
+    program = tmp_path / "ccx"
+    program.write_text("#!/bin/sh\necho $1 > seen\n")
+    program.chmod(0o755)
+    (tmp_path / "run").mkdir()
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPMFW_CODE_CALCULIX", "./ccx")
+    assert Calculix().find() == str(program)
+    Calculix().run(Path("run"))
+    assert (tmp_path / "run" / "seen").read_text().strip() == str(tmp_path / "run" / "scene")
 
 
 def test_names_of_codes_stand_for_plainest_and_best_settings(monkeypatch):
@@ -311,6 +526,56 @@ def test_a_process_is_stopped_at_its_limits(tmp_path):
     hungry = [sys.executable, "-c", "import time; time.sleep(0.5); bytearray(10**9)"]
     with pytest.raises(MpmfwError, match="ended with status 1: MemoryError"):
         run_process(hungry, tmp_path, tmp_path / "log", ProcessLimits(memory=300_000_000))
+
+
+def test_a_process_writes_no_larger_file_than_its_limit(tmp_path):
+    code = "import signal; signal.signal(signal.SIGXFSZ, signal.SIG_DFL); print('x' * 200_000, flush=True)"
+    limits = ProcessLimits(file=100_000)
+    with pytest.raises(MpmfwError, match="ended with status -25"):
+        run_process([sys.executable, "-c", code], tmp_path, tmp_path / "log", limits)
+    assert (tmp_path / "log").stat().st_size == 100_000
+
+
+def test_the_begin_and_the_end_of_a_log_are_read(tmp_path):
+    log = tmp_path / "log"
+    log.write_text("begin\n" + "middle\n" * 10**5 + "end\n")
+    text = read_log(log)
+    assert len(text) == 2**17
+    assert text.startswith("begin")
+    assert text.endswith("end\n")
+    log.write_text("a\n" * 50_000)
+    assert read_log(log) == "a\n" * 50_000
+    code = "import sys; print('\\x1b[31mit\\x00 fell\\x07\\n\\x1b'); sys.exit(3)"
+    with pytest.raises(MpmfwError) as caught:
+        run_process([sys.executable, "-c", code], tmp_path, log, ProcessLimits())
+    assert str(caught.value).endswith("ended with status 3: [31mit fell")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="needs prctl")
+def test_a_process_ends_with_its_parent(tmp_path):
+    parent = (
+        "from pathlib import Path; import sys; from mpmfw.codes.process import ProcessLimits, run_process;"
+        "child = 'import os, time; print(os.getpid(), flush=True); time.sleep(60)';"
+        "run_process([sys.executable, '-c', child], Path('.'), Path('log'), ProcessLimits())"
+    )
+    process = subprocess.Popen([sys.executable, "-c", parent], cwd=tmp_path)
+    log, limit = tmp_path / "log", time.monotonic() + 60.0
+    while not (log.exists() and log.read_text().endswith("\n")) and time.monotonic() < limit:
+        time.sleep(0.05)
+    pid = int(log.read_text())
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    limit = time.monotonic() + 10.0
+    while _runs(pid) and time.monotonic() < limit:
+        time.sleep(0.05)
+    assert not _runs(pid)
+
+
+def _runs(pid):
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
 
 
 def test_a_process_has_no_shell(tmp_path):
@@ -404,7 +669,7 @@ def test_a_code_stands_in_a_comparison_like_a_contact(tmp_path, monkeypatch):
 
 def test_a_code_refuses_keys_of_other_methods_and_scenes_that_it_cannot_run():
     class Still(Parabola):
-        """It knows no gravity."""
+        """A code that does not read gravity."""
 
         name, title, reads = "still", "Still", frozenset()
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mpmfw.codes.code import Code, elastic_constants, points_of_body, read_arrays
 from mpmfw.codes.outputs import MotionOutputs, MovingPoints
-from mpmfw.codes.process import ProcessLimits
+from mpmfw.codes.process import ProcessLimits, read_log
 from mpmfw.scene import Scene
 
 __all__ = [
@@ -16,4 +16,5 @@ __all__ = [
     "elastic_constants",
     "points_of_body",
     "read_arrays",
+    "read_log",
 ]

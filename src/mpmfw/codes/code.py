@@ -6,6 +6,7 @@ import io
 import json
 import os
 import shutil
+import zipfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -13,8 +14,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 
-from mpmfw.codes.outputs import MotionOutputs, RunCost, results_of
-from mpmfw.codes.process import ProcessLimits, run_process
+from mpmfw.codes.outputs import MotionOutputs, RunCost, printable, results_of
+from mpmfw.codes.process import LARGEST, ProcessLimits, run_process
 from mpmfw.errors import MpmfwError, SceneError, SceneProblem
 from mpmfw.geometry import Layout, discretise
 from mpmfw.plugin.base import PlugIn
@@ -32,14 +33,17 @@ if TYPE_CHECKING:
 #: Files that every adapter has in its folder.
 SCENE, COST, LOG = "scene.toml", "cost.json", "log.txt"
 
-#: Tables of a scene that a code must say that it reads.
-_OPTIONAL = ("gravity", "loads", "boundaries", "settle")
+#: Tables of a scene that are refused, unless ``reads`` has them.
+_OPTIONAL = ("gravity", "loads", "boundaries", "settle", "sleep", "outputs")
+
+#: Largest files that are read, by their ending [B]; of others LARGEST.
+_LARGEST = {".json": 2**24, ".toml": 2**24}
 
 
 class Code(PlugIn):
     """Base of adapters, announced under ``mpmfw.code``.
 
-    A code runs in a folder of its own: :meth:`prepare` writes its input, :meth:`run` starts its process and
+    A code runs in an empty folder: :meth:`prepare` writes its input, :meth:`run` starts its process and
     :meth:`read` returns its results as those of a run. A folder can be kept, and read where the code is not
     installed. Subclasses implement :meth:`refusals`, :meth:`write`, :meth:`program`, :meth:`command` and
     :meth:`outputs`. The program is that of the environment's variable ``MPMFW_CODE_NAME``, if it is set;
@@ -50,7 +54,7 @@ class Code(PlugIn):
     install: ClassVar[str]  #: command that installs it
     #: options of its best settings, which run beside the plainest where no options are named
     best: ClassVar[Mapping[str, Any]] = {}
-    #: optional tables of a scene that it reads, of gravity, loads, boundaries and settle
+    #: optional tables of a scene that it reads, of gravity, loads, boundaries, settle, sleep and outputs
     reads: ClassVar[frozenset[str]] = frozenset()
     limits: ClassVar[ProcessLimits] = ProcessLimits()
     #: program and version that were found, which the keys of stored runs contain
@@ -85,7 +89,7 @@ class Code(PlugIn):
         raise NotImplementedError
 
     def outputs(self, scene: Scene, folder: Path) -> MotionOutputs:
-        """Read the code's output; any error but MpmfwError means that it is damaged."""
+        """Read the output; a MpmfwError says why the code failed, any other error that files are damaged."""
         raise NotImplementedError
 
     # -- what campaigns call
@@ -101,24 +105,28 @@ class Code(PlugIn):
                 yield table, "cannot be expressed"
         if scene.gravity is not None and not scene.gravity.is_constant:
             yield "gravity.table", "gravity that changes cannot be expressed"
+        if scene.settle is not None and scene.settle.max_time is not None:
+            yield "settle.max_time", "a limit of the time of settling cannot be expressed"
         if not scene.has_coulomb_friction:
             yield "contact.friction_law", "its friction is Coulomb's"
         for name, material in scene.materials.items():
             if material.damping is not None:
                 yield f"materials.{name}.damping", "viscous damping cannot be expressed"
         for name, body in scene.bodies.items():
+            if body.thickness is not None:
+                yield f"bodies.{name}.thickness", "a thickness cannot be expressed"
             if isinstance(body, RigidBody) and body.rigid is not True:
                 yield f"bodies.{name}.rigid", "a rigid body that moves cannot be expressed"
 
     def find(self) -> str:
-        """Return the path of the program; a SceneError has the command that installs the code."""
+        """Return the absolute path of the program; a SceneError has the command that installs the code."""
         variable = f"MPMFW_CODE_{self.name.upper()}"
         given = os.environ.get(variable)
         path = shutil.which(given) if given else self.program()
         if path is None:
-            wrong = f"{variable}={given} is no program" if given else "is not installed"
+            wrong = f"{variable}={given} is not a program" if given else "is not installed"
             raise SceneError(f"code {self.name}: {wrong}; {self.install}")
-        return path
+        return os.path.abspath(path)  # of a link, as environments of Python are known by it
 
     def identify(self) -> None:
         """Look once for the program and its version; a SceneError says how to install the code."""
@@ -134,24 +142,30 @@ class Code(PlugIn):
 
     def run(self, folder: Path, limits: ProcessLimits | None = None) -> None:
         """Run the code in its folder; raise MpmfwError if it fails or passes a limit."""
+        folder = folder.resolve()
         command = self.command(self.find(), folder)
         cost = run_process(command, folder, folder / LOG, limits or self.limits)
         (folder / COST).write_text(json.dumps(asdict(cost)), encoding="utf-8")
 
     def read(self, folder: Path, output: str | os.PathLike[str] | None = None) -> xr.DataTree:
         """Return the results in a folder, and write them to a file; one line says that they are damaged."""
+        settings = json.dumps(self.options.model_dump(), default=str)
         try:
+            for path in folder.iterdir():
+                if path.stat().st_size > _LARGEST.get(path.suffix, LARGEST):
+                    raise ValueError(f"{path.name} is too large")
             scene = load_scene(folder / SCENE)
             cost = RunCost(**json.loads((folder / COST).read_text(encoding="utf-8")))
             outputs = self.outputs(scene, folder)
-            outputs.check(scene)
-        except MpmfwError:
+            outputs.check(scene, cost)
+            return results_of(scene, outputs, cost, {"contact": self.label, "settings": settings}, output)
+        except SceneError:
             raise
+        except MpmfwError as error:
+            raise MpmfwError(printable(str(error))) from error
         except Exception as error:  # a stranger's files may hold anything
-            reason = " ".join(f"{type(error).__name__}: {error}".split())[:200]
+            reason = printable(f"{type(error).__name__}: {error}")[:200]
             raise MpmfwError(f"{self.title}: its output is missing or damaged ({reason})") from error
-        settings = json.dumps(self.options.model_dump(), default=str)
-        return results_of(scene, outputs, cost, {"contact": self.label, "settings": settings}, output)
 
     @classmethod
     def named(cls, text: str) -> list[Self]:
@@ -169,7 +183,9 @@ def codes_of(given: Iterable[Any]) -> list[Any]:
         codes += Code.named(one) if isinstance(one, str) else [one]
     for code in codes:
         if not isinstance(code, Code):
-            raise SceneError(f"code: {code!r} is no adapter; expected a name or an object of mpmfw.api.Code")
+            raise SceneError(
+                f"code: {code!r} is not an adapter; expected a name or an object of mpmfw.api.Code"
+            )
         code.identify()
     return list({code.label: code for code in codes}.values())
 
@@ -178,9 +194,16 @@ def codes_of(given: Iterable[Any]) -> list[Any]:
 
 
 def read_arrays(path: Path) -> dict[str, AnyArray]:
-    """Return the arrays of an ``.npz`` file by name; objects are not unpickled."""
-    with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as file:
-        return dict(file)
+    """Return the arrays of an ``.npz`` file by name; raise ValueError unless they are real numbers."""
+    content = io.BytesIO(path.read_bytes())
+    with zipfile.ZipFile(content) as packed:
+        if sum(each.file_size for each in packed.infolist()) > LARGEST:
+            raise ValueError(f"{path.name} is too large")
+    with np.load(content, allow_pickle=False) as file:
+        arrays = dict(file)
+    if wrong := [name for name, array in arrays.items() if array.dtype.kind not in "fiu"]:
+        raise ValueError(f"{path.name} has other arrays than of real numbers: {wrong[0]}")
+    return arrays
 
 
 def points_of_body(scene: Scene, name: str, size: float | None = None) -> Layout:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 _SERIES = tuple(one for one in SERIES_FIELDS if one.name not in ("strain_energy", "total_energy"))
 _FORCE = tuple(one for one in CONTACT_SERIES if one.name == "contact_force")
 _POINTS = tuple(one for one in PARTICLE_FIELDS if one.name in ("position", "velocity", "mass"))
+
+#: Mass, position and velocity below which products of them are finite.
+_HUGE = 1e60
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,7 @@ class MovingPoints:
 
 @dataclass(frozen=True)
 class MotionOutputs:
-    """Motion of the deformable bodies, and what else a code says of its run."""
+    """Motion of the deformable bodies, with steps, costs and notes of the run."""
 
     time: FloatArray  #: of the outputs, the first at 0 (time,) [s]
     bodies: Mapping[str, MovingPoints]
@@ -55,22 +58,37 @@ class MotionOutputs:
     notes: tuple[str, ...] = ()  #: how the run differs from the scene
     versions: Mapping[str, str] = field(default_factory=dict)  #: of the code and its libraries
 
-    def check(self, scene: Scene) -> None:
-        """Refuse outputs that are not those of a scene; a ValueError says why."""
+    def check(self, scene: Scene, cost: RunCost) -> None:
+        """Refuse a cost and outputs that are not those of a scene; a ValueError says why."""
         soft = {name for name, body in scene.bodies.items() if not body.prescribed}
         if self.bodies.keys() != soft:
             raise ValueError(f"it has the bodies {sorted(self.bodies)}; expected {sorted(soft)}")
-        frames = len(self.time)
+        frames = self.time.size
+        if self.time.shape != (frames,) or self.time.dtype.kind != "f" or not np.isfinite(self.time).all():
+            raise ValueError("its times are not a row of finite numbers")
         if frames < 1 or self.time[0] != 0.0 or not (np.diff(self.time) > 0.0).all():
             raise ValueError("its times do not rise from 0")
+        if type(self.steps) is not int or not 0 <= self.steps < 2**63:
+            raise ValueError("its number of steps is not a whole number from 0")
+        for name, value in (*asdict(cost).items(), *self.costs.items()):
+            if not isinstance(value, int | float) or isinstance(value, bool) or not 0.0 <= value < math.inf:
+                raise ValueError(f"its {name} is not a finite number from 0")
         for name, points in self.bodies.items():
-            shape = (frames, len(points.mass), scene.dim)
+            shape = (frames, points.mass.size, scene.dim)
+            if {one.dtype.kind for one in (points.mass, points.position, points.velocity)} != {"f"}:
+                raise ValueError(f"'{name}' has arrays of other kinds than float")
             if points.position.shape != shape or points.velocity.shape != shape or not shape[1]:
                 raise ValueError(f"'{name}' has arrays of other shapes than {shape}")
-            if not (points.mass > 0.0).all():
+            if points.mass.shape != shape[1:2] or not ((points.mass > 0.0) & (points.mass < _HUGE)).all():
                 raise ValueError(f"'{name}' has points without mass")
-            if not np.isfinite(points.position).all() or not np.isfinite(points.velocity).all():
+            if not (np.abs(points.position) < _HUGE).all() or not (np.abs(points.velocity) < _HUGE).all():
                 raise ValueError(f"'{name}' has a motion that is not finite")
+
+
+def printable(text: str) -> str:
+    """Return at most 500 printable characters of a code's text, as one line."""
+    kept = "".join(one if one.isprintable() else " " for one in text[:5000])
+    return " ".join(kept.split())[:500]
 
 
 def results_of(
@@ -82,9 +100,12 @@ def results_of(
 ) -> xr.DataTree:
     """Write outputs as a run's file, or keep them in memory where ``path`` is None.
 
-    Where two bodies meet, the contact force is the momentum that the first gains, without gravity's part."""
+    Where two bodies meet, the contact force is the momentum that one of them gains, without gravity's part.
+    Nothing else may act on that body: it has no held sides. Without such a body there is no force."""
     pairs = tuple(f"{a}-{b}" for a, b, _ in scene.pairs)
-    by_momentum = _FORCE if len(pairs) == 1 and not scene.loads else ()
+    alone = [name for name in outputs.bodies if not scene.bodies[name].sides]
+    other = scene.loads or scene.boundaries
+    by_momentum = _FORCE if len(pairs) == 1 and alone and not other else ()
     counts = {name: len(points.mass) for name, points in outputs.bodies.items()}
     header = RunHeader(
         dim=scene.dim,
@@ -96,12 +117,12 @@ def results_of(
             "title": scene.title or scene.name,
             "scene": scene.text,
             "shape": "",
-            "code": outputs.code,
+            "code": printable(outputs.code),
             "cell_size": scene.grid.cell_size,
             "outputs": "exact",
             "output_interval": scene.time.output_interval,
-            "code_versions": dict(outputs.versions),
-            "notes": list(outputs.notes),
+            "code_versions": {name: printable(each) for name, each in outputs.versions.items()},
+            "notes": [printable(note) for note in outputs.notes],
             **attributes,
             **provenance(),
         },
@@ -113,10 +134,10 @@ def results_of(
             series = _series(scene, moments, k)
             if by_momentum:
                 force, first = np.zeros((1, scene.dim)), next(iter(scene.bodies))
-                if k and first in moments:
-                    mass, momentum = moments[first]["mass"], moments[first]["linear_momentum"]
+                if k:
+                    mass, momentum = moments[alone[0]]["mass"], moments[alone[0]]["linear_momentum"]
                     rate = (momentum[k] - momentum[k - 1]) / (time - outputs.time[k - 1])
-                    force[0] = rate - mass * gravity
+                    force[0] = (rate - mass * gravity) * (1.0 if alone[0] == first else -1.0)
                 series["contact_force"] = force
             points = outputs.bodies.values() if scene.output.particles else ()
             arrays = {
@@ -126,7 +147,7 @@ def results_of(
             }
             particles = {name: np.concatenate(parts) for name, parts in arrays.items() if parts}
             writer.write(Frame(time=float(time), particles=particles, series=series))
-        writer.finish({**_costs(outputs, cost), "status": _status(scene, outputs)})
+        writer.finish({**_costs(outputs, cost), "status": printable(_status(scene, outputs))})
         return writer.results()
 
 
