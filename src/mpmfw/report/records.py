@@ -77,7 +77,6 @@ def records_of(dataset: xr.Dataset) -> list[Record]:
         scene, written = scene_of_results(own_attributes(one)), scene_of(own_attributes(one))
         if not figures or scene is None:
             continue
-        problem = _problem(scene, written["materials"])
         for kind in ("contact", "shape"):  # the first run's
             written.get(kind, {}).pop("method", None)
         settings = {key: value for key, value in shared.items() if is_numerical(key)}
@@ -86,7 +85,7 @@ def records_of(dataset: xr.Dataset) -> list[Record]:
         settings |= {name: row[name] for name in CHOICES if row.get(name) and name != "code"}
         record = Record(
             scene=_cleaned(attributes.get("title", "")),
-            problem=problem,
+            problem=_problem(scene, written["materials"]),
             tables=_hash(written),
             method=_cleaned(labels["contact"]),
             shape=_cleaned(labels["shape"]),
