@@ -36,7 +36,11 @@ def test_moment_is_that_of_the_surface_nodes_forces(scene):
     mapping = scene("penalty", contact__penalty={"passes": "one", "master": "right"})
     tree = recorded(mapping, "centre_of_mass", surface=True)
     series, surface = tree["series"].to_dataset(), tree["surface/left"].to_dataset()
-    own = series.sel(body="left")
+    found, own = series["contact_moment"], series.sel(body="left")
+    assert found.dims == ("time", "body", "rotation")
+    assert found.sizes["rotation"] == (1 if scene is two_blocks else 3)
+    assert found.attrs["units"] == ("N m m-1" if scene is two_blocks else "N m")
+    assert found.attrs["cell_methods"] == "time: mean"
     arms = surface["position"].values[:-1] - own["centre_of_mass"].values[:-1, None]
     exerted = [moment(arm, force) for arm, force in zip(arms, surface["force"].values[1:], strict=True)]
     largest = np.abs(exerted).max()

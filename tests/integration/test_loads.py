@@ -10,6 +10,7 @@ from measures_for_tests import momentum
 from mpmfw.api import SurfaceLoad
 from mpmfw.errors import SceneError
 from mpmfw.runs.simulation import Simulation
+from mpmfw.scene import load_scene
 from scenes_for_tests import BULK, DENSITY, SHEAR, SOFT, block, box, disc, two_blocks
 
 LAME, P_WAVE = BULK - 2.0 * SHEAR / 3.0, BULK + 4.0 * SHEAR / 3.0
@@ -205,3 +206,16 @@ PUSH = {"model": "point_force", "at": [0, 0], "force": [1, 0]}
 def test_a_load_that_cannot_be_meant_is_refused(load, said):
     with pytest.raises(SceneError, match=rf"loads\.{said}"):
         Simulation(two_blocks("penalty", loads={"a": load}))
+
+
+@pytest.mark.parametrize(
+    ("load", "said"),
+    [
+        ({"traction": [1, 2, 3]}, r"sides\[0\]\.traction: has 3 entries; expected 2"),
+        ({"pressure": [[0, 1], ["1 ms", "3 mm"]]}, r"'3 mm' is not convertible to Pa"),
+        ({"pressure": 1, "traction": [1, 0]}, "has pressure and traction; expected exactly one of"),
+    ],
+)
+def test_a_load_on_a_side_that_cannot_be_meant_is_refused(load, said):
+    with pytest.raises(SceneError, match=said):
+        load_scene(block(bodies__solid__sides=[{"side": "top", **load}]))

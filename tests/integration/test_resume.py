@@ -189,7 +189,20 @@ def test_results_that_a_kill_has_made_unreadable_go_on_from_the_checkpoint(path,
     assert names_in(path.parent) == ["run.nc"]
 
 
-def test_a_signal_after_the_last_step_leaves_a_complete_file(path, monkeypatch):
+#: Blocks that leave the grid.
+FAILING = with_changes(
+    BLOCKS, time__end=1.0, grid={"cell_size": 0.25, "lower": [-1.25, -1.0], "upper": [1.0, 1.0]}
+)
+
+
+@pytest.mark.parametrize(
+    ("scene", "every", "said", "status"),
+    [
+        (BLOCKS, 0.0, "run.nc is complete$", "ok"),
+        (FAILING, math.inf, "^interrupted; the run had failed: ", "failed: "),
+    ],
+)
+def test_a_signal_after_the_last_step_waits_for_the_file(path, monkeypatch, scene, every, said, status):
     end = mpmfw.runs.run._end
 
     def at_the_end(*arguments):
@@ -197,9 +210,10 @@ def test_a_signal_after_the_last_step_leaves_a_complete_file(path, monkeypatch):
         return end(*arguments)
 
     monkeypatch.setattr("mpmfw.runs.run._end", at_the_end)
-    with pytest.raises(Interrupted, match=r"run.nc is complete$"):
-        mpmfw.run(BLOCKS, output=path, checkpoint=0.0)
-    assert mpmfw.open(path).attrs["status"] == "ok"
+    with pytest.raises(Interrupted, match=said) as caught:
+        mpmfw.run(scene, output=path, checkpoint=every)
+    assert caught.value.number == signal.SIGTERM
+    assert mpmfw.open(path).attrs["status"].startswith(status)
     assert names_in(path.parent) == ["run.nc"]
 
 
@@ -270,13 +284,30 @@ def test_what_cannot_go_on_says_why(path):
     assert names_in(path.parent) == ["run.nc", "run.nc.checkpoint"]
 
 
+@pytest.mark.parametrize(
+    ("changes", "objects", "other"),
+    [
+        ({"shape__method": "linear"}, {}, "scene and shape and scheme and transfer"),
+        ({}, {"contact": Penalty(kappa=0.5)}, "contact"),
+    ],
+)
+def test_a_checkpoint_of_another_run_is_refused(tmp_path, path, changes, objects, other):
+    run = tmp_path / "other.nc"
+    stopped(BLOCKS, path, 9)
+    stopped(with_changes(BLOCKS, **changes), run, 9, **objects)
+    Path(f"{run}.checkpoint").rename(f"{path}.checkpoint")
+    before = path.read_bytes()
+    with pytest.raises(SceneError, match=rf"the checkpoint beside it: the file has another {other}$"):
+        resume(path, **objects)
+    assert path.read_bytes() == before
+
+
 def test_a_new_run_forgets_the_checkpoint_of_the_last(path):
     stopped(BLOCKS, path, 9)
     done = CliRunner().invoke(app, ["run", "rolling-cylinder-slip", "-o", str(path)])
     assert "run.nc: is there already, of a run that did not end; mpmfw resume" in done.stderr
-    small = {"cell_size": 0.25, "lower": [-1.25, -1.0], "upper": [1.0, 1.0]}
     with pytest.raises(SimulationError):
-        mpmfw.run(with_changes(BLOCKS, time__end=1.0, grid=small), output=path)
+        mpmfw.run(FAILING, output=path)
     assert not Path(f"{path}.checkpoint").exists()
 
 

@@ -138,6 +138,10 @@ def test_the_far_end_of_a_struck_bar_waits_for_the_wave(bar):
     assert reached("spin", bar) < 1e-4
 
 
+def test_the_exact_correction_is_not_causal():
+    assert 0.05 < reached("exact", BAR["2D"]) < 0.2
+
+
 LAME = BULK - 2.0 * SHEAR / 3.0
 H = 0.25
 

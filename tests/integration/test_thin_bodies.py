@@ -52,6 +52,12 @@ def test_default_step_of_a_thin_body_is_stable(made, width):
     assert growth(mapping, Simulation(mapping).stable_step()) < 4.0
 
 
+@pytest.mark.parametrize(("made", "width", "step"), [(bar, 0.1, 0.5), (disc, 0.25, 0.6)])
+def test_half_of_the_bulks_limit_is_not(made, width, step):
+    mapping = scene(made(width), 0.5 * width) | {"allow_unstable": True}
+    assert growth(mapping, step * TICK) > 1e6
+
+
 @pytest.mark.parametrize(("width", "length"), [(4.0, 1.0), (1.0, 1.0), (0.25, 0.5), (0.04, 0.2)])
 @pytest.mark.parametrize("angle", [0.0, 0.6])
 def test_the_limit_is_the_root_of_cell_and_width(width, length, angle):

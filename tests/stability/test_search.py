@@ -93,3 +93,45 @@ def test_invariants_hold(mapping, method):
     contact, shape = method
     mapping = _in_range({**mapping, "contact": {**mapping["contact"], "method": contact}})
     assert not wrong(probe(mapping, shape=shape, steps=STEPS), strict=method in MUST_HOLD)
+
+
+#: Scenes that the search found: shape, friction, density [kg/m³], K and G [Pa] of the body at rest, the
+#: moving body, its velocity [m/s], and the body at rest. A surface node came in by the side of a corner and
+#: met a spring loaded to its whole depth: the energy grew by 5 %, 1.5 % and 0.9 %.
+FOUND = {
+    "square-on-soft-square": (
+        *("cpdi2", 0.0, (3582.73, 12776.0, 19164.0)),
+        block((-0.833569, 0.445115), (0.201809, 1.48049), angle=0.387039),
+        [0.464717, 0.542622],
+        block((0.929444, 0.311513), (2.31544, 1.6975), angle=0.387039),
+    ),
+    "disc-on-soft-square": (
+        *("cpdi", 0.6, (1580.3, 14744.5, 10324.5)),
+        disc((0.664077, -1.10593), 1.42971, ()),
+        [0.141381, 0.73404],
+        block((-0.581206, 0.717357), (0.73964, 2.0382), angle=1.50573),
+    ),
+    "small-disc-at-a-corner": (
+        *("cpdi2", 0.0, (262.224, 12776.0, 19164.0)),
+        disc((-0.208826, -0.569936), 0.517689, ()),
+        [1.71775, 2.00571],
+        block((0.411756, 0.311513), (1.79775, 1.6975), angle=0.387039),
+    ),
+}
+STILL = (
+    "0.66 % at the default step, 0.22 and 0.14 % at a half and a quarter of it: the residual of what springs "
+    "lose as they change (1.1 % of the energy); the energy never exceeds the start"
+)
+
+
+@pytest.mark.parametrize("name", FOUND)
+def test_what_was_found_holds_now(name):
+    shape, friction, (density, bulk, shear), left, velocity, right = FOUND[name]
+    other = {"model": "neo_hookean", "density": density, "bulk_modulus": bulk, "shear_modulus": shear}
+    bodies = {"left": {**left, "velocity": velocity}, "right": {**right, "material": "other"}}
+    found = probe(scene(bodies, friction=friction, materials={"other": other}), shape=shape, steps=STEPS)
+    broken = wrong(found, strict=True)
+    if name == "square-on-soft-square":
+        assert broken, "holds after all"
+        pytest.xfail(STILL)
+    assert not broken

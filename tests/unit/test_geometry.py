@@ -22,7 +22,10 @@ from mpmfw.geometry import (
     Ring,
     discretise,
 )
+from mpmfw.runs import bodies
+from mpmfw.scene import load_scene
 from msh_files import write_msh
+from scenes_for_tests import block
 
 PLANE = {
     "disc": Disc(centre=(0.3, -0.2), radius=1.6),
@@ -258,3 +261,22 @@ def test_impossible_layouts_are_refused():
         discretise(SOLID["ball"], Particles(layout="fitted", size=1), None)
     with pytest.raises(ValueError, match="segment length must be positive"):
         discretise(PLANE["disc"], Particles(size=1), 0.0)
+
+
+@pytest.mark.parametrize("layout", ["lattice", "fitted"])
+def test_bodies_that_are_alike_share_a_layout(layout, monkeypatch):
+    """Three discs that are alike and a smaller one lie where each would by itself."""
+    calls = []
+    monkeypatch.setattr(bodies, "discretise", lambda *asked: calls.append(asked) or discretise(*asked))
+    scene = block(contact={"method": "separate"}, grid__lower=[-8, -8], grid__upper=[28, 12])
+    solid = scene["bodies"].pop("solid") | {"particles": {"layout": layout, "size": 0.5}}
+    for k, centre in enumerate([(0.03, 0.07), (5.0, 0.0), (10.0, 2.0), (15.0, 0.0)]):
+        geometry = {"type": "disc", "centre": centre, "radius": 1.5 if k == 3 else 2.0}
+        scene["bodies"][f"disc{k}"] = {**solid, "geometry": geometry}
+    scene = load_scene(scene)
+    layouts = bodies.lay_out(scene)
+    assert len(calls) == 2
+    for body, found in zip(scene.bodies.values(), layouts, strict=True):
+        own = discretise(body.geometry, body.particles, body.segment_length(scene.grid.cell_size))
+        for name in ("position", "volume", "half_edges", "corners", "outlines"):
+            np.testing.assert_allclose(getattr(found, name), getattr(own, name), rtol=1e-9, atol=1e-12)

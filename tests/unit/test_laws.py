@@ -12,6 +12,7 @@ from contact_scenes import CELL, impact, rectangle, scene, slider
 from mpmfw.contact.rows import ContactRows
 from mpmfw.contact.springs import SpringArrays, SpringLaw
 from mpmfw.contact.surfaces import Surfaces
+from mpmfw.errors import SceneError
 from mpmfw.kernels import kernel
 from mpmfw.kernels.contact import Records, Rows
 from mpmfw.runs.simulation import Simulation
@@ -242,6 +243,12 @@ def test_a_flat_punch_is_pulled_off_by_traction_times_area(contact):
     assert not pull[-20:].any()
     # the force rises in no jump: at half of the way there is some of it
     assert 0.2 < pull[np.searchsorted(times, 0.5 * times[int(pull.argmax())])] / pull.max() < 0.8
+
+
+def test_a_separation_without_traction_is_refused():
+    contact = {"method": "adhesion", "adhesion": {"separation": 0.1}}
+    with pytest.raises(SceneError, match="'separation' has no effect without tension"):
+        load_scene(impact() | {"contact": contact})
 
 
 def test_a_contact_of_another_detection_is_made_of_the_law_alone():

@@ -46,7 +46,7 @@ def _table(setup: Setup) -> list[tuple[str, str, object, str]]:
          "nothing needs outlines"),
         ("material damping", "effects.damping:Damping.from_setup", damped, "no material has damping"),
         ("averaged volume", "effects.averaged_volume:AveragedVolume.from_setup", setup.averaged_bodies,
-         "no body may lock, or names it"),
+         "no body would lock, and none has volumetric = 'averaged'"),
         ("gravity", "effects.gravity:Gravity.from_setup", gravity, "no [gravity]"),
         ("settling", "effects.settling:from_setup", scene.settle, "no [settle]"),
         ("prescribed sides", "effects.constraint:Constraint.from_setup", setup.held_sides,

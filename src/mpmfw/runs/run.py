@@ -227,6 +227,8 @@ def run_on(checkpoints: Checkpoints, progress: Callable[[float, int], None] | No
     except SimulationError as error:
         writer.finish(_end(simulation, f"failed: {error}"))
         error.results = writer.results()
+        if signals.waiting is not None:
+            raise Interrupted(signals.waiting, f"interrupted; the run had failed: {error}") from error
         raise
     except KeyboardInterrupt as error:
         writer.finish(_end(simulation, "interrupted"))
