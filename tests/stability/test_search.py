@@ -118,10 +118,7 @@ FOUND = {
         block((0.411756, 0.311513), (1.79775, 1.6975), angle=0.387039),
     ),
 }
-STILL = (
-    "0.66 % at the default step, 0.22 and 0.14 % at a half and a quarter of it: the residual of what springs "
-    "lose as they change (1.1 % of the energy); the energy never exceeds the start"
-)
+STILL = "0.504 % with what springs lose as they change; without it the energy never exceeds the start"
 
 
 @pytest.mark.parametrize("name", FOUND)
@@ -130,8 +127,9 @@ def test_what_was_found_holds_now(name):
     other = {"model": "neo_hookean", "density": density, "bulk_modulus": bulk, "shear_modulus": shear}
     bodies = {"left": {**left, "velocity": velocity}, "right": {**right, "material": "other"}}
     found = probe(scene(bodies, friction=friction, materials={"other": other}), shape=shape, steps=STEPS)
-    broken = wrong(found, strict=True)
     if name == "square-on-soft-square":
-        assert broken, "holds after all"
+        assert not wrong(found, strict=False)
+        assert HOLDS < found.energy < 1.0055
         pytest.xfail(STILL)
-    assert not broken
+    assert not wrong(found, strict=True)
+    assert found.energy < 1.0001  # 1.0004 and 1.003 where springs are loaded to twice their depth at once
