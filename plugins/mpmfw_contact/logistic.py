@@ -185,7 +185,7 @@ def write_regressed_rows(
     for f in range(listed):
         i, j, p = shared.first[f], shared.second[f], shared.pair[f]
         read_point(i, node, origin, spacing)
-        of_first, count = collect_sides(f, shared, grid)
+        of_first, count = collect_sides(f, shared, grid, spacing)
         found = fit_plane(
             shared.side, of_first, count, clouds, points.position, origin, penalty, tolerance, n, spacing,
             wide,

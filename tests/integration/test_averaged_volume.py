@@ -159,3 +159,25 @@ def test_bodies_at_one_node_are_averaged_apart(method: str) -> None:
     simulation.hook.after_velocity_gradient(particles=p, grid=simulation.state.grid, phi=None, dt=1e-4)
     assert np.array_equal(p.velocity_gradient[right], before[right])
     assert not np.array_equal(p.velocity_gradient[left], before[left])
+
+
+@pytest.mark.parametrize("volumetric", ["auto", "averaged"])
+def test_bodies_that_share_nodes_are_averaged_both(volumetric: str) -> None:
+    """Without contact they stick; each has sums of its own points alone, whatever the other's."""
+    how = {f"bodies__{name}__volumetric": volumetric for name in ("left", "right")}
+    simulation = Simulation(two_blocks("none", materials__soft=STIFF, **how))
+    simulation.start()
+    p = simulation.state.particles
+    p.stress[:] = np.random.default_rng(2).normal(size=p.stress.shape)
+    total = [float(p.volume[body.particles] @ np.trace(p.stress[body.particles], axis1=1, axis2=2))
+             for body in simulation.state.bodies]  # fmt: skip
+    effect: Any = simulation.manager.get_plugin("averaged_volume")
+    p.velocity_gradient[:] = 0.0
+    effect.after_velocity_gradient(particles=p, grid=simulation.state.grid, dt=1e-4)
+    effect.update_stress(particles=p)
+    for before, body in zip(total, simulation.state.bodies, strict=True):
+        now = p.volume[body.particles] @ np.trace(p.stress[body.particles], axis1=1, axis2=2)
+        assert now == pytest.approx(before, abs=1e-12)
+    simulation = Simulation(two_blocks("none", materials__soft=STIFF, **how))
+    simulation.advance(60)
+    assert np.isfinite(simulation.state.particles.position).all()

@@ -162,7 +162,7 @@ def test_a_node_enters_by_a_facet_that_faces_it():
     inside = np.full(surface.count, -1)
     outlines.inside(state, inside)
     normal = np.zeros_like(surface.position)
-    node_normals(outlines.facets, normal, state.grid.spacing)
+    node_normals(surface, normal, state.grid.spacing)
     deep = (surface.body == 0) & (surface.position[:, 1] < 0.3 - 1e-9)
     towards = deep & (normal[:, 1] < sides.FACING)
     assert towards.sum() > 1

@@ -59,16 +59,41 @@ def test_a_block_slides_over_seams_without_a_brake(contact, angle):
     assert speed == pytest.approx(SPEED, rel=3e-3)
 
 
+STRONGEST = "bardenhagen(criterion=position, normal=master)"
+
+
 @pytest.mark.parametrize(
     ("contact", "angle", "loss"),
-    [("bardenhagen(criterion=position, normal=master)", 0.35, 3e-3), ("nairn", 0.0, 0.015)],
+    [(STRONGEST, 0.0, 0.003), (STRONGEST, 0.35, 0.06), ("nairn", 0.0, 0.015), ("nairn", 0.35, 0.15)],
 )
 def test_tiles_are_one_floor_at_nodes(contact, angle, loss):
-    """Tiles move alike, so that the normals of a node are of the block against all of them."""
+    """Tiles move alike, so that the normals of a node are of the block against all of them. On a slab `nairn`
+    loses 8 % turned."""
     along = np.array([math.cos(angle), math.sin(angle)])
     run = mpmfw.run(floor_of_tiles(3, angle), contact=contact)
     speed = float(run["series"]["mean_velocity"].sel(body="block").values[-1] @ along)
-    assert speed == pytest.approx(SPEED, rel=loss)
+    assert (1.0 - loss) * SPEED < speed < 1.003 * SPEED
+
+
+def test_bodies_on_both_sides_of_a_strip_are_no_floor():
+    """They move alike, but the strip of a cell lies between: it slides on, as far as `nairn` lets it."""
+    scene = floor_of_tiles(2)
+    low, strip, high = -0.437, -0.037, 0.063
+
+    def box(lower, upper, **more):
+        shape = {"type": "rectangle", "lower": lower, "upper": upper}
+        return {"material": "soft", "geometry": shape, "particles": {"size": 0.025}, **more}
+
+    press = [0.0, -0.02]
+    scene["bodies"] = {
+        "low": box([-0.6, low], [0.6, strip], sides=[{"side": "bottom", "fixed": True}]),
+        "strip": box([-0.4, strip], [0.4, high], velocity=[1.0, 0.0]),
+        "high": box([-0.6, high], [0.6, 0.463], sides=[{"side": "top", "velocity": press}], velocity=press),
+    }
+    scene["time"]["end"] = 0.2
+    del scene["loads"]
+    run = mpmfw.run(scene, contact="nairn")
+    assert float(run["series"]["mean_velocity"].sel(body="strip", axis="x")[-1]) > 0.75
 
 
 def test_two_bodies_alone_have_no_list_of_covered_facets():

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import mpmfw
 from mpmfw.errors import SceneError
 from mpmfw.runs.restart import read_snapshot, write_snapshot
 from mpmfw.runs.simulation import Simulation
@@ -163,3 +164,11 @@ def test_what_is_refused(changes, said):
     with pytest.raises(SceneError) as refused:
         Simulation(hit(**SLEEP, **changes))
     assert str(refused.value).startswith(said)
+
+
+def test_the_side_under_a_sleeping_body_keeps_its_force():
+    run = mpmfw.run(stack())
+    force = run["series"]["side_force"].sel(side="bottom", axis="y").dropna("body", how="all").isel(body=0)
+    asleep = force.values[-3:]
+    assert (asleep > 0.5 * force.values[1:].max()).all()
+    assert np.ptp(asleep) < 0.05 * asleep.mean()

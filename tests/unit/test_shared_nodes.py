@@ -232,11 +232,23 @@ def test_projections_agree_with_numpy_at_shared_nodes_and_are_zero_elsewhere(fie
     assert (nodes.mean[~at_both] == 0.0).all()
 
 
+TILES = [[0.0, 0.33], [-0.33, -0.33], [0.33, -0.33]]  # a body on two that are flush
+CLAMP = [[0.0, -0.5], [0.0, 0.0], [0.0, 0.5]]  # two bodies and one between them
+
+
 @pytest.mark.parametrize(
-    ("speed_of_third", "sides"), [(0.3, [[0], [1, 2]]), (0.5, [[0], [1]]), (0.8, [[0, 2], [1]])]
+    ("means", "speeds", "row", "sides"),
+    [
+        (TILES, [1.0, 0.0, 0.3], 0, [[0], [1, 2]]),
+        (TILES, [1.0, 0.0, 0.5], 0, [[0], [1]]),
+        (TILES, [0.0, 1.0, 0.8], 0, [[0], [1, 2]]),
+        (3.0 * np.array(TILES), [1.0, 0.0, 0.0], 0, [[0], [1]]),  # the tiles lie apart
+        (CLAMP, [0.0, 1.0, 0.0], 0, [[0], [1]]),
+        (TILES, [1.0, 0.0, 0.0], 2, [[1], [2]]),
+    ],
 )
-def test_a_third_body_is_on_the_side_with_which_it_moves(speed_of_third, sides):
-    """Three bodies at the only node; the pair's slip with 1 and 0 m/s."""
+def test_a_third_body_is_on_the_side_with_which_it_moves_and_is_flush(means, speeds, row, sides):
+    """Three bodies at the only node, and the sides of one of their rows."""
     one = np.ones(3)
     pairs = shared.NodePairs(
         first=np.array([0, 0, 1]), second=np.array([1, 2, 2]), weight_first=one, weight_second=one
@@ -244,12 +256,15 @@ def test_a_third_body_is_on_the_side_with_which_it_moves(speed_of_third, sides):
     grid = shared.GridNodes(
         window_lower=np.zeros((3, 2), dtype=int), window_shape=np.ones((3, 2), dtype=int),
         offset=np.arange(4), nodes=np.ones(2, dtype=int), mass=one,
-        start_velocity=np.array([[1.0, 0.0], [0.0, 0.0], [speed_of_third, 0.0]]),
-        shared=np.zeros(3, dtype=bool), last_row=np.full(3, -1), gradient=np.zeros((3, 2)),
-        mean=np.zeros((0, 2)),
+        start_velocity=np.column_stack([speeds, np.zeros(3)]), shared=np.zeros(3, dtype=bool),
+        last_row=np.full(3, -1), gradient=np.array([[0.0, -1.0], [0.5, 0.5], [-0.5, 0.5]]),
+        mean=np.array(means),
     )  # fmt: skip
     rows = shared.room_for(3)
     assert shared.find_shared_nodes(pairs, grid, rows) == 3
     shared.mark_nodes(3, rows, grid)
-    of_first, count = shared.collect_sides(0, rows, grid)
+    of_first, count = shared.collect_sides(row, rows, grid, (1.0, 1.0))
     assert [rows.side[:of_first].tolist(), rows.side[of_first:count].tolist()] == sides
+    gradient = np.empty((2, 2))
+    shared.sum_gradients(row, rows, grid, gradient, (1.0, 1.0))
+    np.testing.assert_array_equal(gradient, [grid.gradient[side].sum(axis=0) for side in sides])

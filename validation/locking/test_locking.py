@@ -31,6 +31,20 @@ ordinary = Runs(
     ],
     when="full",
 )
+finer = Runs(
+    "finer",
+    scene=squeezed.discs,
+    methods=methods(["lcp"]),
+    places=[Place("ν = 0.499, R/h = 16", make={"cells": 16, "poisson": 0.499, "volumetric": "auto"})],
+    when="full",
+)
+splines = Runs(
+    "splines",
+    scene=squeezed.roller,
+    methods=methods(shape=["bspline"]),
+    places=[Place(how, make={"poisson": 0.499, "volumetric": how}) for how in ("auto", "averaged")],
+    when="full",
+)
 rollers = Runs(
     "rollers",
     scene=squeezed.roller,
@@ -47,6 +61,21 @@ def test_discs(run):
         ("largest force, error, {at}", "force", 0.0, 2.0, "%"),
         binds=binds(run),
     )
+
+
+@finer
+def test_finer_discs(run):
+    run.gates(
+        squeezed.impact,
+        ("time of half the impulse, error, {at}", "time", 0.0),
+        ("largest force, error, {at}", "force", 0.0),
+    )
+
+
+@splines
+def test_rollers_of_splines(run):
+    error = run.of(squeezed.force, poisson=0.499)
+    run.gate(f"force of the roller, error, B-splines, {run.place.at}", error, 0.0, None, "%")
 
 
 @rollers

@@ -7,11 +7,12 @@ import numpy as np
 from mpmfw.contact.springs import add_friction
 from mpmfw.contact.surfaces.assembly import assemble
 from mpmfw.contact.surfaces.detection import SurfaceRows
-from mpmfw.contact.surfaces.outline import Candidates, Outline
+from mpmfw.contact.surfaces.outline import Candidates
 from mpmfw.kernels import struct
 from mpmfw.kernels.contact import Records, pair_table
 from mpmfw.kernels.facets import project
 from mpmfw.state.fields import FloatArray
+from mpmfw.state.structs import Surface
 from mpmfw.validation import Case
 from mpmfw_contact.penalty import Penalty, spring_forces
 
@@ -158,7 +159,7 @@ def row_of(points: FloatArray, moved: FloatArray, *, tilts: bool = False) -> Sur
     gap, _ = gap_and_coordinate(points)
     body, follow = np.array([0, 1, 1]), np.array([0, 2, 1])
     candidates = Candidates(facet=np.array([[1], [-1], [-1]]), gap=np.full((3, 1), gap))
-    outline = Outline(
+    outline = Surface(
         position=points, displacement=moved, tributary=np.ones(3), body=body, body_first=np.array([0, 1, 3]),
         facet_first=np.array([0, 1, 3]), facets=np.stack([np.arange(3), follow], axis=1),
         neighbours=np.stack([follow, follow], axis=1), star_first=np.arange(4), star=np.arange(3),

@@ -122,13 +122,14 @@ class AtNodes(Detection):
         """Return the grid's arrays and those projected on it, new with its windows."""
         if self.grid is not None and self.grid.mass is grid.mass:
             return self.grid
-        empty = np.zeros((0, grid.dim))
+        empty, several = np.zeros((0, grid.dim)), len(self.state.soft_bodies) > 2
         self.grid = GridNodes(
             window_lower=grid.window_lower, window_shape=grid.window_shape, offset=grid.offset,
             nodes=grid.nodes, mass=grid.mass, start_velocity=grid.start_velocity,
-            shared=np.zeros(len(grid.mass), dtype=bool), last_row=np.zeros(len(grid.mass), dtype=np.int64),
+            shared=np.zeros(len(grid.mass), dtype=bool),
+            last_row=np.zeros(len(grid.mass) if several else 0, dtype=np.int64),
             gradient=np.zeros_like(grid.momentum) if self.projects_gradient else empty,
-            mean=np.zeros_like(grid.momentum) if self.projects_mean else empty,
+            mean=np.zeros_like(grid.momentum) if self.projects_mean or several else empty,
         )  # fmt: skip
         for name, array in (("volume_gradient", self.grid.gradient), ("mean_position", self.grid.mean)):
             if len(array):
@@ -167,7 +168,8 @@ class AtNodes(Detection):
 
     def write_rigid(self, near: NearRigid, grid: Grid, particles: Particles, rows: ContactRows) -> None:  # noqa: ARG002
         """Append rows of nodes near a rigid body; where gaps are measured, those of their mean positions."""
-        self.rigid.write(near, grid, rows, self.nodes_of(grid).mean, 0.5 * self.cut_off, self.area_across)
+        mean = self.nodes_of(grid).mean if self.projects_mean else np.zeros((0, grid.dim))
+        self.rigid.write(near, grid, rows, mean, 0.5 * self.cut_off, self.area_across)
 
     def area_across(self, nodes: IntArray, normal: FloatArray) -> FloatArray:
         """Area of the body of ``nodes`` (n,) across the ``normal`` (n, dim) of another body [m^(dim−1)]."""

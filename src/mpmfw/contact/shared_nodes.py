@@ -10,6 +10,9 @@ from mpmfw.kernels import Struct, add_scaled_row, device, kernel, scratch
 from mpmfw.kernels.contact import Rows
 from mpmfw.kernels.types import Flags, Float, Floats, Ints, Points, Table
 
+#: Largest distance of the mean positions of flush bodies at a node [cells]; it is 1.4 across a gap of a cell.
+FLUSH = 1.3
+
 
 class NodePairs(Struct):
     """Bodies of every pair, and weights of their volume gradients; of 0 and 0 the larger counts."""
@@ -30,7 +33,8 @@ class GridNodes(Struct):
     mass: Floats  #: (n_nodes,) [kg/m]
     start_velocity: Floats  #: (n_nodes, dim) [m/s]
     shared: Flags  #: (n_nodes,) whether two bodies have mass there
-    last_row: Ints  #: (n_nodes,) last row of a node, 2 f where it is the first and 2 f + 1 the second; or −1
+    #: (n_nodes,) last row of a node, 2 f where it is first and 2 f + 1 second, or −1; (0,) of two bodies
+    last_row: Ints
     gradient: Floats  #: (n_nodes, dim) Σ V ∇φ at shared nodes; (0, dim) where it is not asked for
     #: (n_nodes, dim) mean position of the points [m] at shared nodes; (0, dim) where it is not asked for
     mean: Floats
@@ -95,7 +99,8 @@ def mark_nodes(count: int, shared: SharedNodes, grid: GridNodes) -> None:
         for second in range(2):
             i = shared.second[f] if second else shared.first[f]
             grid.shared[i] = True
-            shared.row_before[2 * f + second], grid.last_row[i] = grid.last_row[i], 2 * f + second
+            if len(grid.last_row) > 0:
+                shared.row_before[2 * f + second], grid.last_row[i] = grid.last_row[i], 2 * f + second
 
 
 @device
@@ -108,22 +113,35 @@ def squared_slip(i: int, j: int, grid: GridNodes) -> Float:
 
 
 @device
-def collect_sides(f: int, shared: SharedNodes, grid: GridNodes) -> tuple[int, int]:
+def are_flush(i: int, k: int, j: int, grid: GridNodes, spacing: tuple[float, ...]) -> bool:
+    """Return True if the mean positions of i and k are near each other, and j sees both on one side."""
+    along, square = 0.0, 0.0
+    for d in range(len(spacing)):
+        along += (grid.mean[i, d] - grid.mean[j, d]) * (grid.mean[k, d] - grid.mean[j, d])
+        square += (grid.mean[i, d] - grid.mean[k, d]) ** 2
+    return along > 0.0 and square < (FLUSH * spacing[0]) ** 2
+
+
+@device
+def collect_sides(
+    f: int, shared: SharedNodes, grid: GridNodes, spacing: tuple[float, ...]
+) -> tuple[int, int]:
     """List the nodes of row f's first side, then of its second, in ``shared.side``; return the number of the
     first and of all.
 
-    A third body with mass there is on the side with which it moves: flush bodies are one to a body that
-    slides over them. It is on neither side unless its slip from one is below half of that from the other.
+    A third body with mass there is on the side with which it moves, if it lies beside it: flush bodies are
+    one to a body that slides over them. Its slip from one must be below half of that from the other.
     """
     count, of_first = 0, 0
     for second in range(2):
         i, j = (shared.second[f], shared.first[f]) if second else (shared.first[f], shared.second[f])
         shared.side[count] = i
         count += 1
-        row = grid.last_row[i]
+        row = grid.last_row[i] if len(grid.last_row) > 0 else -1
         while row >= 0:
             third = shared.first[row // 2] if row % 2 else shared.second[row // 2]
-            if third != j and 4.0 * squared_slip(third, i, grid) < squared_slip(third, j, grid):
+            slips = 4.0 * squared_slip(third, i, grid) < squared_slip(third, j, grid)
+            if third != j and slips and are_flush(i, third, j, grid, spacing):
                 shared.side[count] = third
                 count += 1
             row = shared.row_before[row]
@@ -191,9 +209,11 @@ def background_index(i: int, body: int, grid: GridNodes) -> int:
 
 
 @device
-def sum_gradients(f: int, shared: SharedNodes, grid: GridNodes, gradient: Floats) -> None:
+def sum_gradients(
+    f: int, shared: SharedNodes, grid: GridNodes, gradient: Floats, spacing: tuple[float, ...]
+) -> None:
     """Σ g over the nodes of each side of row f, (2, dim)."""
-    of_first, count = collect_sides(f, shared, grid)
+    of_first, count = collect_sides(f, shared, grid, spacing)
     gradient[:] = 0.0
     for k in range(count):
         for d in range(gradient.shape[1]):
@@ -209,7 +229,7 @@ def direction_out(
     p, square, gradient = shared.pair[f], 0.0, scratch.matrix((0, 0), spacing)
     of_first, of_second = pairs.weight_first[p], pairs.weight_second[p]
     if len(grid.gradient) > 0:
-        sum_gradients(f, shared, grid, gradient)
+        sum_gradients(f, shared, grid, gradient, spacing)
         if of_first + of_second == 0.0:
             for d in range(len(given)):
                 square += gradient[0, d] ** 2 - gradient[1, d] ** 2
@@ -276,11 +296,11 @@ def write_rows(
             continue
         separation = 0.0
         for d in range(dim):
-            if len(grid.mean) > 0:
+            if cut_off < math.inf:
                 separation += (grid.mean[i, d] - grid.mean[j, d]) * n[d]
-        if len(grid.mean) > 0 and separation >= cut_off:
+        if separation >= cut_off:
             continue
-        gap = separation - cut_off if len(grid.mean) > 0 else 0.0
+        gap = separation - cut_off if cut_off < math.inf else 0.0
         write_row(c, i, j, p, gap, n, pairs, grid, dt, rows, spacing)
         c += 1
     rows.start[c] = 2 * c

@@ -76,15 +76,16 @@ def average_pressure(
 ) -> None:  # fmt: skip
     """σ += (p̄ − p) 1 of a body's points, p = tr σ / dim.
 
-    ``volume`` (N,) is that of the points in each cell, ``total`` (N,) scratch.
+    ``volume`` and ``total`` (N,) become the volume of its points in each cell, and Σ V tr σ.
     """
     dim = len(spacing)
     for i in range(first_node, last_node):
-        total[i] = 0.0
+        volume[i] = total[i] = 0.0
     for p in range(first, last):
         trace = 0.0
         for d in range(dim):
             trace += points.stress[p, d, d]
+        volume[cell[p]] += points.volume[p]
         total[cell[p]] += points.volume[p] * trace
     for p in range(first, last):
         excess = total[cell[p]] / volume[cell[p]]

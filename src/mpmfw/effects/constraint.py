@@ -42,7 +42,7 @@ class Constraint:
 
     name = "constraint"
     ledger_term = ("external", "prescribed sides")
-    history = ("planes", "works", "impulse")
+    history = ("planes", "works", "impulse", "moved_for", "force")
 
     def __init__(self, setup: Setup, sides: list[tuple[Body, Side]]) -> None:
         shape, bodies = setup.shape_function, [body for body, _ in sides]
@@ -52,6 +52,9 @@ class Constraint:
         self.works = np.zeros(len(sides))  #: of each side on its body so far [J/m]
         #: of each side along its directions since the last output, (n_sides, dim) [N s/m]
         self.impulse = np.zeros((len(sides), setup.dim))
+        #: Time for which each body was stepped since the last output [s], and its mean force; a body that
+        #: sleeps keeps its force.
+        self.moved_for, self.force = np.zeros(len(sides)), np.zeros((len(sides), setup.dim))
         self.places = [b.index for b in bodies], [SIDES.index(side.side) for _, side in sides]
         self.shape = len(setup.state.bodies), 2 * setup.dim
         #: While a scene settles, moving sides are held where they are.
@@ -94,9 +97,10 @@ class Constraint:
         theirs = [k for k, body in enumerate(here) if body >= 0]
         ours = [k for k, b in enumerate(self.bodies) if b.index in here]
         self.planes.place[ours] = other.planes.place[theirs]
-        for mine, given in ((self.works, other.works), (self.impulse, other.impulse)):
-            mine[ours] += given[theirs]
-            given[theirs] = 0.0
+        self.force[ours] = other.force[theirs]
+        for name in ("works", "impulse", "moved_for"):
+            getattr(self, name)[ours] += getattr(other, name)[theirs]
+            getattr(other, name)[theirs] = 0.0
 
     def held_momentum(self, grid: Grid) -> FloatArray:
         """Return momenta that meet the sides, (n_nodes, dim) [kg/s]."""
@@ -153,6 +157,7 @@ class Constraint:
     @hookimpl
     def advect(self, grid: Grid, dt: float) -> None:
         """Move each side as prescribed, or with the body's mean velocity."""
+        self.moved_for += dt
         self.motions[:] = 0.0 if self.at_rest else dt * self.speeds
         for index in self.free:
             self.motions[index] = dt * self._mean_speed(index, grid.velocity)
@@ -181,12 +186,14 @@ class Constraint:
 
     @hookimpl
     def diagnostics(self, interval: float) -> dict[str, AnyArray]:
-        """Return means over the ``interval`` [s] since the last output, zero at the first, and the works."""
+        """Return mean forces since the last output, zero at the first, and the works."""
         force, work = np.full((*self.shape, len(self.pace[0])), np.nan), np.full(self.shape, np.nan)
+        stepped = self.moved_for > 0.0
         impulse = np.einsum("se,sed->sd", self.impulse, self.directions)
-        force[self.places] = impulse / interval if interval > 0.0 else 0.0
-        work[self.places] = self.works
-        self.impulse = np.zeros_like(self.impulse)
+        if interval > 0.0:
+            self.force[stepped] = impulse[stepped] / self.moved_for[stepped, None]
+        force[self.places], work[self.places] = self.force, self.works
+        self.impulse[:], self.moved_for[:] = 0.0, 0.0
         return {"side_force": force, "side_work": work}
 
 
