@@ -68,7 +68,12 @@ def test_a_run_with_lists_is_one_without(monkeypatch):
 def test_lists_are_made_anew_when_a_body_has_moved_by_the_skin(monkeypatch, skins, times):
     made = []
     plain = VerletList._list
-    monkeypatch.setattr(VerletList, "_list", lambda self: made.append(plain(self)))
+
+    def counted(lists):
+        made.append(lists)
+        return plain(lists)
+
+    monkeypatch.setattr(VerletList, "_list", counted)
     loops = join([flat(-1.0, 1.0, -1.0, 0.0, 4), flat(-1.0, 1.0, 0.05, 1.0, 4)])
     lists = lists_of(loops, 0.25)
     lists.update()

@@ -242,7 +242,9 @@ CLAMP = [[0.0, -0.5], [0.0, 0.0], [0.0, 0.5]]  # two bodies and one between them
         (TILES, [1.0, 0.0, 0.3], 0, [[0], [1, 2]]),
         (TILES, [1.0, 0.0, 0.5], 0, [[0], [1]]),
         (TILES, [0.0, 1.0, 0.8], 0, [[0], [1, 2]]),
-        (3.0 * np.array(TILES), [1.0, 0.0, 0.0], 0, [[0], [1]]),  # the tiles lie apart
+        # so far apart, 0.66 in TILES, that they are flush by little, and no longer
+        (0.99 * shared.FLUSH / 0.66 * np.array(TILES), [1.0, 0.0, 0.0], 0, [[0], [1, 2]]),
+        (1.01 * shared.FLUSH / 0.66 * np.array(TILES), [1.0, 0.0, 0.0], 0, [[0], [1]]),
         (CLAMP, [0.0, 1.0, 0.0], 0, [[0], [1]]),
         (TILES, [1.0, 0.0, 0.0], 2, [[1], [2]]),
     ],
