@@ -90,7 +90,11 @@ nitpick_ignore_regex = [
     ),
     (
         "py:class",
-        r"IndexMap|Results|ContactLaw|Path|Scene(Problem)?|Threads|numpy\.\w+|(scipy\.)?sparse\.(_csr\.)?csr_matrix",
+        r"IndexMap|Results|ContactLaw|Path|RunCost|Scene(Problem)?|Threads|numpy\.\w+",
+    ),
+    (
+        "py:class",
+        r"(scipy\.)?sparse\.(_csr\.)?csr_matrix",
     ),
     (
         "py:class",
