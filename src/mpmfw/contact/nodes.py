@@ -122,7 +122,8 @@ class AtNodes(Detection):
         """Return the grid's arrays and those projected on it, new with its windows."""
         if self.grid is not None and self.grid.mass is grid.mass:
             return self.grid
-        empty, several = np.zeros((0, grid.dim)), len(self.state.soft_bodies) > 2
+        empty = np.zeros((0, grid.dim))
+        several = self.projects_gradient and len(self.state.soft_bodies) > 2
         self.grid = GridNodes(
             window_lower=grid.window_lower, window_shape=grid.window_shape, offset=grid.offset,
             nodes=grid.nodes, mass=grid.mass, start_velocity=grid.start_velocity,
@@ -152,12 +153,12 @@ class AtNodes(Detection):
         near = [] if self.rigid is None else self.rigid.find(grid, self.least_mass)
         if listed == 0 and not near:
             return
-        mark_nodes(listed, self.shared, nodes)
+        three = mark_nodes(listed, self.shared, nodes)
         for each in near:
             nodes.shared[each.nodes] = True
         if len(nodes.gradient):
             project_volume_gradient(phi, particles, nodes, grid.spacing)
-        if len(nodes.mean):
+        if self.projects_mean or three:
             project_position(phi, particles, nodes, grid.spacing)
         more = sum(len(each.nodes) for each in near)
         if len(rows.pair) < listed + more or len(rows.dof) < 2 * listed + (grid.dim + 2) * more:

@@ -91,8 +91,10 @@ def find_shared_nodes(pairs: NodePairs, grid: GridNodes, shared: SharedNodes) ->
 
 
 @kernel
-def mark_nodes(count: int, shared: SharedNodes, grid: GridNodes) -> None:
-    """Mark the first ``count`` listed nodes, on which alone things are projected; link the rows of a node."""
+def mark_nodes(count: int, shared: SharedNodes, grid: GridNodes) -> bool:
+    """Mark the first ``count`` listed nodes, on which alone things are projected, and link the rows of each;
+    return whether three bodies share one."""
+    three = False
     grid.shared[:] = False
     grid.last_row[:] = -1
     for f in range(count):
@@ -100,16 +102,19 @@ def mark_nodes(count: int, shared: SharedNodes, grid: GridNodes) -> None:
             i = shared.second[f] if second else shared.first[f]
             grid.shared[i] = True
             if len(grid.last_row) > 0:
+                three = three or grid.last_row[i] >= 0
                 shared.row_before[2 * f + second], grid.last_row[i] = grid.last_row[i], 2 * f + second
+    return three
 
 
 @device
-def squared_slip(i: int, j: int, grid: GridNodes) -> Float:
-    """|v_i − v_j|² of two nodes."""
-    square = 0.0
+def moves_with(third: int, i: int, j: int, grid: GridNodes) -> bool:
+    """Return True if a third body's slip from node i is below half of that from node j."""
+    from_i, from_j = 0.0, 0.0
     for d in range(grid.start_velocity.shape[1]):
-        square += (grid.start_velocity[i, d] - grid.start_velocity[j, d]) ** 2
-    return square
+        from_i += (grid.start_velocity[third, d] - grid.start_velocity[i, d]) ** 2
+        from_j += (grid.start_velocity[third, d] - grid.start_velocity[j, d]) ** 2
+    return 4.0 * from_i < from_j
 
 
 @device
@@ -129,8 +134,8 @@ def collect_sides(
     """List the nodes of row f's first side, then of its second, in ``shared.side``; return the number of the
     first and of all.
 
-    A third body with mass there is on the side with which it moves, if it lies beside it: flush bodies are
-    one to a body that slides over them. Its slip from one must be below half of that from the other.
+    A third body with mass there is on the side with which it moves, if the two are flush: they are one to a
+    body that slides over them.
     """
     count, of_first = 0, 0
     for second in range(2):
@@ -140,8 +145,7 @@ def collect_sides(
         row = grid.last_row[i] if len(grid.last_row) > 0 else -1
         while row >= 0:
             third = shared.first[row // 2] if row % 2 else shared.second[row // 2]
-            slips = 4.0 * squared_slip(third, i, grid) < squared_slip(third, j, grid)
-            if third != j and slips and are_flush(i, third, j, grid, spacing):
+            if third != j and moves_with(third, i, j, grid) and are_flush(i, third, j, grid, spacing):
                 shared.side[count] = third
                 count += 1
             row = shared.row_before[row]
