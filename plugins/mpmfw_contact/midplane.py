@@ -40,7 +40,7 @@ GAUSS = 3.0**-0.5
 #: 0.02, with which the sides of a block that lean a little push along the face that it lies on.
 LEAST_COSINE = 0.1
 
-#: Part of a segment's length by which two must lie over each other: what rounding leaves is no overlap.
+#: Part of a segment's length by which two must overlap along it; less is rounding.
 LEAST_OVERLAP = 1e-9
 
 
@@ -85,8 +85,8 @@ def gap_at(s: Float, ends: Floats, other_ends: Floats) -> Float:
 
 @device
 def common_part(ends: Floats, other_ends: Floats) -> tuple[Float, Float]:
-    """Where two segments lie over each other, and overlap if they do: the gap is linear. The first is larger
-    if there is no such part."""
+    """Return the ends of the part where two segments overlap, in which the gap is linear. Without such a part
+    the first end is larger."""
     low = max(min(ends[0], ends[1]), min(other_ends[0], other_ends[1]))
     high = min(max(ends[0], ends[1]), max(other_ends[0], other_ends[1]))
     least = min(abs(ends[1] - ends[0]), abs(other_ends[1] - other_ends[0]))

@@ -196,9 +196,7 @@ def test_bodies_that_adhesion_draws_together_or_lets_go_are_not_stopped(gap, spe
 
 
 def test_half_of_what_held_bodies_together_may_be_gained():
-    """As they are drawn together what adhesion holds is no gain; once it lets go it counts as energy that
-    there was.
-    """
+    """While adhesion holds −10 J the bodies may have 10 J and half of that, and afterwards half of 10 J."""
     guard = EnergyGuard(0.0, {})
     guard.update(0.0, -10.0, 0.0)
     assert [guard.grown(energy) for energy in (14.9, 15.1)] == [False, True]
@@ -207,7 +205,7 @@ def test_half_of_what_held_bodies_together_may_be_gained():
 
 
 def test_the_half_step_of_contact_is_that_of_its_own_step():
-    """What contact did on the motion of a step of 2 s is half of that on the motion of the next, of 1 s."""
+    """A step of 2 s is followed by steps of 1 s: each half step counts by the length of its own step."""
     half, nobody = HalfStep(), np.zeros((0, 2))
     grid = SimpleNamespace(mass=np.zeros(0), start_velocity=nobody)
     half.dt = 2.0

@@ -20,7 +20,7 @@ SWAPS = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mul
 
 
 def mutants(source):
-    """What was changed, and the source with that change: + − × ÷ exchanged, a number doubled, a sign lost."""
+    """Yield each change and the changed source: + − × ÷ exchanged, a number doubled, a sign lost."""
     tree = ast.parse(source)
     for index, node in enumerate(ast.walk(tree)):
         changed = copy.deepcopy(tree)

@@ -156,7 +156,7 @@ class Linear:
 
     @property
     def ratio(self):
-        """Highest frequency with the correction, over that without: of M⁻¹ + M⁻¹ K M⁻¹ in place of M⁻¹."""
+        """Highest frequency with the correction, over that without: of M⁻¹ + M⁻¹ K M⁻¹ instead of M⁻¹."""
         root = 1.0 / np.sqrt(self.mass)
         lumped = root[:, None] * self.stiffness * root
         factor = np.linalg.cholesky(np.eye(len(root)) + root[:, None] * self.operator * root)

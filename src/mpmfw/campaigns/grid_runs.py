@@ -112,7 +112,7 @@ class GridRuns:
         return self.store.outcome(key) if key else None
 
     def results(self, index: Index) -> xr.DataTree | None:
-        """What a point's run wrote; None if nothing."""
+        """Return the results of a point's run, or None."""
         outcome = self.outcome(index)
         return None if outcome is None or not outcome.digest else self.store.results(outcome.key)
 
@@ -151,7 +151,7 @@ class GridRuns:
                 warnings.warn(f"{name}: {note}", ResultsWarning, stacklevel=3)
 
     def complete_results(self, index: Index) -> xr.DataTree | None:
-        """What a point's run wrote, if it came to its end."""
+        """Return the results of a point's run that came to its end, or None."""
         outcome = self.outcome(index)
         return None if outcome is None or not is_complete(outcome.status) else self.results(index)
 

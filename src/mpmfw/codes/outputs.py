@@ -29,7 +29,7 @@ _HUGE = 1e60
 
 @dataclass(frozen=True)
 class RunCost:
-    """What the process took, start and input included."""
+    """Cost of the process, start and input included."""
 
     cpu_time: float  #: [s]
     wall_time: float  #: [s]
@@ -101,7 +101,7 @@ def results_of(
     """Write outputs as a run's file, or keep them in memory where ``path`` is None.
 
     Where two bodies meet, the contact force is the momentum that one of them gains, without gravity's part.
-    Nothing else may act on that body: it has no held sides. Without such a body there is no force."""
+    That body must be free of held sides. If neither is, no force is written."""
     pairs = tuple(f"{a}-{b}" for a, b, _ in scene.pairs)
     alone = [name for name in outputs.bodies if not scene.bodies[name].sides]
     other = scene.loads or scene.boundaries

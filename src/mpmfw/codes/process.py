@@ -46,7 +46,7 @@ except OSError as error:
 
 @dataclass(frozen=True)
 class ProcessLimits:
-    """What a process may take."""
+    """Time and memory that a process may take."""
 
     seconds: float = 3600.0  #: of wall time
     memory: int = 16 * 2**30  #: private memory [B]; on Linux alone

@@ -34,7 +34,7 @@ _DASHED = (0, (3, 3))
 def positions(dataset: xr.Dataset, shape: str | None = None) -> Figure:
     """First outlines (dashed) and last ones, one panel for each method, all at one scale.
 
-    Below a rolling cylinder a part is enlarged. A ValueError says that there is no outline.
+    Below a rolling cylinder a part is enlarged. Raise ValueError without an outline.
     """
     runs = [one for one in combinations(dataset) if np.isfinite(one[2]["outline"].values).any()]
     if not runs:

@@ -276,7 +276,7 @@ def count_in(axis: Any, size: float) -> None:
 
 
 def in_brackets(label: str, unit: str) -> str:
-    """``label [unit]``, without brackets where there is no unit."""
+    """Return ``label [unit]``, or the label alone without a unit."""
     return f"{label} [{unit}]" if unit else label
 
 

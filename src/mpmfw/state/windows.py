@@ -152,7 +152,7 @@ def overlapping(lower: AnyArray, upper: AnyArray) -> tuple[IntArray, IntArray]:
 def _strips(lower: FloatArray, upper: FloatArray) -> tuple[int, IntArray, IntArray, IntArray]:
     """Axis of the sweep, and entries of boxes in strips across the axis of next to the largest spread.
 
-    A strip is as wide as the median box, and there are no more strips than boxes."""
+    A strip is as wide as the median box. At most as many strips are made as there are boxes."""
     spread = (lower + upper).max(axis=0) - (lower + upper).min(axis=0)
     across, along = (int(axis) for axis in np.argsort(spread)[-2:])
     start, end = lower[:, across].min(), upper[:, across].max()

@@ -222,6 +222,6 @@ def powers_of(unit: str) -> tuple[float, float, float]:
     try:
         found = dict(pint.application_registry.parse_units("" if unit == "1" else text).dimensionality)
     except Exception as error:  # pint's own, of many kinds
-        raise ValueError(f"'{unit}' is no unit: {error}") from error
+        raise ValueError(f"expected a unit, found '{unit}': {error}") from error
     mass, length, time = (float(found.get(f"[{name}]", 0.0)) for name in ("mass", "length", "time"))
     return mass, length, time
