@@ -111,10 +111,15 @@ def weights_of_oblique_side(monkeypatch, points, values):
     monkeypatch.setattr(side_rows, "QUADRATURE", points)
     monkeypatch.setattr(side_rows, "TABULATED", values)
     reach, table = tabulate(np.array([math.sin(0.6), math.cos(0.6)]), 1, 1, 1)
-    middle = len(table) // 2
+    away = np.abs(np.arange(len(table)) - len(table) // 2) / values
+    assert table[away > reach].max(initial=0.0) < 1e-12
+    side = upper_side(0.0)
+    side.set(tabulated=np.array([0, len(table)]), weight=table)
+    weight_at = interpreted(side_rows.weight_at, TABULATED=values)
     x = np.subtract.outer(np.linspace(0.0, 1.0, 21), np.arange(-4, 5))
-    assert table[np.abs(np.arange(len(table)) - middle) / values > reach].max(initial=0.0) < 1e-12
-    return np.interp(x, (np.arange(len(table)) - middle) / values, table)
+    return np.array(
+        [[weight_at(each, 0, 1, side) if abs(each) < reach else 0.0 for each in row] for row in x]
+    )
 
 
 def test_an_oblique_side_has_points_and_values_enough_for_its_weights(monkeypatch):
