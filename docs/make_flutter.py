@@ -1,4 +1,4 @@
-"""Print the table of docs/guide/choosing.md on flutter over friction and time: ``python docs/make_flutter.py
+"""Print the table of docs/guide/stability.md on flutter over friction and time: ``python docs/make_flutter.py
 [MU …]``.
 
 The block of ``validation/steep-friction`` lies on a plane that is tilted in 0.15 s to just above the angle of

@@ -1,4 +1,4 @@
-"""Print the table of docs/guide/choosing.md on the stiffness of springs: ``python docs/make_stiffness.py``.
+"""Print the table of docs/guide/stability.md on the stiffness of springs: ``python docs/make_stiffness.py``.
 
 Two discs meet head-on. Half of the impulse has passed at 50.2 ms, the limit of small cells and stiff springs.
 A minute. ``python docs/make_stiffness.py "0.17 ms"`` gives the discs that damping, of bulk and shear."""

@@ -107,7 +107,7 @@ def add_friction(
 
 
 #: κ where a scene names none, by dimension. In space bodies are few cells wide, and stiff springs add to
-#: elements that are too stiff already (docs/guide/choosing.md).
+#: elements that are too stiff already (docs/guide/stability.md).
 KAPPA = {2: 4.0, 3: 1.0}
 
 
