@@ -55,8 +55,7 @@ LEAST = Brings(
 )
 
 _SURFACES = "~surfaces " + " ".join(
-    f"~surfaces.{name}"
-    for name in ("detection", "near_facets", "search", "assembly", "outline", "tracking", "covering")
+    f"~surfaces.{name}" for name in ("detection", "near_facets", "search", "assembly", "outline", "tracking")
 )
 _CONTACT = "contact_force friction_force contact_count frictional_work contact_energy damping_work"
 _ISOTROPIC = "material._isotropic"

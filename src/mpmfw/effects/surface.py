@@ -119,8 +119,12 @@ class SurfaceTracker:
         chosen = contact.surface_map if contact is not None and by_contact else "auto"
         if chosen == "auto":
             chosen = "mass_weighted" if setup.massless_boundary else "plain"
-        line = Effect(f"surface map {chosen}", True, f"shape {setup.shape}")
-        return Acts("for " + ", ".join(setup.surface_users), [cls(setup, chosen, stage)], [line])
+        frames = setup.scene.output.surface
+        lines = [
+            Effect(f"surface map {chosen}", True, f"shape {setup.shape}"),
+            Effect("surface frames", frames, "output.surface" if frames else "output.surface = false"),
+        ]
+        return Acts("for " + ", ".join(setup.surface_users), [cls(setup, chosen, stage)], lines)
 
     @hookimpl(tryfirst=True)
     def detect(self, grid: Grid) -> None:
@@ -161,8 +165,3 @@ class GapDiagnostic:
         """Least of both bodies' node-to-facet distances, (pair,) [m]."""
         first, second = np.ascontiguousarray(state.pair_bodies.T)
         return {"min_gap": least_gaps(state.tracked_surface, first, second, state.grid.spacing)}
-
-
-def frames_from_setup(setup: Setup) -> Acts:  # noqa: ARG001
-    """Return why frames have surface nodes, where surfaces are tracked."""
-    return Acts("output.surface")

@@ -36,7 +36,6 @@ def _table(setup: Setup) -> list[tuple[str, str, object, str]]:
     slides = setup.whole is None and contact is not None and contact.uses_friction
     slides = slides and setup.friction_law is None and setup.has_friction
     no_gap = "one body" if output.gap else "output.gap = false"
-    no_surface = "no surface is tracked" if output.surface else "output.surface = false"
     return [
         ("rigid bodies", "effects.rigid:RigidBodies.from_setup", rigid, "no rigid body"),
         ("contact", "contact.strategy:from_setup", True, ""),
@@ -66,8 +65,6 @@ def _table(setup: Setup) -> list[tuple[str, str, object, str]]:
          "output.stability = false"),
         ("von Mises stress", "effects.series:VonMises.from_setup", output.particles,
          "output.particles = false"),
-        ("surface frames", "effects.surface:frames_from_setup", output.surface and setup.surface_users,
-         no_surface),
         ("sleep", "runs.sleeping:from_setup", scene.sleep, "no [sleep]"),
     ]  # fmt: skip
 

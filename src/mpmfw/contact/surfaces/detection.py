@@ -12,7 +12,7 @@ from mpmfw.contact.rows import ContactRows, Detection
 from mpmfw.contact.strategy import ranks_of, stiffness_ranks
 from mpmfw.contact.surfaces.assembly import Places, assemble
 from mpmfw.contact.surfaces.near_facets import TravelLimit, VerletList
-from mpmfw.contact.surfaces.outline import no_candidates, node_error
+from mpmfw.contact.surfaces.outline import Candidates, node_error
 from mpmfw.contact.surfaces.search import find_candidates
 from mpmfw.contact.surfaces.tracking import CROSSED
 from mpmfw.errors import SceneError
@@ -149,7 +149,12 @@ class Surfaces(OnFacets):
         """Prepare the search, and allocate its candidates."""
         super().prepare(setup, owner)
         slots = 8 if self.every_facet else min(max(len(setup.bodies) - 1, 1), 3)
-        self.candidates = no_candidates(setup, owner, slots)
+        axes, text = ("surface_node", "slot"), "candidates of surface nodes"
+        facet = setup.allocate(owner, ArrayField("facet", axes, "1", text, "surface", "i8"), slot=slots)
+        gap = setup.allocate(owner, ArrayField("gap", axes, "m", text, "surface"), slot=slots)
+        facet.fill(-1)
+        gap.fill(np.inf)
+        self.candidates = Candidates(facet=facet, gap=gap)
         self.force: FloatArray = setup.allocate(owner, FORCE)
         self.through = np.zeros(3)
         self.place = np.zeros(0, dtype=np.int64)

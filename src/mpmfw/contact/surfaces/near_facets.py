@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.contact.surfaces.covering import find_covered
-from mpmfw.contact.surfaces.outline import Partners, partners_of
+from mpmfw.contact.surfaces.outline import Partners, find_covered, partners_of
 from mpmfw.kernels import Struct, device, kernel, scratch
 from mpmfw.kernels.boxes import (
     BLOCK,

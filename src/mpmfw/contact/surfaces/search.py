@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 
-from mpmfw.contact.surfaces.covering import past_a_seam
 from mpmfw.contact.surfaces.near_facets import NearFacets
 from mpmfw.contact.surfaces.outline import (
     Candidates,
@@ -17,6 +16,7 @@ from mpmfw.contact.surfaces.outline import (
     hidden,
     node_outward,
     opposes,
+    past_a_seam,
     square_of,
 )
 from mpmfw.contact.surfaces.tracking import THIN, add_crossings, farthest_motion, keep_inside

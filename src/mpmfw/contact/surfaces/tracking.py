@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-from mpmfw.contact.surfaces.covering import past_a_seam
 from mpmfw.contact.surfaces.near_facets import NearFacets
 from mpmfw.contact.surfaces.outline import (
     LEAST_COSINE,
@@ -14,6 +13,7 @@ from mpmfw.contact.surfaces.outline import (
     hidden,
     node_outward,
     opposition,
+    past_a_seam,
     square_of,
 )
 from mpmfw.kernels import device, scratch
