@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpmfw.runs.simulation import Simulation
+from scenes_for_tests import scene_of
 
 CELL = 0.1  # m
 MU = 0.3
@@ -67,15 +68,9 @@ def disc(centre, radius, **keys):
 
 def scene(bodies, *, friction=MU, extent=1.2, **keys):
     """A scene of these bodies in a square grid round the origin, without contact as yet."""
-    return {
-        "grid": {"cell_size": CELL, "lower": [-extent, -extent], "upper": [extent, extent]},
-        "time": {"end": 1.0, "output_interval": 0.1},
-        "shape": {"method": "cpdi"},
-        "contact": {"method": "separate", "friction": friction},
-        "materials": {b["material"]: MATERIALS[b["material"]] for b in bodies.values()},
-        "bodies": bodies,
-        **keys,
-    }
+    materials = {b["material"]: MATERIALS[b["material"]] for b in bodies.values()}
+    tables = {"contact": {"method": "separate", "friction": friction}, "materials": materials, **keys}
+    return scene_of(bodies, CELL, [-extent] * 2, [extent] * 2, end=1.0, outputs=10, **tables)
 
 
 def impact(*, gap=0.01, speed=1.0, slide=0.1, right="stiff", **keys):

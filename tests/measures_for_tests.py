@@ -53,14 +53,9 @@ class Torque:
         self.impulse: Any = 0.0
 
     @hookimpl
-    def after_momentum_projection(self, phi):
-        """Keep the table of this step."""
-        self.phi = phi
-
-    @hookimpl
-    def add_nodal_force(self, grid, state, dt):
+    def add_nodal_force(self, grid, state, phi, dt):
         """Add the forces, and the torque's impulse to the record."""
-        p, phi = state.particles, self.phi
+        p = state.particles
         r, _ = relative(p)
         if p.dim == 2:
             outer = (r**2).sum(axis=1) >= self.inner**2

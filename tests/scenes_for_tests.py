@@ -39,16 +39,8 @@ def scene_of(bodies, cell, lower, upper, end, outputs=1, **tables):
 def one_body(geometry, *, size, layout="lattice", **changes):
     """A free Neo-Hookean body called ``solid``, in cells of 0.25 m round the origin."""
     dim = 2 if geometry["type"] in ("disc", "ring", "rectangle", "polygon", "mesh") else 3
-    scene = {
-        "grid": {"cell_size": 0.25, "lower": [-2.0] * dim, "upper": [2.0] * dim},
-        "time": {"end": 0.05, "output_interval": 0.05},
-        "shape": {"method": "cpdi"},
-        "materials": {"soft": SOFT},
-        "bodies": {
-            "solid": {"material": "soft", "geometry": geometry, "particles": {"layout": layout, "size": size}}
-        },
-    }
-    return with_changes(scene, **changes)
+    body = {"material": "soft", "geometry": geometry, "particles": {"layout": layout, "size": size}}
+    return with_changes(scene_of({"solid": body}, 0.25, [-2.0] * dim, [2.0] * dim, end=0.05), **changes)
 
 
 def disc(layout="lattice", **changes):
@@ -78,16 +70,10 @@ def ball(**changes):
 def two_blocks(method, **changes):
     """Two squares of 0.5 m, a hundredth of a metre apart, that meet at 2 m/s within the first steps."""
     scene = block(contact={"method": method, "friction": 0.2})
-    bodies = {}
-    for name, left, speed in (("left", -0.505, 1.0), ("right", 0.005, -1.0)):
-        geometry = {"type": "rectangle", "lower": [left, -0.25], "upper": [left + 0.5, 0.25]}
-        bodies[name] = {
-            "material": "soft",
-            "geometry": geometry,
-            "particles": {"layout": "lattice", "size": 0.125},
-            "velocity": [speed, 0.3 * speed],
-        }
-    scene["bodies"] = bodies
+    scene["bodies"] = {
+        name: solid([left, -0.25], [left + 0.5, 0.25], 0.125, velocity=[speed, 0.3 * speed])
+        for name, left, speed in (("left", -0.505, 1.0), ("right", 0.005, -1.0))
+    }
     return with_changes(scene, **changes)
 
 

@@ -18,7 +18,7 @@ from written_out import OneBody, TwoApart  # noqa: E402
 
 from mpmfw.benchmark import quartiles  # noqa: E402
 from mpmfw.runs.simulation import Simulation  # noqa: E402
-from scenes_for_tests import SOFT  # noqa: E402
+from scenes_for_tests import scene_of, solid  # noqa: E402
 
 POINTS, PAIRS, STEPS, WARM_UP = 20_000, 200, 3, 20
 
@@ -28,27 +28,13 @@ def scene(gap, friction, points):
     bodies = 1 if gap is None else 2
     edge = round((points / bodies) ** 0.5)
     h = 2.0 / edge
-    made = {
-        "grid": {"cell_size": h, "lower": [-3.0, -1.0], "upper": [3.0, 2.0]},
-        "time": {"end": 1.0, "output_interval": 1.0},
-        "shape": {"method": "cpdi"},
-        "materials": {"soft": SOFT},
-        "output": {"gap": False, "particles": False},
-        "bodies": {},
-    }
-    for index, name in enumerate(("left", "right")[:bodies]):
-        left = -1.0 if index == 0 else gap
-        speed = 1.0 - 2.0 * index
-        made["bodies"][name] = {
-            "material": "soft",
-            "geometry": {"type": "rectangle", "lower": [left, 0.0], "upper": [left + 1.0, 1.0]},
-            "particles": {"size": 0.5 * h},
-            "velocity": [speed, 0.3 * speed],
-            "rotation": "lumped",
-        }
-    if bodies == 2:
-        made["contact"] = {"method": "penalty", "friction": friction}
-    return made
+    made = {}
+    for name, left, speed in (("left", -1.0, 1.0), ("right", gap, -1.0))[:bodies]:
+        moves = {"velocity": [speed, 0.3 * speed], "rotation": "lumped"}
+        made[name] = solid([left, 0.0], [left + 1.0, 1.0], 0.5 * h, **moves)
+    tables = {"contact": {"method": "penalty", "friction": friction}} if bodies == 2 else {}
+    output = {"gap": False, "particles": False}
+    return scene_of(made, h, [-3.0, -1.0], [3.0, 2.0], end=1.0, output=output, **tables)
 
 
 SCENES = {

@@ -15,7 +15,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1]))  # also when it is run as a script
 
 from mpmfw.runs.simulation import Simulation
-from scenes_for_tests import SOFT
+from scenes_for_tests import scene_of, solid
 
 #: Edges of the moving block and of those at rest, and distance of their centres, in cells.
 MOVING, RESTING, PITCH = 24, 8, 20
@@ -26,8 +26,7 @@ BEFORE, STEPS = 200, 100
 def block(centre, edge, **more):
     """A square of ``edge`` cells of a metre."""
     lower, upper = ([x + side * 0.5 * edge for x in centre] for side in (-1.0, 1.0))
-    geometry = {"type": "rectangle", "lower": lower, "upper": upper}
-    return {"material": "soft", "geometry": geometry, "particles": {"layout": "lattice", "size": 0.5}, **more}
+    return solid(lower, upper, 0.5, **more)
 
 
 def scene(blocks, contact, **more):
@@ -36,16 +35,9 @@ def scene(blocks, contact, **more):
     bodies = {"moving": block((0.0, -40.0), MOVING, velocity=[2.0, -0.5], angular_velocity=0.05)}
     for k in range(blocks):
         bodies[f"b{k}"] = block((PITCH * (k // side), PITCH * (k % side)), RESTING)
-    edge = PITCH * side + 20.0
-    found = {
-        "grid": {"cell_size": 1.0, "lower": [-40.0, -80.0], "upper": [edge, edge]},
-        "time": {"end": 1e3, "output_interval": 1e3},
-        "shape": {"method": "cpdi"},
-        "materials": {"soft": SOFT},
-        "bodies": bodies,
-        **more,
-    }
-    return found | ({"contact": {"method": contact}} if blocks else {})
+    upper = [PITCH * side + 20.0] * 2
+    tables = {"contact": {"method": contact}} if blocks else {}
+    return scene_of(bodies, 1.0, [-40.0, -80.0], upper, end=1e3, **tables, **more)
 
 
 def cost(simulation):

@@ -14,7 +14,7 @@ from mpmfw.effects.averaged_volume import average_pressure, average_volume
 from mpmfw.runs.simulation import Simulation
 from mpmfw.state.windows import make_grid, set_windows
 from mpmfw_testing.bench import points_at_rest
-from scenes_for_tests import ball, disc, two_blocks, with_changes
+from scenes_for_tests import disc, scene_of, two_blocks, with_changes
 
 AVERAGED = {"bodies__solid__volumetric": "averaged"}
 STIFF = {"model": "neo_hookean", "density": 1000.0, "youngs_modulus": 1e6, "poissons_ratio": 0.499}
@@ -65,16 +65,13 @@ def head_on(how: str, **changes: Any) -> dict[str, Any]:
         }
         for name, side in (("left", -1.0), ("right", 1.0))
     }
-    scene = {
-        "grid": {"cell_size": 0.125, "lower": [-1.6, -0.9], "upper": [1.6, 0.9]},
-        "time": {"end": 0.11, "output_interval": 0.0005, "outputs": "nearest"},
-        "shape": {"method": "cpdi"},
+    tables = {
         "contact": {"method": "lcp"},
         "materials": {"m": STIFF},
-        "bodies": bodies,
         "output": {"ledger": True, "particles": False, "surface": False},
     }
-    return with_changes(scene, **changes)
+    made = scene_of(bodies, 0.125, [-1.6, -0.9], [1.6, 0.9], end=0.11, outputs=220, **tables)
+    return with_changes(made, time__outputs="nearest", **changes)
 
 
 def half_of_impulse(scene: dict[str, Any]) -> tuple[float, float]:
@@ -129,21 +126,6 @@ def test_a_spinning_disc_keeps_its_spin_and_volume(scheme: str) -> None:
     plain = with_changes(scene, bodies__solid__volumetric="pointwise")
     spins = [mpmfw.run(each)["series"]["angular_momentum"].values[-1, 0, 0] for each in (scene, plain)]
     assert spins[0] == pytest.approx(spins[1], rel=1e-3)
-
-
-def test_a_ball_is_pressed_alike_by_any_number_of_threads_and_goes_on() -> None:
-    scene = ball(materials__soft=STIFF, bodies__solid__velocity=[0.0, 0.0, 1.0], **AVERAGED)
-    scene["bodies"]["solid"]["sides"] = []
-    first, second, third = Simulation(scene), Simulation(scene, threads=2), Simulation(scene)
-    first.advance(4)
-    third.restore(first.snapshot())
-    first.advance(3)
-    second.advance(7)
-    third.advance(3)
-    for name in ("position", "stress", "deformation_gradient"):
-        expected = getattr(first.state.particles, name)
-        assert np.array_equal(getattr(second.state.particles, name), expected), name
-        assert np.array_equal(getattr(third.state.particles, name), expected), name
 
 
 @pytest.mark.parametrize("method", ["none", "penalty"])

@@ -115,26 +115,6 @@ def test_a_body_outside_the_grid_is_refused():
         Simulation(disc(grid__upper=[1.0, 2.0]))
 
 
-class Misspelt(ContactStrategy):
-    name = "misspelt"
-
-    @hookimpl
-    def add_nodal_forces(self, grid): ...
-
-
-class WrongArgument(ContactStrategy):
-    name = "wrong_argument"
-
-    @hookimpl
-    def add_nodal_force(self, gird): ...
-
-
-@pytest.mark.parametrize(("strategy", "named"), [(Misspelt, "add_nodal_forces"), (WrongArgument, "gird")])
-def test_a_misspelt_hook_is_an_error(strategy, named):
-    with pytest.raises(Exception, match=named):
-        Simulation(two_blocks("separate"), contact=strategy())
-
-
 @pytest.mark.parametrize("name", ["body", "axis", "particle", "series"])
 def test_a_body_may_have_any_name_that_a_scene_accepts(name):
     scene = disc()

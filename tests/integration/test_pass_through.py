@@ -16,6 +16,7 @@ from mpmfw.contact.surfaces import detection, near_facets
 from mpmfw.effects.verdict import DEEP
 from mpmfw.errors import ResultsWarning
 from mpmfw.runs.simulation import Simulation
+from scenes_for_tests import scene_of
 
 SOLID = material(1e6, 1000.0)  # K 1 MPa, G 0.5 MPa
 C = math.sqrt((1e6 + 4.0 * 5e5 / 3.0) / 1000.0)  # m/s
@@ -42,17 +43,10 @@ def ball(x, y, radius):
 
 def scene(bodies, end, **keys):
     """A scene of these bodies, without friction, that ends at a time [h / c]."""
-    end *= CELL / C
-    return {
-        "grid": {"cell_size": CELL, "lower": [-25 * CELL, -25 * CELL], "upper": [25 * CELL, 25 * CELL]},
-        "time": {"end": end, "output_interval": 0.05 * end},
-        "shape": {"method": "cpdi"},
-        "contact": {"method": "penalty", "friction": 0.0},
-        "materials": {"solid": SOLID, **keys.pop("materials", {})},
-        "bodies": bodies,
-        "output": {"particles": False},
-        **keys,
-    }
+    materials = {"solid": SOLID, **keys.pop("materials", {})}
+    tables = {"contact": {"method": "penalty", "friction": 0.0}, "output": {"particles": False}, **keys}
+    corners = [-25 * CELL] * 2, [25 * CELL] * 2
+    return scene_of(bodies, CELL, *corners, end * CELL / C, outputs=20, materials=materials, **tables)
 
 
 def two(left, right, speed):

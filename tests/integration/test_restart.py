@@ -154,6 +154,8 @@ WAYS = {
     "exact": {"bodies__left__rotation": "exact", "bodies__right__rotation": "spin"},
     "layer": LAYER,
     "pressed": PRESSED,
+    "damped": {"materials__soft__damping": {"bulk": 1e-4, "shear": 1e-4}},
+    "averaged": {f"bodies__{name}__volumetric": "averaged" for name in ("left", "right")},
     "nearest": {"time__outputs": "nearest", "output__particle_interval": 0.004},
 }
 

@@ -101,14 +101,9 @@ class Strike:
         self.struck = x < x.min() + 0.2
 
     @hookimpl
-    def after_momentum_projection(self, phi):
-        """Keep the table of this step."""
-        self.phi = phi
-
-    @hookimpl
-    def add_nodal_force(self, grid, state):
+    def add_nodal_force(self, grid, state, phi):
         """Add the force."""
-        p, phi = state.particles, self.phi
+        p = state.particles
         point = np.repeat(np.arange(p.count), np.diff(phi.row))
         np.add.at(grid.force[:, 1], phi.nodes, phi.weight * (100.0 * p.mass * self.struck)[point])
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import mpmfw
+from scenes_for_tests import scene_of, solid
 
 CELL, SPEED = 0.1, 2.0
 #: Where the floor begins, and how long a tile is [m]: seams lie off the grid lines.
@@ -30,19 +31,17 @@ def floor_of_tiles(tiles, angle=0.0):
     length = 3 * LENGTH / tiles
     block = {**box("soft", BEGIN + 0.213, 0.4, 0.0, 0.2), "velocity": (SPEED * e).tolist()}
     force = [[0, 0, 0], [0.02, *(-3e4 * n).tolist()]]
-    return {
-        "grid": {"cell_size": CELL, "lower": [-1.3] * 2, "upper": [1.6] * 2},
-        "time": {"end": 0.25, "output_interval": 0.01},
-        "shape": {"method": "cpdi"},
-        "contact": {"method": "penalty", "friction": 0.0},
-        "materials": {"soft": MATERIAL, "hard": HARD},
-        "bodies": {
-            "block": block,
-            **{f"tile{k}": box("hard", BEGIN + k * length, length, -0.2, 0.0) for k in range(tiles)},
-        },
-        "loads": {"weight": {"model": "body_force", "bodies": ["block"], "force": force}},
-        "output": {"particles": False, "surface": False},
-    }
+    floor = {f"tile{k}": box("hard", BEGIN + k * length, length, -0.2, 0.0) for k in range(tiles)}
+    return scene_of(
+        {"block": block, **floor},
+        *(CELL, [-1.3] * 2, [1.6] * 2),
+        end=0.25,
+        outputs=25,
+        contact={"method": "penalty", "friction": 0.0},
+        materials={"soft": MATERIAL, "hard": HARD},
+        loads={"weight": {"model": "body_force", "bodies": ["block"], "force": force}},
+        output={"particles": False, "surface": False},
+    )
 
 
 @pytest.mark.parametrize(
@@ -80,15 +79,11 @@ def test_bodies_on_both_sides_of_a_strip_are_no_floor():
     scene = floor_of_tiles(2)
     low, strip, high = -0.437, -0.037, 0.063
 
-    def box(lower, upper, **more):
-        shape = {"type": "rectangle", "lower": lower, "upper": upper}
-        return {"material": "soft", "geometry": shape, "particles": {"size": 0.025}, **more}
-
-    press = [0.0, -0.02]
+    driven = {"sides": [{"side": "top", "velocity": [0.0, -0.02]}], "velocity": [0.0, -0.02]}
     scene["bodies"] = {
-        "low": box([-0.6, low], [0.6, strip], sides=[{"side": "bottom", "fixed": True}]),
-        "strip": box([-0.4, strip], [0.4, high], velocity=[1.0, 0.0]),
-        "high": box([-0.6, high], [0.6, 0.463], sides=[{"side": "top", "velocity": press}], velocity=press),
+        "low": solid([-0.6, low], [0.6, strip], 0.025, sides=[{"side": "bottom", "fixed": True}]),
+        "strip": solid([-0.4, strip], [0.4, high], 0.025, velocity=[1.0, 0.0]),
+        "high": solid([-0.6, high], [0.6, 0.463], 0.025, **driven),
     }
     scene["time"]["end"] = 0.2
     del scene["loads"]

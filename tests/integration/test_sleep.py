@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from test_restart import stop_and_go_on
 
 import mpmfw
 from mpmfw.errors import SceneError
-from mpmfw.runs.restart import read_snapshot, write_snapshot
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import scene_of, solid, with_changes
 
@@ -132,23 +132,10 @@ def test_the_top_of_a_flight_is_no_rest():
     np.testing.assert_allclose(watch.series[-1]["centre_of_mass"][0, 1], 0.5, rtol=1e-3)  # 0.05 t − 0.05 t²
 
 
-@pytest.mark.parametrize("moment", [0.3, 0.8])
-def test_resumes_to_the_bit(tmp_path, moment):
-    """Saved while some sleep, and after they were hit."""
-    given = hit(**SLEEP, time__end=1.2)
-    going, resumed = Simulation(given), Simulation(given)
-
-    def after_step():
-        if not saved.exists() and going.started and going.state.time > moment:
-            write_snapshot(str(saved), going.snapshot())
-
-    saved, frames, again = tmp_path / "saved", [], []
-    going.run(lambda frame: frames.append(np.copy(frame.particles["position"])), after_step=after_step)
-    resumed.restore(read_snapshot(str(saved))[0])
-    resumed.run(lambda frame: again.append(np.copy(frame.particles["position"])))
-    assert 0 < len(again) < len(frames)
-    for one, other in zip(frames[-len(again) :], again, strict=True):
-        np.testing.assert_array_equal(one, other)
+@pytest.mark.parametrize("step", [342, 976])
+def test_resumes_to_the_bit(tmp_path, step):
+    """Saved at 0.3 s, while some sleep, and at 0.8 s, after they were hit."""
+    stop_and_go_on(lambda: Simulation(hit(**SLEEP, time__end=1.2)), tmp_path / "saved", step)
 
 
 @pytest.mark.parametrize(

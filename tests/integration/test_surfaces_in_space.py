@@ -6,6 +6,7 @@ import pytest
 from mpmfw.geometry.solid import turning
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
+from scenes_for_tests import scene_of, solid
 
 CELL = 0.25
 SOFT = {"model": "neo_hookean", "density": 1000.0, "bulk_modulus": 12e6, "shear_modulus": 6e6}
@@ -13,28 +14,14 @@ SOFT = {"model": "neo_hookean", "density": 1000.0, "bulk_modulus": 12e6, "shear_
 
 def box(lower, upper, segment, **keys):
     """A box [cells] with triangles in rectangles of so many cells."""
-    geometry = {"type": "box", "lower": [CELL * x for x in lower], "upper": [CELL * x for x in upper]}
-    particles = {"layout": "fitted", "size": 0.5 * CELL}
-    return {
-        "material": "soft",
-        "geometry": geometry,
-        "particles": particles,
-        "segment": segment * CELL,
-        **keys,
-    }
+    corners = [CELL * x for x in lower], [CELL * x for x in upper]
+    return solid(*corners, 0.5 * CELL, layout="fitted", segment=segment * CELL, **keys)
 
 
 def scene(bodies, upper=(4.0, 4.0, 9.0), **keys):
     """Bodies in a grid from −2 cells to ``upper`` [cells], 2 beyond."""
-    return {
-        "grid": {"cell_size": CELL, "lower": [-2 * CELL] * 3, "upper": [CELL * (x + 2) for x in upper]},
-        "time": {"end": 1.0, "output_interval": 1.0},
-        "shape": {"method": "cpdi"},
-        "contact": {"method": "penalty", "friction": 0.3},
-        "materials": {"soft": SOFT},
-        "bodies": bodies,
-        **keys,
-    }
+    tables = {"contact": {"method": "penalty", "friction": 0.3}, "materials": {"soft": SOFT}, **keys}
+    return scene_of(bodies, CELL, [-2 * CELL] * 3, [CELL * (x + 2) for x in upper], end=1.0, **tables)
 
 
 TURN = np.radians([20.0, 35.0, 50.0])

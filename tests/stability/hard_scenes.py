@@ -10,6 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from mpmfw.geometry.solid import turning
+from scenes_for_tests import scene_of
 
 CELL = 0.1  # m
 
@@ -64,16 +65,11 @@ def _body(geometry, velocity, *, layout="lattice", kind="usual", **keys):
 def scene(bodies, *, friction=0.3, extent=25.0, materials=None, **keys):
     """A scene of these bodies."""
     dim = 3 if any(body["geometry"]["type"] == "box" for body in bodies.values()) else 2
-    edge = CELL * extent
-    return {
-        "grid": {"cell_size": CELL, "lower": [-edge] * dim, "upper": [edge] * dim},
-        "time": {"end": 1.0, "output_interval": 1.0},  # steps are counted instead
-        "shape": {"method": "cpdi"},
-        "contact": {"method": "penalty", "friction": friction},
-        "materials": {"usual": USUAL, **(materials or {})},
-        "bodies": bodies,
-        **keys,
-    }
+    corners = [-CELL * extent] * dim, [CELL * extent] * dim
+    materials = {"usual": USUAL, **(materials or {})}
+    contact = {"method": "penalty", "friction": friction}
+    # The end means nothing: steps are counted
+    return scene_of(bodies, CELL, *corners, end=1.0, contact=contact, materials=materials, **keys)
 
 
 def impact(gap=0.1, speed=0.03, other=None, **keys):

@@ -14,7 +14,7 @@ from mpmfw.effects.side_rows import QUADRATURE, TABULATED, PlaneSides, list_rows
 from mpmfw.effects.surface import CRITICAL_MASS, LIGHT, weigh_by_mass, weigh_plain
 from mpmfw.kernels.stencil import LEAST_SHARE, linear_weights
 from mpmfw.runs.simulation import Simulation
-from scenes_for_tests import block
+from scenes_for_tests import block, scene_of, solid
 
 
 # -- the map of the surface
@@ -198,24 +198,11 @@ def test_sides_that_share_nodes_are_met_together(monkeypatch):
 
 def test_rows_of_oblique_sides_are_met_in_half_of_the_passes(monkeypatch):
     """The bottom of a turned box in space."""
-    box = {
-        "material": "solid",
-        "geometry": {
-            "type": "box", "lower": [-0.8, -0.2, -0.5], "upper": [0.8, 0.0, 0.5],
-            "angles": [0.35, 0.61, 0.87],
-        },
-        "particles": {"size": "0.5 cells", "layout": "fitted"},
-        "sides": [{"side": "bottom", "fixed": True}],
-    }  # fmt: skip
-    material = {"model": "neo_hookean", "density": 1e3, "youngs_modulus": 4e6, "poissons_ratio": 0.3}
-    scene = {
-        "grid": {"cell_size": 0.1, "lower": [-1.2] * 3, "upper": [1.2] * 3},
-        "time": {"end": 0.02, "output_interval": 0.02},
-        "shape": {"method": "cpdi"},
-        "materials": {"solid": material},
-        "bodies": {"plane": box},
-        "gravity": {"vector": [1.0, -10.0, 0.5]},
-    }
+    held = [{"side": "bottom", "fixed": True}]
+    box = solid([-0.8, -0.2, -0.5], [0.8, 0.0, 0.5], "0.5 cells", layout="fitted", sides=held)
+    box["geometry"]["angles"] = [0.35, 0.61, 0.87]
+    gravity = {"vector": [1.0, -10.0, 0.5]}
+    scene = scene_of({"plane": box}, 0.1, [-1.2] * 3, [1.2] * 3, end=0.02, gravity=gravity)
 
     def first_step(relaxation):
         monkeypatch.setattr(constraint, "RELAXATION", relaxation)

@@ -72,6 +72,11 @@ BEFORE = {
         "def parts(self):\n    class Part:\n        name = 'cpdi'\n    return [Part()]",
         "have one name; expected another for one of them",
     ),
+    "a hook that there is not": (
+        "@hookimpl\ndef add_nodal_forces(self, grid): pass",
+        f"{WHO}: unknown hook 'add_nodal_forces'",
+    ),
+    "an argument that a hook has not": ("@hookimpl\ndef add_nodal_force(self, gird): pass", "gird"),
     "a hook without its mark": (
         "def after_momentum_update(self, grid): pass",
         f"{WHO}: after_momentum_update has the name of a hook; expected @hookimpl above it",

@@ -16,7 +16,7 @@ from mpmfw.kernels import struct
 from mpmfw.kernels.boxes import Boxes, bounding_boxes
 from mpmfw.runs.simulation import Simulation
 from mpmfw_contact.points import NEAR, find_near
-from scenes_for_tests import block, box
+from scenes_for_tests import block, box, solid
 
 Bodies = list[tuple[np.ndarray, np.ndarray]]
 OVERLAP, MU = 0.01, 0.3
@@ -63,13 +63,8 @@ def blocks(dim, gap, *, offset=0.0, method="points+penalty", slide=0.0, friction
     bodies = {}
     for name, left, aside, speed in (("left", -0.5, 0.0, slide), ("right", gap, offset, 0.0)):
         lower = np.array([left, aside - 0.25, -0.25])[:dim]
-        kind = "rectangle" if dim == 2 else "box"
-        bodies[name] = {
-            "material": "soft",
-            "geometry": {"type": kind, "lower": lower.tolist(), "upper": (lower + 0.5).tolist()},
-            "particles": {"layout": "lattice", "size": 0.125},
-            "velocity": [0.0, speed, 0.0][:dim],
-        }
+        corners = lower.tolist(), (lower + 0.5).tolist()
+        bodies[name] = solid(*corners, 0.125, velocity=[0.0, speed, 0.0][:dim])
     scene = box() if dim == 3 else block()
     contact = {"method": method, "friction": friction}
     made = Simulation({**scene, "bodies": bodies, "contact": contact, "allow_overlap": gap < 0.0})

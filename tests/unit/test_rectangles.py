@@ -4,25 +4,18 @@ import numpy as np
 import pytest
 
 from mpmfw.runs.simulation import Simulation
-from scenes_for_tests import SOFT
+from scenes_for_tests import scene_of, solid
 
 H = 0.25
 
 
 def block(shape="cpdi", angles=(0.0, 0.0, 0.0)):
     """A box of three cells with a pressure on one side."""
-    box = {"type": "box", "lower": [0.0] * 3, "upper": [3 * H] * 3, "angles": list(angles)}
-    body = {"material": "soft", "geometry": box, "particles": {"layout": "fitted", "size": 0.5 * H}}
-    body |= {"segment": 0.5 * H, "sides": [{"side": "front", "pressure": 1.0}]}
-    return Simulation(
-        {
-            "grid": {"cell_size": H, "lower": [-3 * H] * 3, "upper": [6 * H] * 3},
-            "time": {"end": 1.0, "output_interval": 1.0},
-            "shape": {"method": shape},
-            "materials": {"soft": SOFT},
-            "bodies": {"block": body},
-        }
-    )
+    sides = [{"side": "front", "pressure": 1.0}]
+    body = solid([0.0] * 3, [3 * H] * 3, 0.5 * H, layout="fitted", segment=0.5 * H, sides=sides)
+    body["geometry"]["angles"] = list(angles)
+    corners = [-3 * H] * 3, [6 * H] * 3
+    return Simulation(scene_of({"block": body}, H, *corners, end=1.0, shape={"method": shape}))
 
 
 def boundary(sim):
