@@ -76,6 +76,12 @@ def join(loops):
     return Loops(position, *(np.concatenate(a).astype(np.int64) for a in (following, previous, body)))
 
 
+def turned(points, angle):
+    """Points (n, 2) turned about the origin [rad]."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.asarray(points, dtype=float) @ np.array([[c, s], [-s, c]])
+
+
 def star(rng, centre, radius, n=24, roughness=0.15):
     """A star-shaped loop of uneven segments round a centre."""
     angle = np.sort(rng.random(n)) * 2.0 * np.pi if roughness else np.arange(n) * 2.0 * np.pi / n

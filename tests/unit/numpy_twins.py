@@ -126,3 +126,17 @@ def dense(table, n_nodes):
     if len(table.gradient):
         np.add.at(gradient, (p, table.nodes), table.gradient)
     return value, gradient
+
+
+def random_table(rng, points, nodes, width=4):
+    """Rows, nodes and weights of a table whose weights sum to 1."""
+    weight = rng.random((points, width))
+    indices = np.array([rng.choice(nodes, width, replace=False) for _ in range(points)], dtype=np.int32)
+    return np.arange(points + 1) * width, indices.ravel(), (weight / weight.sum(1, keepdims=True)).ravel()
+
+
+def matrix_of(row, nodes, weight, n_nodes):
+    """A table as a matrix, (points, nodes)."""
+    matrix = np.zeros((len(row) - 1, n_nodes))
+    np.add.at(matrix, (np.repeat(np.arange(len(row) - 1), np.diff(row)), nodes), weight)
+    return matrix

@@ -9,7 +9,7 @@ import pytest
 from numba import njit
 
 import contact_kernels
-from contact_kernels import PLANE, empty_candidates, flat, join, star
+from contact_kernels import PLANE, empty_candidates, flat, join, star, turned
 from contact_scenes import CELL, impact, wave_speed
 from interpreted import interpreted
 from mpmfw.contact import nodes, strategy
@@ -34,12 +34,6 @@ def block(left, bottom, right, top, segment=SEGMENT):
         count = round(np.linalg.norm(end - start) / segment)
         sides.append(start + np.linspace(0.0, 1.0, count, endpoint=False)[:, None] * (end - start))
     return np.concatenate(sides)
-
-
-def turned(points, angle):
-    """Points turned about the origin."""
-    c, s = math.cos(angle), math.sin(angle)
-    return np.asarray(points, dtype=float) @ np.array([[c, s], [-s, c]])
 
 
 def found_with(loops, **constants):

@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+import numpy_twins as twin
 import pytest
 
 from mpmfw.api import Stencil
@@ -11,22 +12,7 @@ from mpmfw.kernels import struct
 from mpmfw_shape.cpdi2 import fill_cpdi2, move_corners
 
 RNG = np.random.default_rng(7)
-NODES, POINTS, WIDTH = 40, 25, 4
-
-
-def table(points=POINTS, nodes=NODES):
-    """A table of ``WIDTH`` entries a point with weights that sum to 1, and the same as a dense matrix."""
-    row = np.arange(points + 1) * WIDTH
-    index = np.concatenate([RNG.choice(nodes, WIDTH, replace=False) for _ in range(points)]).astype(np.int32)
-    weight = RNG.random((points, WIDTH))
-    weight /= weight.sum(axis=1, keepdims=True)
-    return row, index, weight.ravel().copy()
-
-
-def dense(row, index, weight, nodes=NODES):
-    matrix = np.zeros((len(row) - 1, nodes))
-    np.add.at(matrix, (np.repeat(np.arange(len(row) - 1), WIDTH), index), weight)
-    return matrix
+NODES, POINTS = 40, 25
 
 
 @pytest.mark.parametrize("degree", [1, 2, 3])
@@ -47,13 +33,13 @@ def test_weights_at_a_side_read_a_linear_velocity(degree):
 def test_rows_are_met_by_the_least_change_of_momentum(dim):
     """Against the solution of the constrained least squares, (M, Aᵀ; A, 0)."""
     spacing = (0.1,) * dim
-    row, nodes, weights = table(points=6)
+    row, nodes, weights = twin.random_table(RNG, 6, NODES)
     mass, momentum = 0.1 + RNG.random(NODES), RNG.normal(size=(NODES, dim))
     side, target = np.array([0, 0, 1, 1, 0, 1]), np.array([1.0, 0.0, 1.0, 1.0, 1.0, 0.0])
     directions = np.array([np.linalg.qr(RNG.normal(size=(dim, dim)))[0], np.eye(dim)])
     velocity = np.array([[0.3, np.nan, -0.2][:dim], [np.nan, 0.1, 0.7][:dim]])
     rows, wanted = [], []
-    for r, dense_row in enumerate(dense(row, nodes, weights)):
+    for r, dense_row in enumerate(twin.matrix_of(row, nodes, weights, NODES)):
         for e in range(dim):
             if not np.isnan(velocity[side[r], e]):
                 rows.append(np.outer(dense_row, directions[side[r], e]).ravel())

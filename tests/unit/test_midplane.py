@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from contact_kernels import PLANE, join, pair_table
+from contact_kernels import PLANE, join, pair_table, turned
 from interpreted import interpreted
 from mpmfw.contact.rows import ContactRows
 from mpmfw.contact.surfaces.near_facets import NearFacets
@@ -55,9 +55,7 @@ DEPTH = 0.01
 
 def overlapping(turn=0.0):
     """A block that lies on a wider one and overlaps it, both turned."""
-    upper, lower = cut(BOTTOM, 0.0, 0.4), cut(TOP, -0.4, DEPTH)
-    c, s = np.cos(turn), np.sin(turn)
-    return join([each @ np.array([[c, s], [-s, c]]) for each in (upper, lower)])
+    return join([turned(cut(BOTTOM, 0.0, 0.4), turn), turned(cut(TOP, -0.4, DEPTH), turn)])
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.4, 2.0])
@@ -109,12 +107,6 @@ def test_only_what_overlaps_bears():
         0.5 * depth**2 / slope, rel=0.02
     )  # of the horizontal face, which leans by half
     assert (high - low) / (2.0 * step) == pytest.approx(force, rel=0.02)
-
-
-def turned(points, turn):
-    """Points turned about the origin [rad]."""
-    c, s = np.cos(turn), np.sin(turn)
-    return np.asarray(points, dtype=float) @ np.array([[c, s], [-s, c]])
 
 
 def sides(across, turn=0.0, **constants):

@@ -3,6 +3,7 @@
 import itertools
 
 import numpy as np
+import numpy_twins as twin
 import pytest
 import shapely
 
@@ -185,24 +186,10 @@ def test_a_candidate_ahead_of_a_segment_s_end_has_finite_rows():
         assert np.isfinite(array).all()
 
 
-def table(rng, points, nodes, width=4):
-    """A table of weights that sum to 1."""
-    weight = rng.random((points, width))
-    indices = np.array([rng.choice(nodes, width, replace=False) for _ in range(points)], dtype=np.int32)
-    return np.arange(points + 1) * width, indices.ravel(), (weight / weight.sum(1, keepdims=True)).ravel()
-
-
-def dense(row, nodes, weight, n_nodes):
-    """The table as a matrix, (points, nodes)."""
-    matrix = np.zeros((len(row) - 1, n_nodes))
-    np.add.at(matrix, (np.repeat(np.arange(len(row) - 1), np.diff(row)), nodes), weight)
-    return matrix
-
-
 def test_the_velocity_of_the_interface_is_gathered_by_the_table():
     rng = np.random.default_rng(3)
-    t = table(rng, 17, 30)
-    matrix, of_surface = dense(*t, 30), struct(row=t[0], nodes=t[1], weight=t[2])
+    t = twin.random_table(rng, 17, 30)
+    matrix, of_surface = twin.matrix_of(*t, 30), struct(row=t[0], nodes=t[1], weight=t[2])
     velocity, mapped, start = (rng.normal(size=(n, 2)) for n in (17, 30, 30))
     gathered = velocity.copy()
     gather_layer(of_surface, mapped, start, gathered, 0.75)
@@ -216,7 +203,7 @@ def test_frequency_bounds_the_largest_eigenvalue_closely(name):
     loops = join(SCENES[name])
     found = find(loops, h=H)
     t, n_nodes = bilinear(loops)
-    matrix = dense(*t, n_nodes)
+    matrix = twin.matrix_of(*t, n_nodes)
     node_mass = np.random.default_rng(0).uniform(0.5, 1.0, n_nodes)
     made = rows_of(loops, found, ties=False, table=t)
     scratch, sums = np.zeros(n_nodes), np.zeros(made.count)
