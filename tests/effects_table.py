@@ -124,6 +124,7 @@ EFFECTS = {
         "rigid", modules=".rigid .reaction .contact_moment", series="reaction reaction_moment reaction_work"
     ),
     "reaction": brings("reaction"),
+    "forces on rigid bodies": brings("rigid_forces", modules=".rigid_forces"),
     "moment": brings("contact_moment", modules=".contact_moment", series="contact_moment"),
     "stability": brings(
         "time_step_series",
@@ -187,6 +188,10 @@ CASES = {
     "rigid": Case(
         _two("penalty", bodies__right={"geometry": _RIGHT, "rigid": True}),
         (*TOUCHED, "rigid bodies", "reaction"),
+    ),
+    "pressed": Case(
+        _two("penalty", bodies__right={"geometry": _RIGHT, "rigid": {"density": 1e3, "force": [-1.0, 0.0]}}),
+        (*TOUCHED, "rigid bodies", "reaction", "forces on rigid bodies"),
     ),
     "contact with a layer": Case(
         _two("penalty", contact__penalty={"interface_thickness": 0.01}),

@@ -216,11 +216,23 @@ ROWS: dict[str, tuple[dict[str, Any], str, Any, Any]] = {
         for key in ("mass", "inertia")
     },
     **{
+        f"Rigid.{key}": (
+            *(against({"density": 1e3, "force": [-9e5, 0.0]}), f"bodies__right__rigid__{key}"),
+            *(one, other),
+        )
+        for key, one, other in (
+            ("held", [], ["x"]),
+            ("force", [-9e5, 0.0], [[0.0, -9e5, 0.0], [3e-3, 0.0, 0.0]]),
+            ("torque", 0.0, 9e4),
+        )
+    },
+    **{
         f"Motion.{key}": (against({"motion": NUDGED}), f"bodies__right__rigid__motion__{key}", one, other)
         for key, one, other in (
             ("velocity", [-1.0, 0.0], [[0.0, -1.0, 0.0], [3e-3, 0.0, 0.0]]),
             ("angular_velocity", 2.0, [[0.0, 2.0], [3e-3, 0.0]]),
             ("about", [0.2, 0.0], [0.0, 0.0]),
+            ("surface_velocity", [0.0, 0.0], [0.0, 5.0]),
         )
     },
     "Side.side": (held(), SIDES, HELD, [{"side": "right", "fixed": True}]),

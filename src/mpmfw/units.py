@@ -156,6 +156,7 @@ Acceleration = quantity("m/s^2")
 Angle = quantity("rad")
 Pressure = quantity("Pa")
 Force = quantity("N")
+Torque = quantity("N m")
 Density = quantity("kg/m^3")
 Frequency = quantity("Hz")
 Mass = quantity("kg")
@@ -210,6 +211,22 @@ def vector_in_time(quantity: Any) -> Any:
     ]
 
 
+def axial_in_time(quantity: Any) -> Any:
+    """Return the annotation of a ``quantity`` about axes: a number in 2D, a vector in 3D; or rows in time."""
+    about_z = tuple[Time, quantity]  # type: ignore[valid-type]
+    in_space = tuple[Time, quantity, quantity, quantity]  # type: ignore[valid-type]
+    row: Any = Annotated[
+        Annotated[about_z, Strict(False), Tag("two")] | Annotated[in_space, Strict(False), Tag("three")],
+        Discriminator(length_of_row),
+    ]
+    return Annotated[
+        Annotated[quantity, Tag("single")]
+        | Annotated[tuple[quantity, quantity, quantity], Strict(False), Tag("vector")]
+        | Annotated[tuple[row, ...], Strict(False), Field(min_length=2), Tag("rows")],
+        Discriminator(axial_form),
+    ]
+
+
 def row_in_time(quantity: Any) -> Any:
     """Return the annotation of one row (t, x, y[, z]) of a ``quantity``."""
     in_plane = tuple[Time, quantity, quantity]  # type: ignore[valid-type]
@@ -251,6 +268,11 @@ def array_or_single(value: Any) -> str:
 def length_of_row(value: Any) -> str:
     """Return a tag of rows with a time and three components, or fewer."""
     return "three" if isinstance(value, list | tuple) and len(value) == 4 else "two"
+
+
+def axial_form(value: Any) -> str:
+    """Return a tag of a number, a vector, or rows in time."""
+    return _vector_or_rows(value) if isinstance(value, list | tuple) else "single"
 
 
 def _vector_or_rows(value: Any) -> str:

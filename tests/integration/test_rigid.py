@@ -10,7 +10,7 @@ from test_restart import stop_and_go_on
 
 import mpmfw
 from mpmfw.contact import rigid_nodes, strategy
-from mpmfw.effects import rigid
+from mpmfw.effects import rigid, rigid_kinematics
 from mpmfw.errors import SceneError
 from mpmfw.results.analysis import fitted_acceleration
 from mpmfw.results.references import reference_of
@@ -148,7 +148,17 @@ def test_other_orders_of_the_step_know_them(scheme):
     assert np.abs(p.sum(axis=1) - p[0].sum(axis=0)).max() < 1e-12 * np.abs(p).max()
 
 
-@pytest.mark.parametrize("scene", [drop(FREE, "lcp"), driven("penalty"), drop(FREE, "bardenhagen")])
+PRESSED = {"density": 1e3, "held": ["x"], "force": [[0.0, 0.0, 0.0], [0.1, 0.0, -5e3]], "torque": 5.0}
+BELT = {"bodies__disc__rigid__motion__surface_velocity": [[0.0, 1.0, 0.0], [0.1, 0.0, 0.0]]}
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        *(drop(FREE, "lcp"), driven("penalty"), drop(FREE, "bardenhagen")),
+        *(drop({**FREE, "rigid": PRESSED}), driven("penalty", **BELT)),
+    ],
+)
 def test_a_run_that_was_saved_goes_on_to_the_bit(scene, tmp_path):
     stop_and_go_on(lambda: Simulation(scene), tmp_path / "saved", 20)
 
@@ -199,15 +209,15 @@ def test_turned_and_moved_a_body_moves_as_before(angles, place, length):
     """Velocities are affine in those of the points of mass, and energy does not depend on the axes."""
     nodes = np.array([[0.0, 0, 0], [length, 0, 0], [0, 1, 0], [0, 0, 2]])
     facets = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
-    turn = rigid.rotations(rigid.matrix_of(angles, 3)[np.newaxis])[0]
-    volume, centre, second = rigid.moments_of((nodes,), (facets,))
-    turned = rigid.moments_of((nodes @ turn.T + place,), (facets,))
+    turn = rigid_kinematics.rotations(rigid_kinematics.matrix_of(angles, 3)[np.newaxis])[0]
+    volume, centre, second = rigid_kinematics.moments_of((nodes,), (facets,))
+    turned = rigid_kinematics.moments_of((nodes @ turn.T + place,), (facets,))
     assert volume == pytest.approx(length / 3.0, rel=1e-12)
     assert turned[0] == pytest.approx(volume, rel=1e-9)
     assert turned[1] == pytest.approx(turn @ centre + place, abs=1e-9)
     assert turned[2] == pytest.approx(turn @ second @ turn.T, abs=1e-9)
     assert np.allclose(turn @ turn.T, np.eye(3), atol=1e-14)
-    corners = rigid.simplex(3)
+    corners = rigid_kinematics.simplex(3)
     assert corners.T @ corners == pytest.approx(4.0 * np.eye(3))
 
 
@@ -272,12 +282,20 @@ def test_a_rigid_body_counts_as_stiffer_than_any_other():
         ({"rigid": {}}, "has no key; expected exactly one of: motion, density, mass and inertia, or rigid"),
         ({"rigid": {"mass": 1.0}}, "has mass; expected exactly one of"),
         ({"rigid": True}, "velocity: has no effect: the body is at rest; expected rigid.motion.velocity"),
-        ({"rigid": {"motion": {}}}, "motion: moves nothing; expected velocity or angular_velocity"),
+        ({"rigid": {"motion": {}}}, "motion: moves nothing; expected velocity, angular_velocity or surf"),
         ({"rigid": {"motion": {"velocity": [1, 2, 3]}}}, r"has 3 entries; expected 2"),
         ({"rigid": {"motion": {"angular_velocity": [1, 2, 3]}}}, r"expected a number in rad/s"),
         ({"rigid": {"motion": {"angular_velocity": [[0, 1], [0, 2]]}}}, "times must increase"),
         ({"rigid": {"motion": {"about": [0, 0, 0], "velocity": [1, 0]}}}, "has 3 entries; expected 2"),
         ({"rigid": {"mass": 1.0, "inertia": [1.0, 1.0, 1.0]}}, r"expected a number in kg m\^2"),
+        ({"rigid": {"motion": {"surface_velocity": [1, 2, 3]}}}, "has 3 entries; expected 2"),
+        ({"rigid": {"density": 1.0, "held": ["z"]}}, "'z' is a component in 3D; expected x, y or rotation"),
+        ({"rigid": {"density": 1.0, "held": ["x", "x"]}}, "names a component twice"),
+        ({"rigid": {"density": 1.0, "held": ["x", "y", "rotation"]}}, "holds the whole motion; expected"),
+        ({"rigid": {"held": ["x"], "motion": {"velocity": [1, 0]}}}, "held: has no effect: rigid.motion"),
+        ({"rigid": {"density": 1.0, "force": [1, 2, 3]}}, "has 3 entries; expected 2"),
+        ({"rigid": {"density": 1.0, "torque": [[0, 1], [0, 2]]}}, "times must increase"),
+        ({"rigid": {"force": [1, 2]}}, "has no key; expected exactly one of"),
         ({"rigid": {"moton": 1}}, "unknown key; did you mean 'motion'"),
         ({"volumetric": "averaged"}, "volumetric: does not apply to a rigid body"),
     ],

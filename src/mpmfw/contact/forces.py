@@ -167,6 +167,9 @@ class ImpulseLaw(ContactLaw):
     def detect(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
         """Find the rows where the bodies are now."""
         self.find_rows(grid, phi, particles)
+        rigid = self.state.rigid
+        if rigid is not None and not rigid.prescribed.all():
+            self.rows.response = rigid.inverse_mass
         # of forces; the rows have the impulses of each correction
         self.cohesion = self.rows.cohesion.copy()
 

@@ -64,10 +64,11 @@ class ContactRows(Rows):
     def make_room(self, rows: int, entries: int) -> None:
         """Allocate so many ``rows`` and ``entries``; what was in them is lost."""
         arrays = {}
-        for name in self.member_names:
+        for name in self.member_names[:-1]:
             length = entries if name in _OF_ENTRIES else rows + (name == "start")
             shape = (0 if name in self._without else length, *(self.dim,) * (name in _VECTORS))
             arrays[name] = np.zeros(shape, dtype="i8" if name in _INTEGERS else "f8")
+        arrays["response"] = getattr(self, "response", np.zeros((0, self.dim, self.dim + 1, self.dim)))
         self.set(**arrays)
         own = {
             name: (0, self.dim) if more is None else (rows, *(self.dim,) * more)
@@ -111,7 +112,7 @@ class ContactRows(Rows):
 
     def of_rows(self) -> dict[str, AnyArray]:
         """Return all arrays with an entry for every row; the law's are called ``own/NAME``."""
-        entries = ("start", *_OF_ENTRIES)
+        entries = ("start", *_OF_ENTRIES, "response")
         arrays = {name: array for name, array in self.members().items() if name not in entries}
         return arrays | {f"own/{name}": array for name, array in self.own.members().items()}
 

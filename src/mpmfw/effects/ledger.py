@@ -178,7 +178,9 @@ class EnergyLedger(Observer):
     def _count(self, hook: str, plugin: Any, grid: Grid) -> None:
         """Add the change since the last look to its term, (n_nodes, dim) [N s/m]."""
         term = TERMS[hook]
-        if plugin is self.state.rigid:  # a projection to rigid motion does no work
+        if plugin is self.state.rigid and plugin.holds:
+            term = "external"
+        if plugin is self.state.rigid and not plugin.holds:  # a projection to rigid motion does no work
             self.momentum = grid.momentum.copy()
         elif hook == "add_nodal_force":
             term = getattr(plugin, "ledger_term", (term,))[0]

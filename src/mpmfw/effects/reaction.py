@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from mpmfw.effects.contact_moment import CONTACT_HOOKS
-from mpmfw.effects.rigid import RigidBodies, vector_of
+from mpmfw.effects.rigid import RigidBodies
+from mpmfw.effects.rigid_kinematics import vector_of
 from mpmfw.plugin.hooks import Observer
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Setup
@@ -49,7 +50,7 @@ class Reaction(Observer):
         self.work = 0.0
         #: Impulse and moment of the step, and the motion that it began with.
         self.of_step = np.zeros_like(self.impulse), np.zeros_like(self.moment)
-        self.begin = rigid.velocity.copy(), rigid.spin.copy()
+        self.begin = rigid.velocity + rigid.belt, rigid.spin.copy()
         self._before: FloatArray = np.zeros(0)
 
     @classmethod
@@ -82,7 +83,7 @@ class Reaction(Observer):
         self.moment += moment
         self.of_step[0][...] += impulse
         self.of_step[1][...] += moment
-        self.begin = rigid.velocity.copy(), rigid.spin.copy()
+        self.begin = rigid.velocity + rigid.belt, rigid.spin.copy()
         work = _work(impulse, moment, *self.begin)
         self.works += work
         self.work -= float(work[rigid.prescribed].sum())

@@ -3,7 +3,8 @@
 The velocity anywhere on a body is affine in those of its points, with barycentric weights that never change.
 Rows of contact refer to the points as to nodes of the grid, behind which they lie. What forces make of their
 momenta is projected to a rigid motion, which keeps the sum and the moment. A mass of −1 marks points whose
-motion is prescribed: their momentum is minus their velocity, and no force moves them.
+motion is prescribed: their momentum is minus their velocity, and no force moves them. The projection also
+keeps what is held of a free body's motion.
 
 Matrices W have W r = ω × r. With the second moment S of mass the angular momentum is L = W S + S W; along the
 principal axes of S, which are the body's own axes, W_de = L_de / (s_d + s_e).
@@ -16,12 +17,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mpmfw.effects.contact_moment import CONTACT_HOOKS
+from mpmfw.effects.rigid_kinematics import (
+    in_axes,
+    mass_of,
+    matrix_of,
+    mean_of,
+    moments_of,
+    rotations,
+    simplex,
+    tables_of,
+    vector_of,
+)
 from mpmfw.errors import SceneError
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.state.fields import FloatArray
 from mpmfw.state.structs import Body, Grid, Stencil
-from mpmfw.units import TimeTable
 
 if TYPE_CHECKING:
     from mpmfw.scene.tables import RigidBody
@@ -29,54 +40,9 @@ if TYPE_CHECKING:
 #: Most iterations for the angular velocity in the middle of a step; about five are used.
 ITERATIONS = 50
 
-
-def moments_of(
-    outlines: tuple[FloatArray, ...], facets: tuple[Any, ...]
-) -> tuple[float, FloatArray, FloatArray]:
-    """Return volume, centroid and ∫ r rᵀ about it of what closed surfaces enclose, of their simplices."""
-    corners = np.concatenate([nodes[own] for nodes, own in zip(outlines, facets, strict=True)])
-    dim = corners.shape[1]
-    origin = corners.mean(axis=(0, 1))
-    corners = corners - origin
-    part = np.linalg.det(corners) / (2.0 if dim == 2 else 6.0)
-    total, volume = corners.sum(axis=1), float(part.sum())
-    centre = part @ total / (dim + 1) / volume
-    second = np.einsum("k,kad,kae->de", part, corners, corners) + np.einsum("k,kd,ke->de", part, total, total)
-    second = second / ((dim + 1) * (dim + 2)) - volume * np.outer(centre, centre)
-    return volume, origin + centre, second
-
-
-def simplex(dim: int) -> FloatArray:
-    """Corners u of a regular simplex (dim + 1, dim): Σ u = 0, and Σ u uᵀ is dim + 1 times the unit matrix."""
-    if dim == 3:
-        return np.array([[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]])
-    angle = np.pi * np.array([1.0 / 2.0, 7.0 / 6.0, 11.0 / 6.0])
-    return np.asarray(np.sqrt(2.0) * np.stack([np.cos(angle), np.sin(angle)], axis=1))
-
-
-def matrix_of(omega: Any, dim: int) -> FloatArray:
-    """Return W of ω, (1,) in the plane and (3,) in space."""
-    x, y, z = (0.0, 0.0, omega[0]) if dim == 2 else omega
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])[:dim, :dim]
-
-
-def vector_of(matrix: FloatArray) -> FloatArray:
-    """Return ω (n, 1) or (n, 3) of W (n, dim, dim); of L the angular momentum."""
-    entries = ((1, 0),) if matrix.shape[1] == 2 else ((2, 1), (0, 2), (1, 0))
-    return np.stack([matrix[:, d, e] for d, e in entries], axis=1)
-
-
-def rotations(angles: FloatArray) -> FloatArray:
-    """exp(A) = 1 + sin θ / θ A + (1 − cos θ) / θ² A² of A = Δt W, (n, dim, dim)."""
-    theta = np.sqrt(0.5 * np.einsum("nde,nde->n", angles, angles))[:, None, None] / np.pi
-    square = np.einsum("nda,nae->nde", angles, angles)
-    turned = np.eye(angles.shape[1]) + np.sinc(theta) * angles
-    return np.asarray(turned + 0.5 * np.sinc(0.5 * theta) ** 2 * square)
-
-
-def in_axes(matrix: FloatArray, turn: FloatArray) -> FloatArray:
-    """R A Rᵀ of every body (n, dim, dim); with Rᵀ as ``turn`` Rᵀ A R."""
-    return np.asarray(np.einsum("nda,nab,neb->nde", turn, matrix, turn))
+#: By how many times the points of mass of a body whose rotation is held are farther apart: rows then see the
+#: body's mass alone, where they see an inertia else.
+FAR = 1e2
 
 
 class RigidBodies:
@@ -84,7 +50,7 @@ class RigidBodies:
 
     name = "rigid"
     stage = "contact"
-    history = ("centre", "turn", "velocity", "spin")
+    history = ("centre", "turn", "velocity", "spin", "belt")
 
     def __init__(self, setup: Setup) -> None:
         self.state, self.dim = setup.state, setup.dim
@@ -94,6 +60,11 @@ class RigidBodies:
         self.prescribed = np.array([body.prescribed for body in self.bodies])
         self.centre, self.velocity = np.zeros((count, dim)), np.zeros((count, dim))
         self.turn, self.spin = np.zeros((count, dim, dim)), np.zeros((count, dim, dim))
+        self.belt = np.zeros((count, dim))  #: velocity of the surface over the body [m/s]
+        held = [getattr(model.rigid, "held", None) or () for model in models]
+        #: components of the velocity (n, dim) and spins (n, 1, 1) of free bodies that no force changes
+        self.held = np.array([[name in each for name in "xyz"[:dim]] for each in held])
+        self.held_spin = np.array(["rotation" in each for each in held])[:, None, None]
         self.mass = np.zeros(count)  #: (n,) [kg/m]; 0 where the motion is prescribed
         self.spread = np.zeros((count, dim))  #: (n, dim) Σ m x_k² along the body's own axes
         self.radii = np.zeros((count, dim))  #: of gyration, which the points of mass have [m]
@@ -109,7 +80,7 @@ class RigidBodies:
         self.weight: FloatArray = np.concatenate(weights).ravel()
         self.points = simplex(dim) * self.radii[:, None]  #: of mass, in the body's own axes (n, dim + 1, dim)
         self.share = np.where(self.prescribed, -1.0, self.mass / (dim + 1))[:, None, None]  #: of each point
-        self.motion = [_tables(model, dim) for model in models]
+        self.motion = [tables_of(model, dim) for model in models]
         self.moves = not self.prescribed.all() or any(np.any(t.values) for each in self.motion for t in each)
         self.table: Stencil | None = None
         self.moved = False  #: in this step
@@ -128,9 +99,9 @@ class RigidBodies:
             self.centre[k] = model.rigid.motion.about
             self.offset[k] = centroid - self.centre[k]
         elif not body.prescribed:
-            self.mass[k], second = _mass(model, volume, second, body.thickness)
+            self.mass[k], second = mass_of(model, volume, second, body.thickness)
             self.spread[k], self.turn[k] = np.linalg.eigh(second)
-            self.radii[k] = np.sqrt(self.spread[k] / self.mass[k])
+            self.radii[k] = np.sqrt(self.spread[k] / self.mass[k]) * (FAR if self.held_spin[k] else 1.0)
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
@@ -149,7 +120,17 @@ class RigidBodies:
                 key="contact",
             )
         setup.state.rigid = bodies = cls(setup)
-        return Acts(", ".join(body.name for body in bodies.bodies), [bodies])
+        shown = []
+        for body in bodies.bodies:
+            model: Any = setup.scene.bodies[body.name]
+            held = getattr(model.rigid, "held", None)
+            shown.append(body.name + (f" ({', '.join(held)} held)" if held else ""))
+        return Acts(", ".join(shown), [bodies])
+
+    @property
+    def holds(self) -> bool:
+        """Return True if part of a free body's motion is held."""
+        return bool(self.held.any() or self.held_spin.any())
 
     # -- where they are
 
@@ -162,6 +143,8 @@ class RigidBodies:
         """Work out arms and velocities of the points of mass, (n, dim + 1, dim), from place and motion."""
         self.arms = np.einsum("nde,nje->njd", self.turn, self.points)
         self.point_velocity = self.velocity[:, None] + np.einsum("nde,nje->njd", self.spin, self.arms)
+        if self.belt.any():
+            self.point_velocity += self.belt[:, None]
 
     @property
     def angular_velocity(self) -> FloatArray:
@@ -214,9 +197,9 @@ class RigidBodies:
     def while_settling(self, asked: Any) -> None:
         """Stand still while a scene settles; ``asked`` is None when the motion begins."""
         self.settles = asked is not None
-        for k, (velocity, omega) in enumerate(self.motion):
+        for k, (velocity, omega, belt) in enumerate(self.motion):
             moves = 0.0 if self.settles else 1.0
-            self.velocity[k] = moves * velocity.at(0.0)
+            self.velocity[k], self.belt[k] = moves * velocity.at(0.0), moves * belt.at(0.0)
             self.spin[k] = moves * matrix_of(omega.at(0.0), self.dim)
         self.restored()
 
@@ -262,15 +245,18 @@ class RigidBodies:
         if self.settles or not self.moves:
             return
         for k in np.flatnonzero(self.prescribed):
-            velocity, omega = (_mean(table, self.state.time, dt) for table in self.motion[k])
-            self.velocity[k], self.spin[k] = velocity, matrix_of(omega, self.dim)
+            velocity, omega, belt = (mean_of(table, self.state.time, dt) for table in self.motion[k])
+            self.velocity[k], self.spin[k], self.belt[k] = velocity, matrix_of(omega, self.dim), belt
         self.restored()
         self._write_momentum(grid)
 
     @hookimpl(tryfirst=True)
     def after_momentum_update(self, grid: Grid) -> None:
-        """Take back what contact has done to points whose motion is prescribed."""
+        """Take back what forces have done to what is prescribed or held."""
         own = self.own(grid.momentum)
+        if self.holds:
+            self._read_motion(own)
+            self._write_momentum(grid)
         own[self.prescribed] = -self.point_velocity[self.prescribed]
 
     @hookimpl(trylast=True)
@@ -281,20 +267,37 @@ class RigidBodies:
         self._write_momentum(grid)
 
     def _read_motion(self, momentum: FloatArray) -> None:
-        """Take the motion of free bodies that has the sum and the moment of their points' ``momentum``."""
+        """Take the motion of free bodies that has the sum and the moment of their points' ``momentum``, but
+        for what is held."""
         free = ~self.prescribed
         if not free.any():
             return
-        self.velocity[free] = momentum[free].sum(axis=1) / self.mass[free, None]
+        velocity = momentum[free].sum(axis=1) / self.mass[free, None]
         lever = np.einsum("njd,nje->nde", momentum[free], self.arms[free])
-        self.spin[free] = self._spin_of(lever - np.swapaxes(lever, 1, 2), free)
+        spin = self.spin_of(lever - np.swapaxes(lever, 1, 2), free)
+        self.velocity[free] = np.where(self.held[free], self.velocity[free], velocity)
+        self.spin[free] = np.where(self.held_spin[free], self.spin[free], spin)
         self.restored()
 
-    def _spin_of(self, moment: FloatArray, free: Any) -> FloatArray:
+    def spin_of(self, moment: FloatArray, free: Any) -> FloatArray:
         """W of L, (n, dim, dim), of ``free`` bodies."""
         spread = self.spread[free]
         own = in_axes(moment, np.swapaxes(self.turn[free], 1, 2))
         return in_axes(own / (spread[:, :, None] + spread[:, None, :]), self.turn[free])
+
+    @property
+    def inverse_mass(self) -> FloatArray:
+        """Velocities (n_points, dim, dim + 1, dim) of a body's points by a unit impulse on one of them, along
+        each axis [1/kg]; none by one on prescribed bodies."""
+        dim, free = self.dim, np.flatnonzero(~self.prescribed)
+        inverse = np.zeros((len(self.arms), dim + 1, dim, dim + 1, dim))
+        lever = np.einsum("de,npf->npdef", np.eye(dim), self.arms[free])
+        moment = (lever - np.swapaxes(lever, 3, 4)).reshape(-1, dim, dim)
+        spin = self.spin_of(moment, np.repeat(free, (dim + 1) * dim)).reshape(lever.shape)
+        spin = np.where(self.held_spin[free, None, None], 0.0, spin)
+        moved = np.where(self.held[free, None], 0.0, np.eye(dim)) / self.mass[free, None, None]
+        inverse[free] = np.einsum("npdef,nqf->npdqe", spin, self.arms[free]) + moved[:, None, :, None]
+        return inverse.reshape(-1, dim, dim + 1, dim)
 
     @hookimpl(tryfirst=True)
     def after_second_projection(self, grid: Grid) -> None:
@@ -316,14 +319,17 @@ class RigidBodies:
         self._turn(dt)
         new = self.centre[self.owner] + np.einsum("sde,se->sd", self.turn[self.owner], self.place)
         surface.displacement[nodes] = new - surface.position[nodes]
+        if self.belt.any():
+            surface.displacement[nodes] += dt * self.belt[self.owner]
         surface.position[nodes] = new
 
     def _turn(self, dt: float) -> None:
         """Turn all bodies over a step.
 
-        Free ones keep L, and turn by W of the mean of Rᵀ L R at both ends: a midpoint rule, which keeps the
-        energy (Lewis & Simo 1994)."""
-        free, moment = ~self.prescribed, self.moment[~self.prescribed]
+        Those that are free to turn keep L, and turn by W of the mean of Rᵀ L R at both ends: a midpoint rule,
+        which keeps the energy (Lewis & Simo 1994)."""
+        free = ~self.prescribed & ~self.held_spin[:, 0, 0]
+        moment = self.moment[free]
         turned = np.einsum("nda,nae->nde", rotations(dt * self.spin), self.turn)
         if free.any() and self.dim == 3:
             turn, spread = self.turn[free], self.spread[free]
@@ -336,37 +342,5 @@ class RigidBodies:
             turned[free] = np.einsum("nda,nae->nde", turn, by)
         self.turn = turned
         if free.any():
-            self.spin[free] = self._spin_of(moment, free)
+            self.spin[free] = self.spin_of(moment, free)
         self.restored()
-
-
-def _mass(model: RigidBody, volume: float, second: FloatArray, thickness: float) -> tuple[float, FloatArray]:
-    """Return mass and second moment of a free body by its table, from those of its region."""
-    rigid: Any = model.rigid
-    if rigid.density is not None:
-        density = rigid.density * thickness
-        return density * volume, density * second
-    if len(second) == 2:
-        return rigid.mass, second * rigid.inertia / np.trace(second)
-    principal = np.array(rigid.inertia)
-    return rigid.mass, np.diag(0.5 * principal.sum() - principal)
-
-
-def _tables(model: RigidBody, dim: int) -> tuple[TimeTable, TimeTable]:
-    """Return v and ω over time, prescribed ones or those of the start; 0 where there are none."""
-    motion = None if isinstance(model.rigid, bool) else model.rigid.motion
-    v, omega = (getattr(motion or model, key) for key in ("velocity", "angular_velocity"))
-    axes = 1 if dim == 2 else 3
-    return TimeTable.of((0.0,) * dim if v is None else v), TimeTable.of(
-        (0.0,) * axes if omega is None else omega
-    )
-
-
-def _mean(table: TimeTable, time: float, dt: float) -> FloatArray:
-    """Return the mean of a table from ``time`` over ``dt`` [s]."""
-    if len(table.times) == 1 or dt == 0.0:
-        return table.at(time)
-    within = table.times[(table.times > time) & (table.times < time + dt)]
-    times = np.array([time, *within, time + dt])
-    values = np.array([table.at(each) for each in times])
-    return np.asarray(np.diff(times) @ (0.5 * (values[1:] + values[:-1])) / (times[-1] - times[0]))

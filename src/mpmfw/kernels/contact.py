@@ -43,6 +43,9 @@ class Rows(Struct):
     #: without
     couple: Floats
     tilt: Floats  #: (m, dim) by which a normal force of 1 acts along the facet; (0, dim) without
+    #: (k, dim, dim + 1, dim) velocities of a rigid body's points by a unit impulse along each axis on one of
+    #: them, the last k nodes [1/kg]; (0, …) without free rigid bodies, and in force laws
+    response: Floats
 
 
 class Records(Struct):
@@ -116,8 +119,10 @@ def add_force(
     c: int, force: Floats, rows: Rows, mass: Floats, out: Floats, spacing: tuple[float, ...]
 ) -> None:
     """out_i += w f + (c·f) n + (f·n) t of row c's nodes: Bᵀ f, t the tilt where a method varies the normal
-    (eq. 7 of [H17]). A ``mass`` of nodes divides it, and leaves out those that have none."""
+    (eq. 7 of [H17]). A ``mass`` of nodes divides it, and leaves out those that have none; rigid bodies move
+    as a whole."""
     dim, along = len(spacing), 0.0
+    first_rigid = len(out) - len(rows.response) if len(mass) > 0 else len(out)
     for d in range(dim):
         along += force[d] * rows.normal[c, d]
     for k in range(rows.start[c], rows.start[c + 1]):
@@ -132,7 +137,14 @@ def add_force(
             nodal = rows.weight[k] * force[d] + turned * rows.normal[c, d]
             if len(rows.tilt) > 0:
                 nodal += along * rows.tilt[k, d]
-            out[i, d] += nodal / divisor
+            if i < first_rigid:
+                out[i, d] += nodal / divisor
+                continue
+            point = i - first_rigid
+            body = i - point % (dim + 1)
+            for q in range(dim + 1):
+                for e in range(dim):
+                    out[body + q, e] += rows.response[point, d, q, e] * nodal
 
 
 @kernel

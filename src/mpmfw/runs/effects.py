@@ -31,6 +31,8 @@ def _table(setup: Setup) -> list[tuple[str, str, object, str]]:
     The name is empty where the effect has other lines, or none."""
     scene, output, several = setup.scene, setup.scene.output, len(setup.bodies) > 1
     contact, rigid = setup.contact, any(body.rigid for body in setup.bodies)
+    tables = [getattr(scene.bodies[body.name], "rigid", None) for body in setup.bodies]
+    pressed = any(getattr(each, key, None) is not None for each in tables for key in ("force", "torque"))
     gravity = scene.gravity or (scene.settle and scene.settle.gravity)
     damped = any(scene.materials[name].damping for name in setup.materials)
     slides = setup.whole is None and contact is not None and contact.uses_friction
@@ -39,6 +41,8 @@ def _table(setup: Setup) -> list[tuple[str, str, object, str]]:
     return [
         ("rigid bodies", "effects.rigid:RigidBodies.from_setup", rigid, "no rigid body"),
         ("contact", "contact.strategy:from_setup", True, ""),
+        ("forces on rigid bodies", "effects.rigid_forces:RigidForces.from_setup", pressed,
+         "no rigid body has a force or torque"),
         ("reaction", "effects.reaction:Reaction.from_setup", rigid, "no rigid body"),
         ("least gap", "effects.surface:GapDiagnostic.from_setup", output.gap and several, no_gap),
         ("surfaces", "effects.surface:SurfaceTracker.from_setup", setup.surface_users,

@@ -14,8 +14,10 @@ from mpmfw.units import (
     Number,
     Pressure,
     Time,
+    Torque,
     Velocity,
     array_or_single,
+    axial_in_time,
     number_in_time,
     row_in_time,
     vector_in_time,
@@ -79,3 +81,6 @@ SideTraction = vector_in_time(Pressure)
 SideForce = vector_in_time(Force)
 #: A vector, or rows (t, v_x, v_y[, v_z]).
 VelocityInTime = vector_in_time(Velocity)
+#: A number in 2D, a vector in 3D, or rows of a time and either.
+SpinInTime = axial_in_time(AngularVelocity)
+TorqueInTime = axial_in_time(Torque)

@@ -151,7 +151,9 @@ def _loads(scene: Tables) -> Iterator[Problem]:
     if scene.settle.gravity is not None:
         yield from _gravity(scene.settle.gravity, ("settle", "gravity"), scene.grid.dim)
         return
-    loaded = any(side.is_loaded for body in scene.bodies.values() for side in body.sides)
+    bodies = scene.bodies.values()
+    loaded = any(side.is_loaded for body in bodies for side in body.sides)
+    loaded |= any(getattr(getattr(body, "rigid", None), "force", None) is not None for body in bodies)
     if not (scene.gravity or scene.loads or scene.allow_overlap or loaded):
         yield Problem(("settle",), "has no effect: the scene has no gravity, load or overlap to settle under")
 

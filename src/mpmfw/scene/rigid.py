@@ -7,37 +7,19 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Strict, Tag
 
-from mpmfw.scene.base import Position, Table, VelocityInTime
+from mpmfw.scene.base import Position, SideForce, SpinInTime, Table, TorqueInTime, VelocityInTime
 from mpmfw.scene.problem import Path, Problem, one_form
-from mpmfw.units import AngularVelocity, Density, Inertia, Mass, Time, length_of_row, problems_in_time
+from mpmfw.units import Density, Inertia, Mass, axial_form, problems_in_time
 
 if TYPE_CHECKING:
     from mpmfw.scene.tables import RigidBody
 
 
-def _kind_of_spin(value: Any) -> str:
-    if not isinstance(value, list | tuple):
-        return "single"
-    return "rows" if value and isinstance(value[0], list | tuple) else "vector"
-
-
-_Row = Annotated[
-    Annotated[tuple[Time, AngularVelocity], Strict(False), Tag("two")]
-    | Annotated[tuple[Time, AngularVelocity, AngularVelocity, AngularVelocity], Strict(False), Tag("three")],
-    Discriminator(length_of_row),
-]
-#: A number in 2D, a vector in 3D; or rows of a time and either.
-SpinInTime = Annotated[
-    Annotated[AngularVelocity, Tag("single")]
-    | Annotated[tuple[AngularVelocity, AngularVelocity, AngularVelocity], Strict(False), Tag("vector")]
-    | Annotated[tuple[_Row, ...], Strict(False), Field(min_length=2), Tag("rows")],
-    Discriminator(_kind_of_spin),
-]
 #: A number in 2D; in 3D about the axes x, y and z.
 Inertias = Annotated[
     Annotated[Annotated[Inertia, Field(gt=0)], Tag("single")]
     | Annotated[tuple[Inertia, Inertia, Inertia], Strict(False), Tag("vector")],
-    Discriminator(_kind_of_spin),
+    Discriminator(axial_form),
 ]
 
 
@@ -47,18 +29,23 @@ class Motion(Table):
     velocity: VelocityInTime | None = None  #: of the reference point [m/s]
     angular_velocity: SpinInTime | None = None  #: [rad/s]
     about: Position | None = None  #: reference point at the start [m], which moves along; or the centroid
+    surface_velocity: VelocityInTime | None = None  #: of a belt over the body, which does not follow [m/s]
 
 
 class Rigid(Table):
     """Motion of a rigid body: a prescribed ``motion``, or that of forces on its mass.
 
     The mass is that of a ``density`` [kg/m^3], or ``mass`` [kg] with the ``inertia`` [kg m^2] about the
-    centroid."""
+    centroid. ``held`` names what of a free motion no force changes; a ``force`` [N] through the centroid and
+    a ``torque`` [N m] act on it, constant or in time."""
 
     motion: Motion | None = None
     density: Annotated[Density, Field(gt=0)] | None = None
     mass: Annotated[Mass, Field(gt=0)] | None = None
     inertia: Inertias | None = None
+    held: Annotated[tuple[Literal["x", "y", "z", "rotation"], ...], Strict(False)] | None = None
+    force: SideForce | None = None
+    torque: TorqueInTime | None = None
 
 
 RigidTable = Annotated[
@@ -70,6 +57,9 @@ RigidTable = Annotated[
 def _refuse(_: Any) -> Any:
     raise ValueError("does not apply to a rigid body: it has no material points, and does not deform")
 
+
+#: Keys of a rigid body whose motion is that of forces.
+OF_FREE = {"held", "force", "torque"}
 
 #: A key of deformable bodies.
 OfDeformable = Annotated[Any, BeforeValidator(_refuse)]
@@ -86,24 +76,45 @@ def check_rigid(body: RigidBody, path: Path, dim: int) -> Iterator[Problem]:
     if isinstance(rigid, bool):
         return
     forms = ("motion", "density", "mass and inertia", "or rigid = true")
-    yield from one_form(at, rigid.model_fields_set, *forms)
+    yield from one_form(at, rigid.model_fields_set - OF_FREE, *forms)
+    if rigid.motion is not None:
+        for key in sorted(OF_FREE & rigid.model_fields_set):
+            yield Problem((*at, key), "has no effect: rigid.motion says how the body moves")
+    yield from _held(rigid.held, (*at, "held"), dim)
+    for index, message in problems_in_time(rigid.force, dim):
+        yield Problem((*at, "force", *index), message)
+    yield from _axial(rigid.torque, (*at, "torque"), dim, "N m")
     yield from check_spin(rigid.inertia, (*at, "inertia"), dim, "kg m^2")
     if rigid.motion is not None:
         yield from _motion(rigid.motion, (*at, "motion"), dim)
 
 
+def _held(held: tuple[str, ...] | None, at: Path, dim: int) -> Iterator[Problem]:
+    names = set(held or ())
+    if len(names) < len(held or ()):
+        yield Problem(at, "names a component twice")
+    if "z" in names and dim == 2:
+        yield Problem(at, "'z' is a component in 3D; expected x, y or rotation")
+    elif len(names) == dim + 1:
+        yield Problem(at, "holds the whole motion; expected rigid = true, or rigid.motion")
+
+
 def _motion(motion: Motion, at: Path, dim: int) -> Iterator[Problem]:
-    if motion.velocity is None and motion.angular_velocity is None:
-        yield Problem(at, "moves nothing; expected velocity or angular_velocity, or rigid = true")
-    for key in ("velocity", "about"):
+    if motion.velocity is None and motion.angular_velocity is None and motion.surface_velocity is None:
+        expected = "velocity, angular_velocity or surface_velocity, or rigid = true"
+        yield Problem(at, f"moves nothing; expected {expected}")
+    for key in ("velocity", "about", "surface_velocity"):
         for index, message in problems_in_time(getattr(motion, key), dim):
             yield Problem((*at, key, *index), message)
-    spin, axes = motion.angular_velocity, 1 if dim == 2 else 3
-    if _kind_of_spin(spin) == "rows":
-        for index, message in problems_in_time(spin, axes):
-            yield Problem((*at, "angular_velocity", *index), message)
+    yield from _axial(motion.angular_velocity, (*at, "angular_velocity"), dim, "rad/s")
+
+
+def _axial(given: Any, at: Path, dim: int, unit: str) -> Iterator[Problem]:
+    if axial_form(given) == "rows":
+        for index, message in problems_in_time(given, 1 if dim == 2 else 3):
+            yield Problem((*at, *index), message)
     else:
-        yield from check_spin(spin, (*at, "angular_velocity"), dim, "rad/s")
+        yield from check_spin(given, at, dim, unit)
 
 
 def check_spin(given: Any, at: Path, dim: int, unit: str) -> Iterator[Problem]:

@@ -1,0 +1,56 @@
+"""Forces and torques that a scene puts on free rigid bodies."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mpmfw.effects.rigid import RigidBodies
+from mpmfw.effects.rigid_kinematics import in_axes, matrix_of
+from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.plugin.setup import Acts, Setup
+from mpmfw.state.structs import Grid, State
+from mpmfw.units import TimeTable
+
+
+class RigidForces:
+    """A force F(t) through the centroid and a torque T(t) on each of the ``bodies`` (indices of rigid ones).
+
+    The points of mass have F / (dim + 1) + A r, with Σ r × A r = T: forces that turn the body, and do not
+    stretch it."""
+
+    name = "rigid_forces"
+    ledger_term = ("external", "forces on rigid bodies")
+
+    def __init__(self, rigid: RigidBodies, tables: dict[int, tuple[TimeTable, TimeTable]]) -> None:
+        self.rigid, self.tables = rigid, tables
+
+    @classmethod
+    def from_setup(cls, setup: Setup) -> Acts:
+        """Return the forces that the scene names."""
+        rigid, dim, tables = setup.state.rigid, setup.dim, {}
+        for k, body in enumerate(rigid.bodies):
+            model: Any = setup.scene.bodies[body.name]
+            given = [getattr(model.rigid, key, None) for key in ("force", "torque")]
+            if given != [None, None]:
+                lengths = dim, 1 if dim == 2 else 3
+                force, torque = (
+                    TimeTable.of((0.0,) * length if each is None else each)
+                    for each, length in zip(given, lengths, strict=True)
+                )
+                tables[k] = force, torque
+        names = ", ".join(rigid.bodies[k].name for k in tables)
+        return Acts(names, [cls(rigid, tables)])
+
+    @hookimpl
+    def add_nodal_force(self, grid: Grid, state: State) -> None:
+        """Add the forces at the beginning of the step."""
+        rigid, dim = self.rigid, grid.dim
+        own = rigid.own(grid.force)
+        for k, (force, torque) in self.tables.items():
+            own[k] += force.at(state.time) / (dim + 1)
+            spread = (dim + 1) * rigid.radii[k] ** 2
+            axes = rigid.turn[k : k + 1]
+            moment = in_axes(matrix_of(torque.at(state.time), dim)[None], np.swapaxes(axes, 1, 2))
+            own[k] += rigid.arms[k] @ in_axes(moment / (spread[:, None] + spread), axes)[0].T

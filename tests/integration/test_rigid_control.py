@@ -1,0 +1,143 @@
+"""Rigid bodies of which part of the motion is held, which forces press, and belts: closed forms."""
+
+import numpy as np
+import pytest
+from test_rigid import drop, series_of
+
+from mpmfw.effects import rigid
+from mpmfw.runs.simulation import Simulation
+from scenes_for_tests import with_changes
+
+
+def box(lower, upper, angle=0.0):
+    """A rectangle or a box, in the plane turned about the origin."""
+    if len(lower) == 3:
+        return {"type": "box", "lower": lower, "upper": upper}
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    centre, half = turn @ np.add(lower, upper) / 2.0, np.subtract(upper, lower) / 2.0
+    corners = {"lower": (centre - half).tolist(), "upper": (centre + half).tolist()}
+    return {"type": "rectangle", **corners, "angle": angle}
+
+
+def flight(own, **changes):
+    """A box of 80 kg that meets nothing."""
+    body = {"geometry": box([0.0, 0.0], [0.4, 0.2]), "segment": 0.2, **own}
+    body["rigid"] = {"density": 1e3, **own["rigid"]}
+    scene = drop(body, output__ledger=True, **changes)
+    scene["bodies"]["block"]["geometry"] = box([2.4, -1.3], [2.8, -1.0])
+    return scene
+
+
+@pytest.mark.parametrize("scheme", ["usl", "musl", "usf"])
+@pytest.mark.parametrize("held", [[], ["x"], ["y", "rotation"], ["x", "y"]])
+def test_a_force_moves_what_is_not_held(held, scheme):
+    """F t / m and T t / I; held parts keep the velocity of the start, and their force does its work."""
+    rows = [[0.0, 0.0, 30.0], [0.05, 40.0, -30.0], [0.1, 40.0, -30.0]]
+    own = {"rigid": {"force": rows, "torque": 2.0, "held": held}, "velocity": [1.0, -2.0]}
+    series = series_of(flight({**own, "angular_velocity": 0.5}, stepping={"scheme": scheme}))
+    time = series["time"].values
+    impulse = np.array([np.where(time < 0.05, 400.0 * time**2, 40.0 * time - 1.0),
+                        np.where(time < 0.05, 30.0 * time - 600.0 * time**2, 1.5 - 30.0 * time)])  # fmt: skip
+    velocity = np.array([[1.0], [-2.0]]) + impulse / 80.0
+    spin = 0.5 + 2.0 * time / (80.0 * (0.4**2 + 0.2**2) / 12.0)
+    for axis, name in enumerate("xy"):
+        velocity[axis] = (1.0, -2.0)[axis] if name in held else velocity[axis]
+    spin = 0.5 if "rotation" in held else spin
+    found = series["mean_velocity"].values[:, 1].T
+    assert found == pytest.approx(velocity, abs=5e-3)  # forces are those of the steps' beginnings
+    inertia = 80.0 * (0.4**2 + 0.2**2) / 12.0
+    assert series["angular_momentum"].values[:, 1, 0] == pytest.approx(inertia * spin + 0.0 * time, rel=1e-9)
+    energy = series["kinetic_energy"].values[:, 1]
+    assert series["external_work"].values == pytest.approx(energy - energy[0], abs=1e-9 * energy[0])
+
+
+def test_in_space_a_torque_turns_about_its_axis():
+    own = {"geometry": box([0.0] * 3, [0.4, 0.2, 0.2]), "rigid": {"torque": [0.0, 0.0, 2.0], "held": ["z"]}}
+    scene = flight({**own, "velocity": [0.0, 0.0, 3.0]}, gravity={"vector": [0.0, 0.0, -10.0]})
+    scene["grid"] |= {"lower": [-1.0] * 3, "upper": [1.0] * 3}
+    scene["bodies"]["block"]["geometry"] = box([-0.7] * 3, [-0.5] * 3)
+    series = series_of(with_changes(scene, time={"end": 0.02, "output_interval": 0.02}))
+    assert series["angular_momentum"].values[-1, 1] == pytest.approx([0.0, 0.0, 0.04])
+    assert series["mean_velocity"].values[-1, 1].tolist() == [0.0, 0.0, 3.0]
+
+
+@pytest.mark.parametrize(
+    ("method", "rotation"),
+    [
+        *((method, ["rotation"]) for method in ("penalty", "lcp", "impulse", "midplane", "bardenhagen")),
+        *((method, []) for method in ("penalty", "lcp")),
+    ],
+)
+def test_a_punch_under_a_force_compresses_a_column(method, rotation):
+    """Settled, the column is shorter by F L / (w (K + 4 G / 3)), and the reaction is the force."""
+    punch = {"density": 1e3, "held": ["x", *rotation], "force": [0.0, -4e3]}
+    scene = drop({"geometry": box([-0.5, 1.0], [2.5, 1.3]), "segment": 0.1, "rigid": punch}, method)
+    walls = [{"side": "bottom", "fixed": True}, *({"side": s, "fixed": ["x"]} for s in ("left", "right"))]
+    scene["bodies"]["block"] |= {"geometry": box([0.0, 0.0], [2.0, 1.0]), "sides": walls}
+    series = series_of({**scene, "settle": {}, "time": {"end": 2e-3, "output_interval": 2e-3}})
+    within = 0.015 if method == "bardenhagen" else 0.01
+    shortening = 4e3 / 2.0 / (1e6 + 4.0 / 3.0 * 5e5)
+    assert 0.5 - series["centre_of_mass"].values[-1, 0, 1] == pytest.approx(0.5 * shortening, rel=within)
+    assert series["reaction"].values[-1, 1, 1] == pytest.approx(4e3, rel=within)
+    assert series["centre_of_mass"].values[-1, 1, 0] == pytest.approx(1.0, abs=1e-12)
+    assert abs(series["mean_velocity"].values[-1, 1, 1]) < 1e-3
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.35])
+@pytest.mark.parametrize("method", ["penalty", "lcp", "midplane", "bardenhagen"])
+def test_a_box_on_a_belt_reaches_its_speed(method, angle):
+    """a = μ g up to the belt's velocity V; the belt's work is m V², of which friction takes half."""
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    belt = {"motion": {"surface_velocity": (turn @ [0.5, 0.0]).tolist()}}
+    scene = drop({"geometry": box([-0.8, -0.5], [2.8, 0.0], angle), "rigid": belt}, method, settle={})
+    scene["bodies"]["block"] |= {"geometry": box([0.0, 0.0], [0.4, 0.2], angle), "particles": {"size": 0.05}}
+    scene["materials"]["soft"] |= {"bulk_modulus": 4e6, "shear_modulus": 2e6}
+    scene |= {"gravity": {"vector": (turn @ [0.0, -10.0]).tolist()}}
+    scene |= {"time": {"end": 0.25, "output_interval": 0.01}, "output": {"ledger": True}}
+    series = series_of(scene)
+    time, speed = series["time"].values, series["mean_velocity"].values[:, 0] @ turn[:, 0]
+    slips = (time > 0.02) & (time < 0.14)
+    assert np.polyfit(time[slips], speed[slips], 1)[0] == pytest.approx(
+        3.0, rel=0.15 if "bar" in method else 0.02
+    )
+    assert speed[-1] == pytest.approx(0.5, rel=0.01)
+    assert series["external_work"].values[-1] == pytest.approx(80.0 * 0.5**2, rel=0.01)
+    assert series["frictional_work"].values[-1, 0] == pytest.approx(40.0 * 0.5**2, rel=0.07)
+    assert np.ptp(series["centre_of_mass"].values[:, 1], axis=0).max() == 0.0
+
+
+def test_with_lcp_free_rigid_bodies_lie_on_a_rigid_floor():
+    """With points of mass that move one by one a disc sank at 4 g Δt."""
+    floor = {"geometry": box([-1.0, -0.5], [3.0, 0.0]), "rigid": True}
+    scene = drop(floor, "lcp", gravity={"vector": [0.0, -10.0]})
+    disc = {"geometry": {"type": "disc", "centre": [1.0, 0.4], "radius": 0.4}, "rigid": {"density": 1e3}}
+    scene["bodies"] |= {
+        "ball": disc,
+        "cube": {"geometry": box([0.0, 0.0], [0.3, 0.3]), "rigid": {"density": 1e3}},
+    }
+    scene["bodies"]["block"]["geometry"] = box([2.2, 0.0], [2.6, 0.3])
+    series = series_of(scene)
+    place = series["centre_of_mass"].values
+    assert np.abs(place[-1, 2:] - place[0, 2:]).max() < 1e-6
+    assert series["reaction"].values[-1, 3, 1] == pytest.approx(900.0)
+
+
+def test_points_of_a_body_that_cannot_turn_show_its_mass_alone():
+    """Of a corner 1 + 6 (1 / 100)² times, without its distance 7 times."""
+    own = {"rigid": {"held": ["rotation"]}}
+    bodies = Simulation(flight(own)).state.rigid
+    weight = bodies.weights_at(0, np.array([[0.4, 0.2]]))
+    assert (3.0 * weight**2).sum() == pytest.approx(1.0006, rel=1e-6)
+    assert rigid.FAR > 10.0
+
+
+def test_the_inverse_of_the_mass_is_that_of_a_rigid_body():
+    """Impulses on the points change the motion as they change momentum and moment."""
+    bodies = Simulation(flight({"rigid": {"held": ["x"]}, "angular_velocity": 1.0})).state.rigid
+    impulse = np.random.default_rng(1).normal(size=(3, 2))
+    arms = bodies.arms[0]
+    velocity = np.array([0.0, impulse[:, 1].sum() / 80.0])
+    spin = (arms[:, 0] @ impulse[:, 1] - arms[:, 1] @ impulse[:, 0]) / (80.0 * (0.4**2 + 0.2**2) / 12.0)
+    moved = velocity + spin * np.column_stack([-arms[:, 1], arms[:, 0]])
+    found = np.einsum("pdqe,pd->qe", bodies.inverse_mass, impulse)
+    assert found == pytest.approx(moved, abs=1e-12)
