@@ -121,7 +121,9 @@ EFFECTS = {
     "ledger of gravity": brings(series="gravity_work"),
     "ledger of contact": brings(series="contact_work contact_residual inertia_work"),
     "rigid bodies": brings(
-        "rigid", modules=".rigid .reaction .contact_moment", series="reaction reaction_moment reaction_work"
+        "rigid",
+        modules=".rigid .rigid_kinematics .reaction .contact_moment",
+        series="reaction reaction_moment reaction_work",
     ),
     "reaction": brings("reaction"),
     "forces on rigid bodies": brings("rigid_forces", modules=".rigid_forces"),

@@ -388,6 +388,16 @@ CUBE = body(
     gravity={"vector": [-20.0, -100.0, -50.0]},
     **{f"{SOLID}__angular_velocity": [0.0, 0.0, 0.0]},
 )
+#: A rigid block beside it, which falls and turns.
+FALLS = with_changes(
+    CUBE,
+    contact={"method": "penalty"},
+    bodies__tool={
+        "geometry": {"type": "box", "lower": [1.5, -0.5, -0.5], "upper": [2.5, 0.5, 0.5]},
+        "rigid": {"density": 1e3, "torque": [9.0, 0.0, 0.0]},
+        "segment": 1.0,
+    },
+)
 PRESSED = body(
     {"type": "rectangle", "lower": [-0.5, -0.5], "upper": [0.5, 0.3]},
     **{SIDES: [{"side": "top", "pressure": 1e4}]},
@@ -416,6 +426,9 @@ EACH: dict[str, Each] = {
         )
         for kind in ("cylinder", "torus", "revolution")
     },
+    "Rigid.held": Each(
+        FALLS, {word: {"bodies__tool__rigid__held": [word]} for word in ("x", "y", "z", "rotation")}
+    ),
     "Side.fixed": Each(CUBE, {axis: {SIDES: [{"side": "left", "fixed": [axis]}]} for axis in "xyz"}),
 }
 
