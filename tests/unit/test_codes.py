@@ -3,6 +3,7 @@
 import importlib.util
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -26,6 +27,7 @@ from mpmfw.runs.identity import key_of
 from mpmfw.scene import load_scene
 from mpmfw.scene.tables import Series
 from mpmfw_code.calculix import Calculix
+from mpmfw_code.nairn import Nairn
 from mpmfw_code.newton import Newton
 
 RECORDED = Path(__file__).resolve().parents[1] / "codes"
@@ -320,6 +322,134 @@ def test_what_calculix_cannot_do_is_refused_by_its_key(key):
     problems = Calculix().problems(load_scene(name, set=changes))
     assert key in [problem.key for problem in problems]
     assert all(problem.message.startswith("CalculiX: ") for problem in problems)
+
+
+@pytest.fixture
+def nairn_folder(tmp_path):
+    """A copy of what NairnMPM 19.0 left of the block on a rigid plane, two cells long."""
+    return Path(shutil.copytree(RECORDED / "nairn", tmp_path / "nairn"))
+
+
+def test_a_recorded_folder_of_nairn_gives_the_figures_of_its_run(nairn_folder):
+    run = Nairn(normals="LOGR", shape="lCPDI").read(nairn_folder)
+    series = run["series"].to_dataset()
+    assert run.attrs["status"] == "ok"
+    assert run.attrs["code"] == "NairnMPM 19.0, float64, CPU"
+    assert run.attrs["steps"] == 950
+    np.testing.assert_allclose(series["time"], 0.1 * np.arange(11.0))
+    assert float(run["particles/block"]["mass"].sum()) == pytest.approx(180.0)
+    moved = series["centre_of_mass"].sel(body="block", axis="x").values
+    exact = 0.5 * 10.0 * (np.sin(np.pi / 6) - 0.3 * np.cos(np.pi / 6))
+    assert (moved - moved[0])[-1] == pytest.approx(exact, rel=0.07)
+    force = series["contact_force"].sel(pair="block-plane", axis="y").values[1:]
+    assert force.mean() == pytest.approx(180.0 * 10.0 * np.cos(np.pi / 6), rel=0.02)
+    total = run.attrs["cpu_time"] + run.attrs["settle_time"]
+    assert run.attrs["settle_time"] / total == pytest.approx(41 / 991)
+
+
+@pytest.mark.parametrize("file", ["motion.41", "motion.991", "log.txt"])
+@pytest.mark.parametrize("damage", ["missing", "cut short", "of another kind"])
+def test_damaged_output_of_nairn_gives_one_line(nairn_folder, file, damage):
+    path = nairn_folder / file
+    content = path.read_bytes()
+    short = content[: len(content) // 2 + 20]
+    path.unlink() if damage == "missing" else path.write_bytes(short if damage == "cut short" else b"7 8")
+    with pytest.raises(MpmfwError, match="NairnMPM: its output is missing or damaged") as caught:
+        Nairn().read(nairn_folder)
+    assert len(str(caught.value).splitlines()) == 1
+
+
+WARNED = "The warning 'Particle has left the grid and was pushed back' occurred on 7 time steps.\n"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "status"),
+    [
+        ("NairnMPM 19.0", "NairnMPM 20.1", "suspect: measured with 19.0, not 20.1"),
+        ("***** 11.", WARNED + "***** 11.", "suspect: it warns on 7 steps: Particle has left the grid"),
+        (
+            "***** 11.",
+            WARNED.replace("Particle has left", "Logistic regression did not converge") + "*****",
+            "ok",
+        ),
+    ],
+)
+def test_what_nairn_says_is_in_the_row(nairn_folder, old, new, status):
+    path = nairn_folder / "log.txt"
+    path.write_text(path.read_text().replace(old, new))
+    attrs = Nairn().read(nairn_folder).attrs
+    assert attrs["status"].startswith(status)
+    assert ("did not converge in 7 of 991 steps" in attrs["notes"]) == ("Logistic" in new)
+
+
+def test_archives_of_nairn_in_another_order_are_refused(nairn_folder):
+    path = nairn_folder / "motion.41"
+    path.write_bytes(path.read_bytes().replace(b"iYYN", b"iYYY"))
+    with pytest.raises(MpmfwError, match="is not an archive of positions and velocities"):
+        Nairn().read(nairn_folder)
+
+
+def test_the_input_of_nairn_has_numbers_alone(tmp_path):
+    text = load_scene("rolling-cylinder-slip", set={"grid.cell_size": 0.8}).text
+    path = tmp_path / "named.toml"
+    path.write_text(text.replace("bodies.cylinder", "bodies.ROOT").replace('["cylinder"', '["ROOT"'))
+    Nairn(apart=0.8, fmpm=2).prepare(load_scene(path), tmp_path)
+    lines = (tmp_path / "scene.fmcmd").read_text().splitlines()
+    assert "ROOT" not in "".join(lines)
+    assert '<Grid xmin="-3.2" xmax="23.2" ymin="-3.2" ymax="8">' in lines
+    assert '<Horiz nx="33"/>' in lines
+    contact = (
+        '<MultiMaterialMode Normals="2"><Friction>0.286</Friction><ContactPosition>0.8</ContactPosition>'
+    )
+    assert f"{contact}</MultiMaterialMode>" in lines
+    assert '<Parameter name="FMPMOrder">2</Parameter>' in lines
+    volumes = [0.64 * float(line.split('lpx="')[1].split('"')[0]) ** 2 for line in lines if 'mat="1"' in line]
+    assert sum(volumes) == pytest.approx(np.pi * 1.6**2, rel=1e-5)
+    assert '<Material Type="8" Name="B1"><rho>1000</rho><K>6000000</K><G1>3000000</G1>' in "".join(lines)
+    held = [line for line in lines if line.startswith("<LdRect")]
+    assert len(held) == 3
+    assert 'ymax="8e-07"><DisBC dir="1" disp="0"/><DisBC dir="2" disp="0"/>' in held[0]
+    (down,) = (line for line in lines if line.startswith("<GridBodyYForce>"))
+    level, change = (float(word.split("*")[0]) for word in down[16:].split("+"))
+    assert level - change == pytest.approx(-10.0)  # while it settles
+    assert level + change == pytest.approx(-5.0)
+
+
+def test_rigid_bodies_and_turning_points_are_written(tmp_path):
+    start = {"bodies.cylinder.velocity": [1.0, 0.0], "bodies.cylinder.angular_velocity": -0.5}
+    scene = load_scene(SLIP, set=COARSE | start)
+    text = scene.text[: scene.text.index("[settle]")]
+    path = tmp_path / "moving.toml"
+    path.write_text(text)
+    Nairn(points="scene").prepare(load_scene(path), tmp_path)
+    lines = (tmp_path / "scene.fmcmd").read_text().splitlines()
+    assert '<Material Type="11" Name="B2"><SetDirection>8</SetDirection></Material>' in lines
+    rigid = [line for line in lines if line.startswith('<mp mat="2"')]
+    assert len(rigid) == 100
+    points = [re.findall(r' [xy]="([^"]*)"', line) for line in lines if line.startswith('<mp mat="1"')]
+    place, speed = np.hsplit(np.array(points, dtype=float), 2)
+    np.testing.assert_allclose(speed[:, 0], 1.0 + 0.5 * (place[:, 1] - 2.4), atol=1e-9)
+    np.testing.assert_allclose(speed[:, 1], -0.5 * (place[:, 0] - 4.0), atol=1e-9)
+
+
+REFUSED_BY_NAIRN = {
+    "bodies.block.velocity": ("sliding-block", {"bodies.block.velocity": [1.0, 0.0]}),
+    "bodies.plane.sides": ("sliding-block", {"grid.lower": [-0.65, -0.45]}),
+    "materials.block.model": (
+        "sliding-block",
+        {"materials.block.model": "j2", "materials.block.yield_stress": 1e6},
+    ),
+    "bodies.plane.rigid": (SLIP, {"bodies.plane.rigid": {"motion": {"velocity": [1.0, 0.0]}}}),
+    "loads": (SLIP, {"loads.wind": {"model": "drag", "rate": 1.0}}),
+}
+
+
+@pytest.mark.parametrize("key", REFUSED_BY_NAIRN)
+def test_what_nairn_cannot_do_is_refused_by_its_key(key):
+    name, changes = REFUSED_BY_NAIRN[key]
+    problems = Nairn().problems(load_scene(name, set=changes))
+    assert key in [problem.key for problem in problems]
+    assert all(problem.message.startswith("NairnMPM: ") for problem in problems)
 
 
 # -- input

@@ -1,0 +1,32 @@
+#!/usr/bin/env bash
+# Measure the arena anew: docs/arena/measure.sh FOLDER writes a record of each row to FOLDER.
+#
+# Newton, CalculiX and NairnMPM must be installed or named, see docs/arena.md. It takes about 20 minutes of one core.
+set -euo pipefail
+exec </dev/null
+
+records=$(mkdir -p "$1" && cd "$1" && pwd)
+cd "$(dirname "${BASH_SOURCE[0]}")/scenes"
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+nairn="nairn,nairn(normals=LOGR,shape=lCPDI)"
+
+# SCENE CODES [OPTIONS]
+measure() {
+  local scene=$1 codes=$2
+  shift 2
+  mpmfw compare "$scene" --contact penalty,lcp,bardenhagen --code "$codes" --records "$records" \
+    -o "$work/arena.nc" --force "$@" > "$work/table.txt" 2>> "$work/notes.txt"
+}
+
+for kind in slip no-slip; do
+  measure "rolling-cylinder-$kind-rigid" "newton,$nairn" --vary grid.cell_size=0.8,0.4
+  measure "rolling-cylinder-$kind-rigid" "$nairn" --set grid.cell_size=0.2
+  measure "rolling-cylinder-$kind" "calculix,$nairn"
+  measure "./cylinder-$kind-turned.toml" "$nairn"
+  measure "./sphere-$kind-rigid.toml" "newton,$nairn"
+done
+measure ./block-rigid.toml "newton,$nairn"
+measure ./stopping-block.toml "newton,$nairn"
+measure sliding-block "calculix,$nairn"
+measure colliding-rings "calculix,$nairn"

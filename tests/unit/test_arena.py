@@ -1,0 +1,53 @@
+"""The arena: its scenes, their closed forms and its records."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mpmfw.campaigns.measures import exact_of, measure_of
+from mpmfw.plugin.measure import About
+from mpmfw.results.analysis import rolling_solution
+from mpmfw.results.references import declared
+from mpmfw.scene import load_scene
+
+ARENA = Path(__file__).resolve().parents[2] / "docs" / "arena"
+SCENES = sorted((ARENA / "scenes").glob("*.toml"))
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_every_scene_has_a_closed_form(path):
+    scene = load_scene(path)
+    exact = exact_of(measure_of("end-displacement"), scene, About())
+    assert declared(scene) is not None or exact is not None
+    assert exact is None or exact.at(np.zeros(1))[0] > 0.1
+
+
+@pytest.mark.parametrize(("kind", "tilt", "friction"), [("slip", 60.0, 0.286), ("no-slip", 45.0, 0.495)])
+def test_a_turned_plane_has_the_motion_of_a_level_one(kind, tilt, friction):
+    scene = load_scene(ARENA / "scenes" / f"cylinder-{kind}-turned.toml")
+    level = rolling_solution(np.radians(tilt), friction, 10.0, 1.6, 0.5)
+    end = float(scene.time.end)
+
+    def known(measure, axis=None):
+        return exact_of(measure_of(measure), scene, About(axis=axis)).at(np.zeros(1))[0]
+
+    assert known("end-displacement") == pytest.approx(level.displacement(end) * np.cos(np.pi / 6), rel=1e-7)
+    assert known("end-displacement", "y") == pytest.approx(level.displacement(end) * -0.5, rel=1e-7)
+    assert known("acceleration") == pytest.approx(level.acceleration * np.cos(np.pi / 6), rel=1e-7)
+    assert known("spin") == pytest.approx(level.angular_acceleration * end, rel=1e-7)
+    assert exact_of(measure_of("force-noise"), scene, About()) is None
+    shipped = load_scene(f"rolling-cylinder-{kind}-rigid")
+    assert scene.materials["soft"] == shipped.materials["soft"]
+    turn = np.array([[np.cos(np.pi / 6), 0.5], [-0.5, np.cos(np.pi / 6)]])
+    for name in ("cylinder", "plane"):
+        place = turn @ shipped.bodies[name].geometry.centroid
+        np.testing.assert_allclose(scene.bodies[name].geometry.centroid, place, atol=1e-8)
+
+
+def test_a_block_stops_where_its_energy_is_spent():
+    scene = load_scene(ARENA / "scenes" / "stopping-block.toml", set={"bodies.block.velocity": [0.8, 0.0]})
+    exact = exact_of(measure_of("end-displacement"), scene, About())
+    assert exact.at(np.zeros(1))[0] == pytest.approx(0.8**2 / (2.0 * 0.3 * 10.0))
+    assert exact_of(measure_of("end-displacement"), scene, About(axis="y")) is None
+    assert exact_of(measure_of("spin"), scene, About()) is None
