@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from mpmfw.report import table, write_report
-from mpmfw.report.page import differences
+from mpmfw.report.differences import differences
 
 SCENE = "[grid]\ncell_size = 0.1\n[bodies.floor]\n[bodies.block]\n[bodies.stone]\n"
 BODIES, PAIRS = ["floor", "block", "stone"], ["floor-block", "floor-stone"]

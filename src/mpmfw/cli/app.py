@@ -17,6 +17,7 @@ from mpmfw._version import __version__
 from mpmfw.cli.compare import compare
 from mpmfw.cli.explain import explain
 from mpmfw.cli.figures import animate, export, plot
+from mpmfw.cli.looking import report, view
 from mpmfw.cli.plugins import check, new, plugins, schema
 from mpmfw.cli.run import benchmark, resume, run
 from mpmfw.cli.stability import stability
@@ -81,8 +82,8 @@ def prune(
 
 
 _COMMANDS = (
-    run, resume, compare, study, rank, choose, stability, plot, animate, export, explain, schema, plugins,
-    benchmark, validate, check, new,
+    run, resume, compare, study, rank, choose, stability, report, plot, animate, view, export, explain,
+    schema, plugins, benchmark, validate, check, new,
 )  # fmt: skip
 
 for command in _COMMANDS:

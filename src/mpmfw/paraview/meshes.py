@@ -23,11 +23,11 @@ _ACROSS = {"deformation_gradient": 1.0, "velocity_gradient": 0.0, "affine": 0.0}
 
 
 def mesh_library() -> Any:
-    """Import pyvista; a SceneError says that export needs it."""
+    """Import pyvista; a SceneError says how to install it."""
     try:
         import pyvista
     except ImportError as error:
-        raise SceneError("export needs pyvista: pip install 'mpmfw[render]'") from error
+        raise SceneError("this needs pyvista: pip install 'mpmfw[render]'") from error
     return pyvista
 
 

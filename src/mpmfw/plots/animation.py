@@ -16,6 +16,7 @@ from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
 
 from mpmfw.errors import SceneError
 from mpmfw.plots.field_figure import Drawing, labelled
+from mpmfw.plots.space import SpaceDrawing
 from mpmfw.results.replacing import replacement
 from mpmfw.results.selection import Results, chosen_frames, frame_at, times_of
 
@@ -43,7 +44,8 @@ class Movie:
             label: [frame_at(tree, np.clip(time, *times_of(tree)[[0, -1]])) for time in self.times]
             for label, tree in trees.items()
         }
-        self._drawing = Drawing(trees, name, self.frames, bodies, limits, arrows=arrows)
+        drawing: type[Drawing | SpaceDrawing] = Drawing if first.sizes.get("axis") == 2 else SpaceDrawing
+        self._drawing = drawing(trees, name, self.frames, bodies, limits, arrows=arrows)
         self.figure = self._drawing.figure
         self.show(0)
         self.figure.canvas.draw()
@@ -71,7 +73,7 @@ def animate(
     arrows: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Path:
-    """Write a moving picture of a field, a frame for each output (2D).
+    """Write a moving picture of a field, a frame for each output; runs in 3D need pyvista.
 
     Parameters
     ----------

@@ -216,7 +216,7 @@ def _scales(
     arrows: bool,
 ) -> tuple[Scales, str]:
     found, boxes = zip(*(panel.survey(frames[label]) for label, panel in panels.items()), strict=True)
-    low, high, colours = _colours(found, limits)
+    low, high, colours = colour_range(found, limits)
     units = next(iter(panels.values())).about["units"]
     size, unit = with_prefix(units, max(abs(low), abs(high)))
     box = _with_margin(np.array(boxes))
@@ -228,7 +228,7 @@ def _scales(
     return Scales(norm, colours, size, length, box, max(forces), extend), unit
 
 
-def _colours(
+def colour_range(
     found: Sequence[tuple[float, float]], limits: tuple[float, float] | None
 ) -> tuple[float, float, str]:
     """Return the ends of the scale and the colour map, with zero in its middle."""

@@ -1,0 +1,193 @@
+"""Runs as bodies that can be turned: views of 2D and 3D by pyvista (``pip install mpmfw[render]``)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from scipy.spatial import cKDTree
+
+from mpmfw.paraview.meshes import mesh_library
+from mpmfw.plots.field_figure import colour_range
+from mpmfw.plots.style import dress, in_brackets, journal_style, new_panels, time_scale, with_prefix
+from mpmfw.results.domains import corners_of, facets_of, surfaces_of
+from mpmfw.results.point_fields import point_field
+from mpmfw.results.selection import bodies_of, frame_of, rigid_bodies_of, times_of
+from mpmfw.state.fields import FloatArray
+
+#: Pixels of a picture; length of the longest arrow over the diagonal of all bodies.
+_SIZE, _ARROW = (1000, 750), 0.15
+
+
+class View:
+    """A plotter with the bodies of one run at one output.
+
+    Solids with a stored surface are drawn as this surface, coloured by the nearest material point. Other
+    bodies are drawn as the domains of their points, or as spheres. Rigid bodies are grey.
+    """
+
+    def __init__(self, tree: xr.DataTree, bodies: Sequence[str] | None = None) -> None:
+        library = mesh_library()
+        self.tree = tree
+        self.bodies, self.rigid = bodies_of(tree, bodies), rigid_bodies_of(tree, bodies)
+        surfaces = set(surfaces_of(tree))
+        space = len(tree["series"].coords["axis"]) == 3
+        self.outlined = [body for body in [*self.bodies, *self.rigid] if body in surfaces]
+        self._solid = {body for body in self.outlined if space or body in self.rigid}
+        self._corners = {body: corners_of(tree, body) for body in self.bodies}
+        self.plotter = library.Plotter(off_screen=True, window_size=_SIZE)
+        self.meshes = {body: self._mesh(library, body) for body in [*self.bodies, *self.rigid]}
+        self._start = {body: np.array(mesh.points) for body, mesh in self.meshes.items()}
+        self._nearest = {
+            body: cKDTree(frame_of(tree, f"particles/{body}", 0)["position"].values).query(
+                self._start[body][:, : 3 if space else 2]
+            )[1]
+            for body in self._solid - set(self.rigid)
+        }
+        for body, mesh in self.meshes.items():
+            self.plotter.add_mesh(mesh, color="lightgrey", line_width=3, name=body)
+        if space:
+            self.plotter.view_vector((1.0, 0.7, 1.6), viewup=(0.0, 1.0, 0.0))
+        else:
+            self.plotter.view_xy()
+        self.plotter.reset_camera()
+        self.plotter.camera.zoom(1.2)
+
+    def _mesh(self, library: Any, body: str) -> Any:
+        places = _in_space(self._places(body, 0))
+        if body in self._solid:
+            facets = facets_of(self.tree, body)
+            if facets.shape[1] == 3:
+                return library.PolyData.from_regular_faces(places, facets)
+            return library.PolyData(places, lines=np.insert(facets, 0, 2, axis=1).ravel())
+        if self._corners[body] is not None:
+            return library.PolyData.from_regular_faces(places, np.arange(len(places)).reshape(-1, 4))
+        return library.PolyData(places)
+
+    def _places(self, body: str, frame: int) -> FloatArray:
+        if body in self._solid:
+            places = frame_of(self.tree, f"surface/{body}", frame)["position"].values
+        else:
+            data, corners = frame_of(self.tree, f"particles/{body}", frame), self._corners[body]
+            places = data["position"].values if corners is None else corners(data)
+        return np.asarray(places, dtype=float).reshape(-1, places.shape[-1])
+
+    def values(self, body: str, field: str, frame: int) -> FloatArray:
+        """Return a field of a body at one output, as it is drawn."""
+        data = frame_of(self.tree, f"particles/{body}", frame)
+        values = np.asarray(point_field(data, field).values, dtype=float)
+        return values[self._nearest[body]] if body in self._nearest else values
+
+    def extremes(self, field: str, frames: Iterable[int]) -> tuple[float, float]:
+        """Return the least and the largest finite value of a field over some outputs."""
+        values = np.concatenate([self.values(body, field, k) for body in self.bodies for k in frames])
+        known = values[np.isfinite(values)]
+        return (float(known.min()), float(known.max())) if len(known) else (np.nan, np.nan)
+
+    def show(
+        self,
+        field: str,
+        frame: int,
+        limits: tuple[float, float],
+        *,
+        colours: str = "viridis",
+        deformation: float = 1.0,
+        largest_force: float = 0.0,
+    ) -> None:
+        """Show an output; displacements times ``deformation``, arrows if ``largest_force`` is positive."""
+        for body, mesh in self.meshes.items():
+            start = self._start[body]
+            mesh.points = start + deformation * (_in_space(self._places(body, frame)) - start)
+            if body in self.rigid:
+                continue
+            mesh[field] = self.values(body, field, frame)
+            self.plotter.add_mesh(
+                mesh, scalars=field, clim=limits, cmap=colours, name=body, show_scalar_bar=False,
+                render_points_as_spheres=True, point_size=8, ambient=0.3, reset_camera=False,
+            )  # fmt: skip
+        self.plotter.remove_actor("forces")
+        if largest_force > 0.0:
+            self._add_arrows(frame, deformation, largest_force)
+
+    def largest_force(self, frames: Iterable[int]) -> float:
+        """Return the largest contact force on a surface node [N, in 2D N/m]; 0 where none is stored."""
+        sizes = [
+            np.linalg.norm(self._forces(body, frame), axis=1) for body in self.outlined for frame in frames
+        ]
+        return float(np.nanmax(np.concatenate(sizes), initial=0.0)) if sizes else 0.0
+
+    def _forces(self, body: str, frame: int) -> FloatArray:
+        data = frame_of(self.tree, f"surface/{body}", frame)
+        return _in_space(data["force"].values if "force" in data else 0.0 * data["position"].values)
+
+    def _add_arrows(self, frame: int, deformation: float, largest: float) -> None:
+        position, force = [], []
+        for body in self.outlined:
+            first, now = (
+                _in_space(frame_of(self.tree, f"surface/{body}", k)["position"].values) for k in (0, frame)
+            )
+            position.append(first + deformation * (now - first))
+            force.append(np.nan_to_num(self._forces(body, frame)))
+        vectors = np.concatenate(force)
+        acting = np.linalg.norm(vectors, axis=1) > 1e-3 * largest
+        if acting.any():
+            low, high = np.reshape(self.plotter.bounds, (3, 2)).T
+            longest = _ARROW * float(np.linalg.norm(high - low)) / largest
+            centres = np.concatenate(position)[acting]
+            self.plotter.add_arrows(centres, longest * vectors[acting], color="#D55E00", name="forces")
+
+
+def _in_space(places: FloatArray) -> FloatArray:
+    return np.pad(np.asarray(places, dtype=float), ((0, 0), (0, 3 - places.shape[1])))
+
+
+class SpaceDrawing:
+    """Pictures of runs in space side by side, which move through their ``frames``."""
+
+    @journal_style()
+    def __init__(
+        self,
+        trees: Mapping[str, xr.DataTree],
+        name: str,
+        frames: Mapping[str, Sequence[int]],
+        bodies: Sequence[str] | None = None,
+        limits: tuple[float, float] | None = None,
+        *,
+        arrows: bool = False,
+    ) -> None:
+        self._field = name
+        self.views = {label: View(tree, bodies) for label, tree in trees.items()}
+        found = [view.extremes(name, frames[label]) for label, view in self.views.items()]
+        low, high, self._colours = colour_range(found, limits)
+        self._limits = (low, high)
+        forces = [view.largest_force(frames[label]) for label, view in self.views.items()]
+        self._largest = max(forces) if arrows else 0.0
+        self.figure, grid = new_panels(len(trees), 80.0)
+        self.figure.set_layout_engine("compressed")
+        self._images = {}
+        for label, axes in zip(trees, grid, strict=True):
+            dress(axes, "", "")
+            axes.set_axis_off()
+            self._images[label] = axes.imshow(np.ones((*_SIZE[::-1], 3)))
+        first = next(iter(trees.values()))[f"particles/{next(iter(self.views.values())).bodies[0]}"]
+        about = point_field(first.to_dataset().isel(time=0), name).attrs
+        size, unit = with_prefix(about["units"], max(abs(low), abs(high)))
+        scale = ScalarMappable(Normalize(low / size, high / size), self._colours)
+        bar = self.figure.colorbar(scale, ax=grid, location="bottom", aspect=30, pad=0.02)
+        bar.set_label(in_brackets(about["long_name"], unit))
+
+    @journal_style()
+    def show(self, label: str, frame: int) -> None:
+        """Draw one output of one run."""
+        view = self.views[label]
+        view.show(self._field, frame, self._limits, colours=self._colours, largest_force=self._largest)
+        image = self._images[label]
+        image.set_data(view.plotter.screenshot(return_img=True))
+        times = times_of(view.tree)
+        factor, unit = time_scale(float(times[-1]))
+        time = f"t = {factor * float(times[frame]):.4g} {unit}"
+        image.axes.set_title(f"{label}, {time}" if label else time, loc="left")

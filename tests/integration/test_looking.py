@@ -1,0 +1,81 @@
+"""Pages and views of results: what they show, and where they are served."""
+
+import base64
+import html
+import re
+
+import numpy as np
+import pytest
+
+import mpmfw
+from mpmfw.report import write_report
+from mpmfw.report.differences import Difference
+from mpmfw.report.summary import of_comparison
+from scenes_for_tests import ball_on_a_box
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    path = tmp_path_factory.mktemp("looking") / "run.nc"
+    mpmfw.run(ball_on_a_box() | {"title": "<script>alert(1)</script>"}, output=path)
+    return path
+
+
+def test_the_page_of_a_run_has_pictures_before_its_scene_and_is_escaped(run, tmp_path):
+    write_report(run, tmp_path / "run.html")
+    page = (tmp_path / "run.html").read_text(encoding="utf-8")
+    assert html.escape("<script>alert(1)</script>") in page
+    assert "<script>alert(1)" not in page
+    pictures = re.search(r"slides=(\[.*?\]),part", page)
+    shown = [base64.b64decode(text) for text in re.findall(r'"([^"]+)"', pictures[1])]
+    assert len(shown) == 3
+    assert all(text.startswith(b"\x89PNG") for text in shown)
+    assert shown[0] != shown[-1]
+    assert page.index("<figure") < page.index("<h2>Scene")
+    assert not re.search(r'(src|href)="(?!data:|#)', page)
+
+
+def test_the_first_paragraph_names_the_largest_difference():
+    rows = [{"contact": name, "status": "ok"} for name in ("a", "b")]
+    found = [Difference("disc: velocity, x", "m/s", np.array([[1.0], [3.0]]), 4.0, "largest velocity")]
+    text = " ".join(of_comparison(rows, ["contact"], ["a", "b"], found))
+    assert "“disc: velocity, x”: from 1 (a) to 3 m/s (b). That is 50 % of the largest velocity" in text
+    same = [Difference("spin", "rad/s", np.array([[1.0], [1.0]]), 4.0, "largest spin")]
+    assert "0 within round-off" in " ".join(of_comparison(rows, ["contact"], ["a", "b"], same))
+
+
+def test_a_film_in_space_moves(run, tmp_path):
+    pytest.importorskip("pyvista")
+    path = mpmfw.animate(run, tmp_path / "run.gif", "velocity_x", arrows=True)
+    from PIL import Image
+
+    with Image.open(path) as film:
+        assert film.n_frames == 3
+        first = np.asarray(film.convert("RGB"), dtype=int)
+        film.seek(2)
+        assert np.abs(first - np.asarray(film.convert("RGB"), dtype=int)).max() > 50
+
+
+def test_a_view_follows_its_controls_and_is_served_to_this_computer_alone(run, monkeypatch):
+    pytest.importorskip("trame")
+    from mpmfw.plots import viewer
+
+    served, pages = {}, []
+    real = viewer.Viewer
+
+    def watched(*arguments):
+        pages.append(real(*arguments))
+        monkeypatch.setattr(pages[-1].server, "start", lambda **options: served.update(options))
+        return pages[-1]
+
+    monkeypatch.setattr(viewer, "Viewer", watched)
+    tree = mpmfw.open(run)
+    viewer.view(tree, "velocity_x", open_browser=False)
+    assert served["host"] == "127.0.0.1"
+    page = pages[0]
+    last = tree["surface/ball"]["position"].values[-1]
+    np.testing.assert_allclose(page.view.meshes["ball"].points, last)
+    start = tree["surface/ball"]["position"].values[0]
+    page.view.show("velocity_x", 2, (-1.0, 1.0), deformation=10.0, largest_force=1.0)
+    np.testing.assert_allclose(page.view.meshes["ball"].points, start + 10.0 * (last - start), atol=1e-5)
+    assert "forces" in page.view.plotter.actors
