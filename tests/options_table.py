@@ -129,6 +129,7 @@ DAMPINGS: list[tuple[str, dict[str, float]]] = [
 OTHER_MATERIAL = {**SOFT, "shear_modulus": 1e6}
 FIELD = {"model": "body_force", "force": [9.0, 0.0]}
 RIGID = {"type": "rectangle", "lower": [0.005, -0.25], "upper": [0.505, 0.25]}
+WALL = {"type": "half_space", "point": [0.005, 0.0], "normal": [-1.0, 0.0], "extent": 9.0}
 NUDGED = {"velocity": [-1.0, 0.0], "angular_velocity": 2.0, "about": [0.2, 0.0]}
 
 
@@ -201,6 +202,13 @@ ROWS: dict[str, tuple[dict[str, Any], str, Any, Any]] = {
         1.0,
         0.1,
     ),
+    **{
+        f"HalfSpace.{key}": (
+            pair(bodies__right={"geometry": WALL, "rigid": True}),
+            *(f"bodies__right__geometry__{key}", WALL[key], other),
+        )
+        for key, other in (("point", [0.0, 1.0]), ("normal", [-1.0, 0.1]), ("extent", 0.1))
+    },
     "Rigid.motion": (against({"motion": NUDGED}), "bodies__right__rigid__motion__velocity", [-1, 0], [0, 1]),
     "Rigid.density": (
         against({"density": 1e3}, velocity=[-1.0, 0.0]),

@@ -89,6 +89,8 @@ class RigidBodies:
     def _describe(self, k: int, body: Body, model: RigidBody) -> None:
         """Take centre, axes, radii and mass of a body."""
         volume, centroid, second = moments_of(body.outlines, body.facets)
+        if model.geometry.type == "half_space":
+            centroid = model.geometry.centroid
         self.centre[k], self.turn[k] = centroid, np.eye(self.dim)
         self.radii[k] = np.full(self.dim, np.sqrt(np.trace(second) / volume / self.dim))
         if (

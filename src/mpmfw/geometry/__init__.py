@@ -4,6 +4,7 @@ from mpmfw.geometry.base import BodyGeometry
 from mpmfw.geometry.disc import Disc, Ring
 from mpmfw.geometry.discretise import Geometry, Particles, discretise
 from mpmfw.geometry.extrusion import Cylinder, Extrusion, Revolution, Torus
+from mpmfw.geometry.half_space import HalfSpace
 from mpmfw.geometry.layout import Layout
 from mpmfw.geometry.mesh_file import MeshFile
 from mpmfw.geometry.plane import PlaneGeometry
@@ -20,6 +21,7 @@ __all__ = [
     "Disc",
     "Extrusion",
     "Geometry",
+    "HalfSpace",
     "Layout",
     "MeshFile",
     "Particles",

@@ -22,6 +22,7 @@ from mpmfw.errors import SceneError
 from mpmfw.geometry.base import BodyGeometry, LengthInCells
 from mpmfw.geometry.disc import Disc, Ring
 from mpmfw.geometry.extrusion import Cylinder, Extrusion, Revolution, Torus
+from mpmfw.geometry.half_space import HalfSpace
 from mpmfw.geometry.layout import Layout, layout_of_boxes
 from mpmfw.geometry.mesh_file import MeshFile
 from mpmfw.geometry.polygon import Polygon, Rectangle
@@ -112,7 +113,8 @@ Geometry = Annotated[
     | Torus
     | Extrusion
     | Revolution
-    | SurfaceMesh,
+    | SurfaceMesh
+    | HalfSpace,
     Field(discriminator="type"),
     WrapValidator(_of_any_distribution),
     WrapSerializer(lambda one, handler: one.model_dump() if isinstance(one, BodyGeometry) else handler(one)),

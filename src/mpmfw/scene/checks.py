@@ -201,6 +201,8 @@ def _body(scene: Tables, path: Path, body: Body) -> Iterator[Problem]:
         yield from _surface_mesh(scene, (*path, "geometry"), body.geometry)
     if isinstance(body, RigidBody):
         yield from check_rigid(body, path, dim)
+    elif body.geometry.type == "half_space":
+        yield Problem((*path, "geometry", "type"), "a half_space has no points; expected rigid = true")
     elif len(body.particles.offset) > dim:
         yield Problem((*path, "particles", "offset"), wrong_length(len(body.particles.offset), dim))
     yield from _in_time(body.velocity, (*path, "velocity"), dim)

@@ -73,6 +73,8 @@ def check_rigid(body: RigidBody, path: Path, dim: int) -> Iterator[Problem]:
             if getattr(body, key) is not None:
                 moves = "the body is at rest" if rigid is True else "rigid.motion says how the body moves"
                 yield Problem((*path, key), f"has no effect: {moves}; expected rigid.motion.{key}")
+    if body.geometry.type == "half_space" and not body.prescribed:
+        yield Problem(at, "a half_space has no mass; expected rigid = true, or rigid.motion")
     if isinstance(rigid, bool):
         return
     forms = ("motion", "density", "mass and inertia", "or rigid = true")
