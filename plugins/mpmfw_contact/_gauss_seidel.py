@@ -137,7 +137,7 @@ def solve(
     second half are sweeps alone, which end within the cone. Rows without an impulse wait for the others.
 
     Return the number of sweeps, one more than ``sweeps`` if these were not enough, and the last change over
-    the largest velocity.
+    the largest velocity, 0 if it is rounding.
     """
     u, change = scratch.vector(spacing), scratch.vector(spacing)
     largest, last, last_square, every = 0.0, 0.0, 0.0, True
@@ -160,7 +160,7 @@ def solve(
         largest = max(largest, last)
         agreed = last <= max(tolerance * largest, ROUNDING * fastest)
         if agreed and every:
-            return s + 1, last / largest if largest > 0.0 else 0.0
+            return s + 1, last / largest if last > ROUNDING * fastest else 0.0
         every = agreed
         square = 0.0
         for c in range(count):

@@ -17,13 +17,24 @@ from __future__ import annotations
 import numpy as np
 from pydantic import Field
 
-from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseLaw, OptionsModel, Setup, hookimpl
+from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseLaw, OptionsModel, Setup, State, hookimpl
+from mpmfw.api import Field as ArrayField
 from mpmfw.contact.surfaces import Surfaces
 from mpmfw_contact._gauss_seidel import add_friction_work, solve, state_problem
 
-#: By how many times the tolerance a solution may miss it, unsaid.
+#: Default tolerance by dimension: faces that lie on each other in space take four times as many sweeps to
+#: 1e-3, and rebound alike within 1e-4.
+TOLERANCE = {2: 1e-3, 3: 5e-3}
+
+#: By how many times the tolerance a solution may miss it without a warning.
 MISSED = 10.0
 
+_SWEEPS = "mean number of sweeps in a solution since the last output"
+_RESIDUAL = "largest change of a row in a last sweep since the last output, over the largest velocity"
+SOLVER_SERIES = (
+    ArrayField("solver_sweeps", (), "1", _SWEEPS, "series", output=True),
+    ArrayField("solver_residual", (), "1", _RESIDUAL, "series", output=True),
+)
 
 #: Part of an open place's area that lies across the normal, from which it takes part: the normal ahead of a
 #: corner that slides is along the face, and would stop it.
@@ -33,9 +44,10 @@ FACING = 0.9
 class LcpOptions(OptionsModel):
     """How closely the conditions are met, and what becomes of an overlap."""
 
-    tolerance: float = Field(
-        1e-3, gt=0, lt=1, description="change of a row's velocity that ends the sweeps, over the largest"
-    )
+    tolerance: float | None = Field(
+        None, gt=0, lt=1, description="change of a row's velocity that ends the sweeps, over the largest; if "
+        "left out, 1e-3 in 2D and 5e-3 in 3D",
+    )  # fmt: skip
     sweeps: int = Field(500, ge=1, description="most sweeps, to and fro, in a solution")
     recovery: float = Field(0.0, ge=0, le=1, description="share of an overlap that a step takes back")
 
@@ -49,17 +61,24 @@ class Lcp(ImpulseLaw):
     options: LcpOptions
     uses_friction = True
     waits_for_forces = True
-    history = ("identity", "force", "solutions", "unfinished", "worst")
+    history = ("identity", "force", "solutions", "unfinished", "worst", "since", "swept", "residual")
 
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:  # noqa: ARG002
         """Compliance, allowed approach, velocity, and what the sweeps keep."""
         return {"compliance": 0, "allowed": 0, "velocity": 1, "before": 1, "direction": 1}
 
     def prepare(self, setup: Setup) -> None:
-        """Allocate the multipliers."""
+        """Allocate the multipliers, and choose the tolerance."""
+        given = self.options.tolerance
+        self.tolerance = TOLERANCE[setup.dim] if given is None else given
         self.velocity = np.zeros((0, setup.dim))
         self.identity, self.force = np.zeros(0, dtype=np.int64), np.zeros((0, setup.dim))
+        self._begin_count()
+
+    def _begin_count(self) -> None:
+        """Count solutions, and sweeps since the last output, from zero."""
         self.solutions, self.unfinished, self.worst = 0, 0, 0.0
+        self.since, self.swept, self.residual = 0, 0, 0.0
 
     def impulses(self, rows: ContactRows, grid: Grid, work: FloatArray | None, *, projected: bool) -> None:
         """Solve for all rows."""
@@ -72,11 +91,13 @@ class Lcp(ImpulseLaw):
             FACING, spacing
         )  # fmt: skip
         sweeps, change = solve(
-            rows, rows.count, own, grid.mass, self.velocity, fastest, options.tolerance, options.sweeps,
+            rows, rows.count, own, grid.mass, self.velocity, fastest, self.tolerance, options.sweeps,
             spacing,
         )  # fmt: skip
         self.solutions += 1
-        if sweeps > options.sweeps and change > MISSED * options.tolerance:
+        self.since, self.swept = self.since + 1, self.swept + min(sweeps, options.sweeps)
+        self.residual = max(self.residual, change)
+        if sweeps > options.sweeps and change > MISSED * self.tolerance:
             self.unfinished += 1
             self.worst = max(self.worst, change)
         if work is not None:
@@ -97,7 +118,21 @@ class Lcp(ImpulseLaw):
     def restart(self) -> None:
         """Forget how the settling was solved."""
         super().restart()
-        self.solutions, self.unfinished, self.worst = 0, 0, 0.0
+        self._begin_count()
+
+    @hookimpl
+    def declare_fields(self) -> list[ArrayField]:
+        """Add the declarations of sweeps and residual."""
+        return [*super().declare_fields(), *SOLVER_SERIES]
+
+    @hookimpl
+    def diagnostics(self, state: State, interval: float) -> dict[str, FloatArray]:
+        """Add mean sweeps and largest residual; ``interval`` [s] is since the last output."""
+        sweeps, residual = np.array(self.swept / max(self.since, 1)), np.array(self.residual)
+        self.since, self.swept, self.residual = 0, 0, 0.0
+        return {
+            **super().diagnostics(state, interval), "solver_sweeps": sweeps, "solver_residual": residual
+        }  # fmt: skip
 
     @hookimpl
     def concerns(self) -> list[str]:
@@ -108,7 +143,7 @@ class Lcp(ImpulseLaw):
             *super().concerns(),
             f"contact law 'lcp': {self.unfinished} of {self.solutions} solutions ended after sweeps = "
             f"{self.options.sweeps} with rows that still changed by up to {self.worst:.1g} of the largest; "
-            f"expected {self.options.tolerance:g}",
+            f"expected {self.tolerance:g}",
         ]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from types import SimpleNamespace
 
 import numpy as np
@@ -16,6 +17,7 @@ from mpmfw.runs.simulation import Simulation
 from mpmfw_contact import lcp
 from mpmfw_contact._gauss_seidel import ROUNDING, add_friction_work, solve, state_problem
 from mpmfw_contact.lcp import LcpContact
+from scenes_for_tests import scene_of, solid
 
 DT = 0.1
 
@@ -282,6 +284,45 @@ def test_a_first_touch_leaves_no_overlap():
     assert deepest("surfaces+impulse", 12) > 1e-3
     assert deepest("lcp", 12) < 1e-5
     assert deepest("lcp") < 1e-3  # what the tolerance leaves of a hundred steps that press
+
+
+def test_sweeps_and_residual_are_in_the_results():
+    """One sweep leaves more than many do; before bodies meet there is nothing to solve."""
+    scene = {**impact(), "time": {"end": 0.03, "output_interval": 0.01}}
+    many = mpmfw.run(scene, contact="lcp")["series"]
+    with pytest.warns(ResultsWarning, match="solutions ended"):
+        one = mpmfw.run(scene, contact="lcp(sweeps=1)")["series"]
+    assert float(one["solver_sweeps"].max()) == 1.0
+    assert float(many["solver_sweeps"].max()) > 2.0
+    assert float(many["solver_residual"].max()) <= 1e-3 < float(one["solver_residual"].max())
+
+
+def rebound(tolerance):
+    """Mean upward velocity of a cube after 30 steps on another [m/s], and the sweeps."""
+    cubes = {
+        name: solid(
+            [-0.5, -0.5, z - 0.5], [0.5, 0.5, z + 0.5], 0.125, velocity=[0.0, 0.0, -math.copysign(2.0, z)]
+        )
+        for name, z in (("lower", -0.502), ("upper", 0.502))
+    }
+    made = scene_of(
+        cubes, 0.25, [-1.0, -1.0, -1.5], [1.0, 1.0, 1.5], 1.0, contact={"method": "lcp", "friction": 0.3}
+    )
+    made["contact"]["lcp"] = {} if tolerance is None else {"tolerance": tolerance}
+    simulation = Simulation(made)
+    simulation.start()
+    run(simulation, 30)
+    upper = simulation.state.particles.velocity[simulation.state.bodies[1].particles]
+    return float(upper[:, 2].mean()), simulation.contact.swept
+
+
+def test_in_space_a_looser_tolerance_saves_sweeps_and_keeps_the_rebound():
+    (usual, few), (tight, many) = rebound(None), rebound(1e-3)
+    assert usual == pytest.approx(tight, abs=5e-4)
+    assert few < 0.4 * many
+    loose, fewer = rebound(0.3)
+    assert abs(loose - tight) > 2e-3
+    assert fewer < few
 
 
 def test_solutions_that_were_cut_short_are_told_and_others_are_not():
