@@ -267,6 +267,7 @@ ROWS: dict[str, tuple[dict[str, Any], str, Any, Any]] = {
     "Output.surface": (pair(), "", True, False),
     **{f"Output.{key}": (body(), "", True, False) for key in ("particles", "energy", "ledger", "stability")},
     "Output.particle_interval": (body(time__output_interval=1e-3), "", None, 2e-3),
+    "Output.side_moment": (held(), "", None, [0.0, 0.3]),
     "Output.contact_moment": (pair(), "", "centre_of_mass", [0.0, 0.3]),
     "Particles.layout": (ROUND_BODY, f"{SOLID}__particles__layout", "lattice", "fitted"),
     "Particles.size": (body(), f"{SOLID}__particles__size", 0.25, 0.125),

@@ -60,6 +60,26 @@ def test_points_that_do_not_end_with_the_side_keep_the_mean(shape, limit):
     np.testing.assert_allclose(stress[:, 1, 1], uniaxial(0.9), rtol=limit)
 
 
+@pytest.mark.parametrize("angle", [0.0, 0.5, None])
+def test_the_moment_of_a_side_carries_the_weight_and_its_lever(angle):
+    """At rest it is (x_c − x_0) × F about any point, with the side's force F; without an angle in space."""
+    make, about, g = (box, [0.1, 0.2, 0.3], [5, -7, 3]) if angle is None else (block, [0.3, -0.7], [3, -2])
+    scene = make(bodies__solid__sides=[{"side": "bottom", "fixed": True}], gravity={"vector": g}, settle={})
+    scene |= {"output": {"side_moment": about}, "time": {"end": 1e-3, "output_interval": 1e-3}}
+    if angle is not None:
+        scene["bodies"]["solid"]["geometry"]["angle"] = angle
+    series = mpmfw.run(scene)["series"].isel(time=-1, body=0)
+    arm, force = series["centre_of_mass"].values - about, series["side_force"].sel(side="bottom").values
+    expected = np.cross(arm, force) if angle is None else [arm[0] * force[1] - arm[1] * force[0]]
+    assert series["side_moment"].sel(side="bottom").values == pytest.approx(np.array(expected), rel=0.02)
+    assert np.isnan(series["side_moment"].sel(side="top")).all()
+
+
+def test_a_moment_without_a_prescribed_side_is_refused():
+    with pytest.raises(SceneError, match="side_moment: has no effect: no side is fixed or driven"):
+        mpmfw.load_scene(block(output={"side_moment": [0.0, 0.0]}))
+
+
 @pytest.mark.parametrize("scheme", ["musl", "usf"])
 def test_every_scheme_drives_a_side_through_a_cell(scheme):
     stress = driven(confined(0.2, 0.3, 0.1, stepping__scheme=scheme))

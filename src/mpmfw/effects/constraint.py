@@ -25,6 +25,9 @@ FIELDS = (
     Field("side_work", ("body", "side"), "J m-1", "work of a moving side on the body since time zero",
           "series", output=True, missing=True),
 )  # fmt: skip
+MOMENT = Field("side_moment", ("body", "side", "rotation"), "N m m-1",
+               "moment of a prescribed side on the body about output.side_moment, mean over the interval",
+               "series", output=True, missing=True, mean=True)  # fmt: skip
 
 #: Largest number of passes over rows that share nodes; two sides may ask for different velocities at their
 #: corner.
@@ -42,7 +45,7 @@ class Constraint:
 
     name = "constraint"
     ledger_term = ("external", "prescribed sides")
-    history = ("planes", "works", "impulse", "moved_for", "force")
+    history = ("planes", "works", "impulse", "moved_for", "force", "twist", "moment")
 
     def __init__(self, setup: Setup, sides: list[tuple[Body, Side]]) -> None:
         shape, bodies = setup.shape_function, [body for body, _ in sides]
@@ -55,6 +58,10 @@ class Constraint:
         #: Time for which each body was stepped since the last output [s], and its mean force; a body that
         #: sleeps keeps its force.
         self.moved_for, self.force = np.zeros(len(sides)), np.zeros((len(sides), setup.dim))
+        #: Point of the moments [m]; None has none. Moments since the last output, and their mean.
+        self.about = setup.scene.output.side_moment
+        axes_of_turn = 0 if self.about is None else 1 if setup.dim == 2 else 3
+        self.twist, self.moment = np.zeros((2, len(sides), axes_of_turn))
         self.places = [b.index for b in bodies], [SIDES.index(side.side) for _, side in sides]
         self.shape = len(setup.state.bodies), 2 * setup.dim
         #: While a scene settles, moving sides are held where they are.
@@ -97,8 +104,8 @@ class Constraint:
         theirs = [k for k, body in enumerate(here) if body >= 0]
         ours = [k for k, b in enumerate(self.bodies) if b.index in here]
         self.planes.place[ours] = other.planes.place[theirs]
-        self.force[ours] = other.force[theirs]
-        for name in ("works", "impulse", "moved_for"):
+        self.force[ours], self.moment[ours] = other.force[theirs], other.moment[theirs]
+        for name in ("works", "impulse", "moved_for", "twist"):
             getattr(self, name)[ours] += getattr(other, name)[theirs]
             getattr(other, name)[theirs] = 0.0
 
@@ -114,9 +121,21 @@ class Constraint:
         self._meet(grid)
         if self.left > 0:
             self.impulse += self.table.impulse
+            if self.about is not None and self.rows:
+                self._add_moments(grid)
             if not self.at_rest:
                 self.works += (self.table.impulse * self.pace).sum(axis=1)
         self.left -= 1
+
+    def _add_moments(self, grid: Grid) -> None:
+        """Add Σ (x_r − x_0) × J_r over the rows of each side; rows of extrapolation have none."""
+        table, rows = self.table, slice(self.rows)
+        entries = slice(0, int(table.row[self.rows]))
+        place = table.weights[entries, None] * grid.position[table.nodes[entries]]
+        arm = np.add.reduceat(place, table.row[rows]) - table.target[rows, None] * np.array(self.about)
+        impulse = np.einsum("re,red->rd", table.applied[rows], self.directions[table.side[rows]])
+        moment = arm[:, :1] * impulse[:, 1:] - arm[:, 1:] * impulse[:, :1]  # about z, in the plane
+        np.add.at(self.twist, table.side[rows], np.cross(arm, impulse) if grid.dim == 3 else moment)
 
     def _meet(self, grid: Grid) -> None:
         """Meet the prescribed velocities."""
@@ -152,6 +171,7 @@ class Constraint:
             c=np.zeros(longest),
             distance=np.zeros(longest),
             impulse=np.zeros_like(self.velocity),
+            applied=np.zeros((0 if self.about is None else rows, len(self.pace[0]))),
         )
 
     @hookimpl
@@ -182,7 +202,7 @@ class Constraint:
     @hookimpl
     def declare_fields(self) -> list[Field]:
         """Return the series of prescribed sides; others have no value."""
-        return list(FIELDS)
+        return [*FIELDS, *([] if self.about is None else [MOMENT])]
 
     @hookimpl
     def diagnostics(self, interval: float) -> dict[str, AnyArray]:
@@ -192,9 +212,15 @@ class Constraint:
         impulse = np.einsum("se,sed->sd", self.impulse, self.directions)
         if interval > 0.0:
             self.force[stepped] = impulse[stepped] / self.moved_for[stepped, None]
+            self.moment[stepped] = self.twist[stepped] / self.moved_for[stepped, None]
         force[self.places], work[self.places] = self.force, self.works
-        self.impulse[:], self.moved_for[:] = 0.0, 0.0
-        return {"side_force": force, "side_work": work}
+        self.impulse[:], self.moved_for[:], self.twist[:] = 0.0, 0.0, 0.0
+        series = {"side_force": force, "side_work": work}
+        if self.about is not None:
+            moment = np.full((*self.shape, self.moment.shape[1]), np.nan)
+            moment[self.places] = self.moment
+            series["side_moment"] = moment
+        return series
 
 
 def _planes(

@@ -67,6 +67,7 @@ class SideTable(Struct):
     distance: Floats  #: of its nodes from the side, outwards [cells]
     #: of each side on its body along its ``directions`` since it was set, (n_sides, dim) [N s/m]
     impulse: Floats
+    applied: Floats  #: likewise of each row, (n_rows, dim); (0, dim) where no moment is asked for
 
 
 @device
@@ -315,6 +316,8 @@ def meet(
     compliance = table.compliance
     for r in range(rows):
         compliance[r] = 0.0
+        if len(table.applied) > 0:
+            table.applied[r, :] = 0.0
         for a in range(row[r], row[r + 1]):
             compliance[r] += weights[a] ** 2 / node_mass[nodes[a]]
     for count in range(passes):
@@ -333,6 +336,8 @@ def meet(
                         for d in range(dim):
                             node_momentum[nodes[a], d] += impulse * directions[side[r], e, d]
                     table.impulse[side[r], e] += relaxation * missing / compliance[r] * target[r]
+                    if len(table.applied) > 0:
+                        table.applied[r, e] += relaxation * missing / compliance[r]
                     largest = max(largest, target[r] * abs(missing))
         if largest <= agreed:
             return count + 1

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from mpmfw.plots.scene import moving_bodies
 from mpmfw.plots.style import (
     PANEL,
+    at_last,
     combinations,
     drawn_reference,
     dress,
@@ -47,6 +48,9 @@ def positions(dataset: xr.Dataset, shape: str | None = None) -> Figure:
             raise ValueError(f"no run with shape '{chosen}' stored an outline")
     points = np.concatenate([run["outline"].values.reshape(-1, 2) for _, _, run in runs])
     low, high = np.nanmin(points, axis=0), np.nanmax(points, axis=0)
+    scene = scene_of_results(own_attributes(at_last(dataset)))
+    if scene is not None:  # rigid bodies may leave the grid
+        low, high = np.maximum(low, scene.grid.lower), np.minimum(high, scene.grid.upper)
     margin = 0.04 * (high - low).max()
     low, high = low - margin, high + margin
     columns = 2 if closer or len(runs) > 1 else 1

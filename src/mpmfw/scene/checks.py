@@ -50,6 +50,10 @@ def check(scene: Tables, plugins: Mapping[Path, type[Any]], options: Mapping[Pat
     if scene.reference is not None and scene.reference.kind not in references:
         yield unknown_name(("reference", "kind"), scene.reference.kind, references)
     yield from _in_time(scene.output.contact_moment, ("output", "contact_moment"), scene.grid.dim)
+    yield from _in_time(scene.output.side_moment, ("output", "side_moment"), scene.grid.dim)
+    sides = [side for body in scene.bodies.values() for side in body.sides]
+    if scene.output.side_moment is not None and all(side.is_loaded for side in sides):
+        yield Problem(("output", "side_moment"), "has no effect: no side is fixed or driven")
     for name, body in scene.bodies.items():
         yield from _body(scene, ("bodies", name), body)
     if all(isinstance(body, RigidBody) for body in scene.bodies.values()):

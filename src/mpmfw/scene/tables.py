@@ -307,6 +307,7 @@ class Output(Table):
     stability: bool = False
     #: What moments of contact are about: each body's ``centre_of_mass``, or a point [m]; None has none.
     contact_moment: MomentPoint | None = None
+    side_moment: Position | None = None  #: point of the moments of fixed and driven sides [m]; None has none
 
 
 class Reference(Table):
