@@ -25,14 +25,13 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.intersphinx",
     "sphinx.ext.napoleon",
-    "sphinx.ext.mathjax",
     "sphinx.ext.viewcode",
-    "sphinx-mathjax-offline",
     "sphinx_copybutton",
     "myst_parser",
     "sphinx_gallery.gen_gallery",
     "command_reference",
     "docstrings",
+    "mathml",
     "nested_pages",
 ]
 
@@ -111,6 +110,7 @@ nitpick_ignore_regex = [
     ("py:class", r"tuple\[Layout|dict\[str|Callable\[\[\]|Effect|Side|Transfer"),  # annotations of Setup
     ("py:.*", r"declare_fields|hookimpl|Interrupted|KAPPA|mpmfw\.state\.fields\.CONTACT_SERIES"),
 ]
+html_math_renderer = "mathml"
 math_eqref_format = "({number})"
 
 # Copied without what a prompt or a program prints
