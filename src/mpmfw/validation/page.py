@@ -5,7 +5,7 @@ from __future__ import annotations
 import platform
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from importlib.metadata import version
 from pathlib import Path
 
@@ -64,7 +64,7 @@ def write_page(results: Sequence[CaseResult], path: Path) -> None:
 
 
 def _parts(results: Sequence[CaseResult], folder: str) -> Iterable[str]:
-    """Yield conditions, red gates, the matrix, and tables of quantities that most cases have."""
+    """Yield conditions, red gates, and the matrix."""
     packages = ", ".join(f"{name} {version(name)}" for name in ("mpmfw", "numpy", "numba"))
     yield (
         f"Written by {', '.join(dict.fromkeys(one.command for one in results))}, Python "
@@ -79,16 +79,10 @@ def _parts(results: Sequence[CaseResult], folder: str) -> Iterable[str]:
     else:
         yield "Every gate holds."
     yield "Values within their limits, of those that have any, by case and method:"
-    yield _matrix(rows, _share)
-    cases = {row.case for row in rows}
-    shared = Counter(quantity for _, quantity in {(row.case, row.quantity) for row in rows if row.method})
-    for quantity in (name for name, count in shared.items() if len(cases) > 2 and count > len(cases) // 2):
-        own = [row for row in rows if row.quantity == quantity]
-        yield f"{quantity.capitalize()} [{own[0].unit}]:"
-        yield _matrix(own, lambda cells: f"{cells[0].value:.4g}" if cells else "")
+    yield _matrix(rows)
 
 
-def _matrix(rows: Sequence[Row], cell: Callable[[Sequence[Row]], str]) -> str:
+def _matrix(rows: Sequence[Row]) -> str:
     cases = sorted({row.case for row in rows})
     usual = [str(Method(contact, "cpdi")) for contact in CONTACTS]
     usual += [str(Method("penalty", shape)) for shape in SHAPES if shape != "cpdi"]
@@ -98,7 +92,7 @@ def _matrix(rows: Sequence[Row], cell: Callable[[Sequence[Row]], str]) -> str:
     lines = [["case", *(f"`{one}`" for one in columns)], ["---"] * (len(columns) + 1)]
     for case in cases:
         own = [[row for row in rows if (row.case, row.method) == (case, one)] for one in columns]
-        if any(texts := [cell(each) for each in own]):
+        if any(texts := [_share(each) for each in own]):
             lines.append([f"`{case}`", *texts])
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
