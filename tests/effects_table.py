@@ -91,6 +91,7 @@ EFFECTS = {
     "averaged volume": brings("averaged_volume", modules=".averaged_volume"),
     "load": brings("body_force field", modules="load.body_force"),
     "thickness": brings(arrays="particles/thickness"),
+    "axisymmetry": brings("axisymmetry", arrays="particles/thickness", modules=".axisymmetry"),
     "surfaces": brings("surface", arrays="surface", modules=".surface"),
     "least gap": brings("gap", series="min_gap"),
     "local spin": brings("local_spin", arrays="layout", modules=".local_spin"),
@@ -173,6 +174,10 @@ def _two(method: str, **changes: Any) -> dict[str, Any]:
 
 ONE = block(shape__method="linear", bodies__solid__rotation="lumped")
 ELASTIC = {"model": "linear_elastic", "density": 1e3, "bulk_modulus": 1e6, "shear_modulus": 5e5}
+REVOLVED = {
+    "grid": {"cell_size": 0.25, "lower": [0.0, -2.0], "upper": [2.0, 2.0], "axisymmetric": True},
+    "bodies__solid__geometry": {"type": "rectangle", "lower": [0.5, -0.5], "upper": [1.5, 0.5]},
+}
 YIELDS = {"model": "j2", "yield_stress": 1e4}
 SOIL = {"friction_angle": 0.5, "cohesion": 1e4}
 GRAVITY = {"vector": [0, -10]}
@@ -231,6 +236,7 @@ CASES = {
     "damping": Case(with_changes(ONE, materials__soft__damping={"bulk": 1e-3}), ("damping",)),
     "averaged volume": Case(with_changes(ONE, bodies__solid__volumetric="averaged"), ("averaged volume",)),
     "thickness": Case(with_changes(ONE, bodies__solid__thickness=0.1), ("thickness",)),
+    "axisymmetry": Case(with_changes(ONE, **REVOLVED), ("axisymmetry",)),
     "exact rotation": Case(with_changes(ONE, bodies__solid__rotation="exact"), ("exact rotation",)),
     "local spin": Case(with_changes(ONE, bodies__solid__rotation="spin"), ("local spin",)),
     "least gap": Case(_two("separate", output={}), ("separate", "least gap", "surfaces", "local spin")),

@@ -41,6 +41,12 @@ def body(geometry: dict[str, Any] | None = None, **changes: Any) -> dict[str, An
     )
 
 
+REVOLVED = with_changes(
+    block(), **TIME, bodies__solid__geometry={"type": "rectangle", "lower": [0.5, -0.5], "upper": [1.5, 0.5]},
+    bodies__solid__velocity=[1.0, 0.0], grid__lower=[0.0, -2.0],
+)  # fmt: skip
+
+
 def held(**changes: Any) -> dict[str, Any]:
     """One square that hangs from nothing: its bottom is fixed, its weight bears on it."""
     return with_changes(block(), **{**TIME, "gravity": G, f"{SOLID}__sides": HELD, **changes})
@@ -151,6 +157,7 @@ ROWS: dict[str, tuple[dict[str, Any], str, Any, Any]] = {
     "Reference.kind": (body(), "", "sliding-block", "none of them"),
     "Grid.cell_size": (body(), "", 0.25, 0.3),
     "Grid.lower": (body(), "", [-2.0, -2.0], [-2.1, -2.1]),
+    "Grid.axisymmetric": (REVOLVED, "", False, True),
     "Grid.upper": (body(), "", [2.0, 2.0], [0.4, 0.4]),
     "Time.end": (body(), "", 6e-3, 4e-3),
     "Time.outputs": (body(time__output_interval=2.2e-3), "", "exact", "nearest"),

@@ -80,7 +80,7 @@ class Elastic(Isotropic):
     def setup(self, setup: Setup) -> None:
         """Remember what is evaluated in every step."""
         self.evaluate = self.kernel
-        self.constants = self.bulk_modulus, self.shear_modulus, setup.state.grid.spacing
+        self.constants = self.bulk_modulus, self.shear_modulus, setup.state.grid.tensor_spacing
 
     @hookimpl
     def update_stress(self, particles: Particles) -> None:

@@ -53,7 +53,7 @@ class Plastic(Isotropic):
     @hookimpl
     def setup(self, setup: Setup) -> None:
         """Allocate the history, or take that of another material of this model."""
-        self.spacing = setup.state.grid.spacing
+        self.spacing = setup.state.grid.tensor_spacing
 
         def shared(field: Field) -> AnyArray:
             known = setup.state.arrays.get(f"{self.name}/{field.name}")

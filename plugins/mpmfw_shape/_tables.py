@@ -12,8 +12,9 @@ import numpy as np
 
 from mpmfw.api.shape import ShapeFunction, check_inside, empty_stencil
 from mpmfw.api.types import FloatArray, Grid, IntArray, Particles, Setup, Stencil, hookimpl
-from mpmfw.kernels import FULL
+from mpmfw.kernels import FULL, device
 from mpmfw.kernels.stencil import fill_linear
+from mpmfw.kernels.types import Floats
 
 
 class LinearSurface(ShapeFunction):
@@ -60,6 +61,22 @@ class LinearSurface(ShapeFunction):
         return self.fill_at(position, first, grid, self._surface)
 
 
+@device
+def fold_at_start(d: int, values: Floats, width: int) -> None:
+    """Give the share of the node before the grid's first to nodes 0 and 1 of the ``width`` nodes of a spline.
+
+    The missing node is read by linear extrapolation, u_{−1} = 2 u_0 − u_1. This makes Steffen's modified
+    splines, of cubic ones ξ³/6 − ξ + 1 for the first node. They keep Σ φ = 1 and Σ φ x = x, are nowhere
+    negative, and the first node alone is felt at the grid's end. The freed last entry becomes zero.
+    """
+    ghost = values[d, 0]
+    values[d, 0] = values[d, 1] + 2.0 * ghost
+    values[d, 1] = values[d, 2] - ghost
+    for a in range(2, width - 1):
+        values[d, a] = values[d, a + 1]
+    values[d, width - 1] = 0.0
+
+
 class AtPoints(LinearSurface):
     """Base of shape functions of points without extent: surfaces are mapped with the same ``functions``."""
 
@@ -79,6 +96,9 @@ class AtPoints(LinearSurface):
         return self.fill_at(particles.position, particles.first, grid, self.table, particles.threads)
 
 
+#: Largest reach of a domain towards the axis, over its radius: what is beyond is cut on both sides.
+BEYOND_AXIS = 1.0 - 1e-12
+
 #: Entries a point to begin with: a domain of half a cell has 6.25 (2D) or 15.6 (3D) nodes in its box on
 #: average.
 ENTRIES = {2: 7, 3: 18}
@@ -88,7 +108,8 @@ class PackedRows(LinearSurface):
     """Base of shape functions of points with a domain; the boundary's basis is linear."""
 
     #: A kernel, called as ``fill(first, *domains, grid, k, end, table, spacing)``: it fills rows with the
-    #: entries k to ``end``, and returns the first point outside its window, −1, or ``FULL``.
+    #: entries k to ``end``, and returns the first point outside its window, −1, or ``FULL``. Of bodies of
+    #: revolution it has the radii (n,) [m] as well, which gradients are weighted with.
     fill: ClassVar[Callable[..., int]]
 
     def domains(self, particles: Particles) -> tuple[Any, ...]:
@@ -105,9 +126,10 @@ class PackedRows(LinearSurface):
     def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
         """φ_ip and ∇φ_ip of the domains; a table that is too short is replaced by a longer one."""
         threads, first, domains = particles.threads, particles.first, self.domains(particles)
+        radii = (np.ascontiguousarray(particles.position[:, 0]),) if grid.axisymmetric else ()
 
         def fill(first: IntArray, k: int, end: int) -> int:
-            return type(self).fill(first, *domains, grid, k, end, self.table, grid.spacing)
+            return type(self).fill(first, *domains, grid, k, end, self.table, grid.spacing, *radii)
 
         code = FULL
         while code == FULL:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 
+from mpmfw.api.types import Setup, hookimpl
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.stencil import fill_tensor_product, fits, read_window
 from mpmfw.kernels.types import Float, Floats, Ints, Nodes, Table
-from mpmfw_shape._tables import AtPoints
+from mpmfw_shape._tables import AtPoints, fold_at_start
 
 WIDTH = 3
 
@@ -29,10 +30,11 @@ def quadratic_weights(
 
 @kernel
 def fill_quadratic(
-    position: Floats, first: Ints, grid: Nodes, table: Table, spacing: tuple[float, ...]
-) -> int:
+    position: Floats, first: Ints, grid: Nodes, table: Table, spacing: tuple[float, ...],
+    at_axis: bool | None = None,
+) -> int:  # fmt: skip
     """Quadratic B-splines at points; 3**dim entries each. Return the first point outside its window, or
-    −1."""
+    −1. ``at_axis``: splines are modified where the grid begins."""
     dim, inverse_h = len(spacing), 1.0 / spacing[0]
     origin, shape, base = scratch.vector(spacing), scratch.integers(spacing), scratch.vector(spacing)
     w, s = scratch.matrix(spacing, (0.0, 0.0, 0.0)), scratch.matrix(spacing, (0.0, 0.0, 0.0))
@@ -41,6 +43,10 @@ def fill_quadratic(
         for p in range(first[f], first[f + 1]):
             for d in range(dim):
                 quadratic_weights((position[p, d] - origin[d]) * inverse_h, inverse_h, d, base, w, s)
+            if at_axis is not None and base[0] == -1.0 and grid.window_lower[f, 0] == 0:
+                fold_at_start(0, w, WIDTH)
+                fold_at_start(0, s, WIDTH)
+                base[0] = 0.0
             if not fits(base, WIDTH, shape, spacing):
                 return p
             fill_tensor_product(p * WIDTH**dim, WIDTH, base, w, s, shape, grid.offset[f], table, spacing)
@@ -52,4 +58,17 @@ class BSpline(AtPoints):
 
     name = "bspline"
     boundary_degree = 2
+    axisymmetric = True
     functions = (fill_quadratic, WIDTH)
+    at_axis: tuple[bool, ...] = ()
+
+    @property
+    def choices(self) -> tuple[bool, ...]:
+        """True where the grid begins at the axis."""
+        return self.at_axis
+
+    @hookimpl
+    def setup(self, setup: Setup) -> None:
+        """Allocate the table, and look for an axis."""
+        super().setup(setup)
+        self.at_axis = (True,) if setup.state.grid.axisymmetric else ()

@@ -20,7 +20,7 @@ from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.arithmetic import determinant, invert, multiply
 from mpmfw.kernels.stencil import CORNERS, FULL, OUTSIDE, fill_domain, read_window
 from mpmfw.kernels.types import Float, Floats, Ints, Nodes, Table
-from mpmfw_shape._tables import PackedRows
+from mpmfw_shape._tables import BEYOND_AXIS, PackedRows
 
 if TYPE_CHECKING:
     from mpmfw_shape._rectangles import Rectangles
@@ -114,18 +114,30 @@ def reach_of_domains(
                 reach[p, d] += abs(r[d, e])
 
 
+@device
+def keep_from_axis(r: Floats, radius: Float, spacing: tuple[float, ...]) -> None:
+    """Narrow a domain of half-edges ``r`` [m] that would reach beyond the axis at a distance ``radius``."""
+    reach = 0.0
+    for e in range(len(spacing)):
+        reach += abs(r[0, e])
+    if reach > radius * BEYOND_AXIS:
+        for e in range(len(spacing)):
+            r[0, e] *= radius * BEYOND_AXIS / reach
+
+
 @kernel
 def fill_cpdi(
     first: Ints, position: Floats, deformation_gradient: Floats, half_edges: Floats, grid: Nodes, k: int,
-    end: int, table: Table, spacing: tuple[float, ...],
+    end: int, table: Table, spacing: tuple[float, ...], radius: Floats | None = None,
 ) -> int:  # fmt: skip
     """CPDI functions; up to 4**dim entries each, about 5 in 2D and 16 in 3D
     (:func:`mpmfw.kernels.fill_domain`).
 
     The domain is x_p + R ξ, ξ in [−1, 1]^dim, R = F R_0 (:func:`deformed_edges`). With the corners x_c at
     signs s_c, φ_i = 2^−dim Σ_c N_i(x_c) and ∇φ_i = 2^−dim Σ_c R^−T s_c N_i(x_c): mean and mean gradient over
-    the domain of the function that interpolates N_i linearly between the corners. Return the first point
-    outside its window, −1, or −2 if the table is too short.
+    the domain of the function that interpolates N_i linearly between the corners. The mean gradient weighted
+    with the ``radius`` r (n,) [m] has s_c,e (1 + s_c,a R_ra / (3 r)) in place of s_c,e, a the other edge.
+    Return the first point outside its window, −1, or −2 if the table is too short.
     """
     dim, inverse_h = len(spacing), 1.0 / spacing[0]
     n_corners = 1 << dim  # of 2**dim the compiler finds the value too late to unroll the loops over corners
@@ -142,6 +154,8 @@ def fill_cpdi(
             for d in range(dim):
                 centre[d] = (position[p, d] - origin[d]) * inverse_h
             deformed_edges(deformation_gradient[p], half_edges[p], r, spacing)
+            if radius is not None:
+                keep_from_axis(r, radius[p], spacing)
             invert(r, inverse, spacing)
             for c in range(n_corners):
                 for d in range(dim):
@@ -150,6 +164,9 @@ def fill_cpdi(
                     for e in range(dim):
                         sign = 1.0 if (c >> e) & 1 else -1.0
                         corner[c, d] += sign * r[d, e] * inverse_h
+                        if radius is not None:
+                            across = 1.0 if (c >> (1 - e)) & 1 else -1.0
+                            sign *= 1.0 + across * r[0, 1 - e] / (3.0 * radius[p])
                         slope[c, d] += sign * share_of_each * inverse[e, d]
             k = fill_domain(k, end, corner, share, slope, shape, grid.offset[f], table, spacing)
             if k < 0:
@@ -163,6 +180,7 @@ class Cpdi(PackedRows):
 
     name = "cpdi"
     fill = fill_cpdi
+    axisymmetric = True
 
     @hookimpl
     def setup(self, setup: Setup) -> None:

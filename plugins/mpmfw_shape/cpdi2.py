@@ -76,11 +76,13 @@ def replace_degenerate(corners: Floats, centre: Floats, start: Floats, spacing: 
 
 @kernel
 def fill_cpdi2(
-    first: Ints, corners: Floats, grid: Nodes, k: int, end: int, table: Table, spacing: tuple[float, ...]
-) -> int:
+    first: Ints, corners: Floats, grid: Nodes, k: int, end: int, table: Table, spacing: tuple[float, ...],
+    radius: Floats | None = None,
+) -> int:  # fmt: skip
     """φ_i = Σ_c w_c N_i(x_c) and ∇φ_i = Σ_c g_c N_i(x_c); up to 16 entries each.
 
-    w_c = 1/V ∫ M_c dV and g_c = 1/V ∮ M_c n dS = ½ (y_{c+1} − y_{c−1}, x_{c−1} − x_{c+1}) / V.
+    w_c = 1/V ∫ M_c dV and g_c = 1/V ∮ M_c n dS = ½ (y_{c+1} − y_{c−1}, x_{c−1} − x_{c+1}) / V. Weighted with
+    the ``radius`` r (n,) [m], g_c is ∫ r ∇M_c / ∫ r = (∮ r M_c n dS − e_r ∫ M_c dV) / (V r).
     Return the first point whose corner is outside its window, −1, or −2 if the table is too short.
     """
     inverse_h = 1.0 / spacing[0]
@@ -97,6 +99,17 @@ def fill_cpdi2(
                 slope[c, 0] = 0.5 * (own[after, 1] - own[before, 1]) / area
                 slope[c, 1] = 0.5 * (own[before, 0] - own[after, 0]) / area
                 share[c] = corner_share(own, c, area)
+                if radius is not None:
+                    low = 2.0 * own[c, 0] + own[before, 0]
+                    high = 2.0 * own[c, 0] + own[after, 0]
+                    scale = 1.0 / (6.0 * area * radius[p])
+                    slope[c, 0] = scale * (
+                        high * (own[after, 1] - own[c, 1]) + low * (own[c, 1] - own[before, 1])
+                    )
+                    slope[c, 0] -= share[c] / radius[p]
+                    slope[c, 1] = scale * (
+                        high * (own[c, 0] - own[after, 0]) + low * (own[before, 0] - own[c, 0])
+                    )
                 for d in range(len(spacing)):
                     corner[c, d] = (own[c, d] - origin[d]) * inverse_h
             k = fill_domain(k, end, corner, share, slope, shape, grid.offset[f], table, spacing)
@@ -143,6 +156,7 @@ class Cpdi2(PackedRows):
 
     name = "cpdi2"
     fill = fill_cpdi2
+    axisymmetric = True
     dimensions = (2,)
 
     @hookimpl

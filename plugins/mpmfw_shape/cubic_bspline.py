@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.stencil import fill_tensor_product, fits, read_window
 from mpmfw.kernels.types import Float, Floats, Ints, Nodes, Table
-from mpmfw_shape._tables import AtPoints
+from mpmfw_shape._tables import AtPoints, fold_at_start
 
 #: Splines, hence nodes, along each axis whose support holds a point.
 WIDTH = 4
@@ -43,23 +43,8 @@ def cubic_weights(
 
 
 @device
-def fold_at_start(d: int, values: Floats) -> None:
-    """Give the share of the node before the grid's first to nodes 0 and 1.
-
-    The missing node is read by linear extrapolation, u_{−1} = 2 u_0 − u_1. This makes Steffen's modified
-    splines: ξ³/6 − ξ + 1 for the first node. They keep Σ φ = 1 and Σ φ x = x, are nowhere negative, and the
-    first node alone is felt at the grid's end. The freed fourth entry becomes zero.
-    """
-    ghost = values[d, 0]
-    values[d, 0] = values[d, 1] + 2.0 * ghost
-    values[d, 1] = values[d, 2] - ghost
-    values[d, 2] = values[d, 3]
-    values[d, 3] = 0.0
-
-
-@device
 def fold_at_end(d: int, values: Floats) -> None:
-    """As :func:`fold_at_start`, for the node after the grid's last."""
+    """As :func:`mpmfw_shape._tables.fold_at_start`, for the node after the grid's last."""
     ghost = values[d, 3]
     values[d, 3] = values[d, 2] + 2.0 * ghost
     values[d, 2] = values[d, 1] - ghost
@@ -92,8 +77,8 @@ def fill_cubic(
                     cell -= 1
                 cubic_weights(xi, cell, inverse_h, d, base, w, s)
                 if at_start and base[d] == -1.0:
-                    fold_at_start(d, w)
-                    fold_at_start(d, s)
+                    fold_at_start(d, w, WIDTH)
+                    fold_at_start(d, s, WIDTH)
                     base[d] = 0.0
                 elif at_end and base[d] + WIDTH == shape[d] + 1:
                     fold_at_end(d, w)
@@ -126,6 +111,7 @@ class CubicBSpline(AtPoints):
     Options = CubicBSplineOptions
     options: CubicBSplineOptions
     boundary_degree = 3
+    axisymmetric = True
     functions = (fill_cubic, WIDTH)
 
     @property

@@ -10,7 +10,7 @@ from mpmfw.api.types import Field, FloatArray, Particles, SceneError, Setup, hoo
 from mpmfw.kernels import FULL, device, kernel, scratch
 from mpmfw.kernels.stencil import fits, read_window
 from mpmfw.kernels.types import Float, Floats, Ints, Nodes, Table
-from mpmfw_shape._tables import PackedRows
+from mpmfw_shape._tables import BEYOND_AXIS, PackedRows
 
 WIDTH = 3
 
@@ -46,6 +46,20 @@ def gimp_weights(
     slope[d, 0] = -a * share * inverse_h
     slope[d, 1] = (a - b) * share * inverse_h
     slope[d, 2] = b * share * inverse_h
+
+
+@device
+def weigh_with_radius(
+    xi: Float, l: Float, radius: Float, base: Floats, weight: Floats, slope: Floats
+) -> None:
+    """Weigh the slopes along x with r: ∫ r ∂N_i / ∫ r = ∂S_i + ((N_i(ξ − l) + N_i(ξ + l)) / 2 − S_i) / r.
+
+    That is [r N_i] − ∫ N_i over 2 l r, by parts; ``radius`` r [m], ξ and l in cells.
+    """
+    for a in range(WIDTH):
+        low = max(1.0 - abs(xi - l - base[0] - a), 0.0)
+        high = max(1.0 - abs(xi + l - base[0] - a), 0.0)
+        slope[0, a] += (0.5 * (low + high) - weight[0, a]) / radius
 
 
 @device
@@ -98,7 +112,7 @@ def write_row(
 @kernel
 def fill_gimp(
     first: Ints, position: Floats, half_length: Floats, grid: Nodes, k: int, end: int, table: Table,
-    spacing: tuple[float, ...],
+    spacing: tuple[float, ...], radius: Floats | None = None,
 ) -> int:  # fmt: skip
     """uGIMP functions of square particles, 2**dim to 3**dim entries each. Return the first point outside its
     window, −1, or ``FULL`` if the table is too short."""
@@ -111,6 +125,12 @@ def fill_gimp(
             for d in range(dim):
                 xi = (position[p, d] - origin[d]) * inverse_h
                 gimp_weights(xi, half_length[p] * inverse_h, inverse_h, d, base, w, s)
+            if radius is not None:
+                xi, l = (position[p, 0] - origin[0]) * inverse_h, half_length[p] * inverse_h
+                if half_length[p] > radius[p] * BEYOND_AXIS:
+                    l = radius[p] * BEYOND_AXIS * inverse_h
+                    gimp_weights(xi, l, inverse_h, 0, base, w, s)
+                weigh_with_radius(xi, l, radius[p], base, w, s)
             if not fits(base, WIDTH, shape, spacing):
                 return p
             k = write_row(k, end, base, w, s, shape, grid.offset[f], table, spacing)
@@ -126,6 +146,7 @@ class Gimp(PackedRows):
     name = "gimp"
     fill = fill_gimp
     massless_boundary = True
+    axisymmetric = True
     courant = COURANT
 
     @hookimpl

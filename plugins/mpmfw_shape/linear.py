@@ -12,6 +12,7 @@ class Linear(AtPoints):
 
     name = "linear"
     massless_boundary = True
+    axisymmetric = True
     singular_spread = True
     auto_scheme = "musl"
     auto_transfer = "flip"

@@ -103,6 +103,8 @@ class Code(PlugIn):
         for table in _OPTIONAL:
             if getattr(scene, table) and table not in self.reads:
                 yield table, "cannot be expressed"
+        if scene.grid.axisymmetric:
+            yield "grid.axisymmetric", "bodies of revolution cannot be expressed"
         if scene.gravity is not None and not scene.gravity.is_constant:
             yield "gravity.table", "gravity that changes cannot be expressed"
         if scene.settle is not None and scene.settle.max_time is not None:

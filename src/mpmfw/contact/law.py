@@ -223,7 +223,10 @@ class ContactLaw(ContactStrategy):
         rows = self.rows
         self.detection.find(grid, phi, particles, rows)
         if self.width is not None:
-            width = self.width[rows.pair[: rows.count]]
+            if grid.axisymmetric:
+                width = grid.around(self.detection.radii(rows, grid))
+            else:
+                width = self.width[rows.pair[: rows.count]]
             for area in (rows.area, rows.tributary_area):
                 area[: rows.count] *= width
         if rows.count:

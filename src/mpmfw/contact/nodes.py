@@ -75,6 +75,7 @@ class AtNodes(Detection):
 
     #: Whether forces act on the rows, which need nodes that have some mass.
     forces = False
+    has_radius = True
     #: What is projected on the nodes: volume gradients, and mean positions.
     projects_gradient = True
     projects_mean = False
@@ -90,6 +91,8 @@ class AtNodes(Detection):
         self.state, self.owner = setup.state, owner
         self.given = np.zeros(setup.dim)  #: direction that takes the normals' place, if it is one
         full_mass = min(body.areal_density for body in setup.bodies) * setup.cell_size**setup.dim
+        if (grid := setup.state.grid).axisymmetric:
+            full_mass *= grid.around(min(body.lower[0] for body in setup.state.soft_bodies))
         self.least_mass = LEAST_MASS * full_mass if self.forces else 0.0
         self.shared = room_for(64)
         self.grid: GridNodes | None = None
@@ -117,6 +120,10 @@ class AtNodes(Detection):
         self.pairs = NodePairs(
             first=first, second=second, weight_first=weight_first, weight_second=weight_second
         )
+
+    def radii(self, rows: ContactRows, grid: Grid) -> FloatArray:
+        """Return x of the rows' nodes."""
+        return np.asarray(grid.position[rows.dof[rows.start[: rows.count]], 0])
 
     def nodes_of(self, grid: Grid) -> GridNodes:
         """Return the grid's arrays and those projected on it, new with its windows."""

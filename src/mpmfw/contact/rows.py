@@ -155,6 +155,8 @@ class Detection(PlugIn):
     #: Whether bodies at rest may be left out for a while: :meth:`copy_history` copies its history, and rows
     #: renumber theirs.
     leaves_bodies_out: bool = False
+    #: Whether :meth:`radii` are known, round which rows of bodies of revolution act.
+    has_radius: bool = False
     #: Gap up to which the law acts [m], known once both are prepared.
     law_range: float = 0.0
 
@@ -195,6 +197,10 @@ class Detection(PlugIn):
 
     def find(self, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> None:
         """Fill the ``rows`` of this step, all but ``previous``, ``force`` and ``own``."""
+        raise NotImplementedError
+
+    def radii(self, rows: ContactRows, grid: Grid) -> FloatArray:
+        """Return the radius of every row (n,) [m], x of its place."""
         raise NotImplementedError
 
     def note_forces(self, rows: ContactRows, scale: float) -> None:

@@ -24,28 +24,29 @@ from mpmfw.kernels.stencil import read_window
 from mpmfw.kernels.types import Float, Floats, Ints, Nodes, Points
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Setup
+from mpmfw.state.fields import FloatArray
 from mpmfw.state.structs import Body, Grid, Particles
 
 
 @device
-def change_of_volume(p: int, points: Points, dt: float, spacing: tuple[float, ...]) -> Float:
+def change_of_volume(p: int, points: Points, dt: float, tensor: tuple[float, ...]) -> Float:
     """Return det(1 + Δt L) of a point."""
-    motion = scratch.matrix(spacing, spacing)
-    for d in range(len(spacing)):
-        for e in range(len(spacing)):
+    motion = scratch.matrix(tensor, tensor)
+    for d in range(len(tensor)):
+        for e in range(len(tensor)):
             motion[d, e] = dt * points.velocity_gradient[p, d, e] + (1.0 if d == e else 0.0)
-    return determinant(motion, spacing)
+    return determinant(motion, tensor)
 
 
 @kernel
 def average_volume(
-    first: int, last: int, points: Points, grid: Nodes, field: int, dt: float, cell: Ints, change: Floats,
-    before: Floats, after: Floats, spacing: tuple[float, ...],
+    first: int, last: int, points: Points, volume: Floats, grid: Nodes, field: int, dt: float, cell: Ints,
+    change: Floats, before: Floats, after: Floats, spacing: tuple[float, ...], tensor: tuple[float, ...],
 ) -> None:  # fmt: skip
     """Replace L by L̄ of a body's points; note the ``cell`` of each, by its lowest node, and the ``change`` j.
 
     ``before`` and ``after`` (N,) [m^dim] become the volumes of its points in each cell. A point that has left
-    the window counts to the last cell.
+    the window counts to the last cell. L has the dimensions of ``tensor``.
     """
     dim, inverse_h = len(spacing), 1.0 / spacing[0]
     origin, shape = scratch.vector(spacing), scratch.integers(spacing)
@@ -57,42 +58,47 @@ def average_volume(
         for d in range(dim):
             c = c * shape[d] + min(max(int((points.position[p, d] - origin[d]) * inverse_h), 0), shape[d] - 1)
         c += grid.offset[field]
-        cell[p], change[p] = c, change_of_volume(p, points, dt, spacing)
-        before[c] += points.volume[p]
-        after[c] += points.volume[p] * change[p]
+        cell[p], change[p] = c, change_of_volume(p, points, dt, tensor)
+        before[c] += volume[p]
+        after[c] += volume[p] * change[p]
     for p in range(first, last):
         ratio = after[cell[p]] / (before[cell[p]] * change[p])
-        factor = math.sqrt(ratio) if dim == 2 else ratio ** (1.0 / 3.0)
-        for d in range(dim):
-            for e in range(dim):
+        factor = math.sqrt(ratio) if len(tensor) == 2 else ratio ** (1.0 / 3.0)
+        for d in range(len(tensor)):
+            for e in range(len(tensor)):
                 points.velocity_gradient[p, d, e] *= factor
             points.velocity_gradient[p, d, d] += (factor - 1.0) / dt
 
 
 @kernel
 def average_pressure(
-    first: int, last: int, points: Points, first_node: int, last_node: int, cell: Ints, volume: Floats,
-    total: Floats, spacing: tuple[float, ...],
+    first: int, last: int, points: Points, volume: Floats, first_node: int, last_node: int, cell: Ints,
+    sums: Floats, total: Floats, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """σ += (p̄ − p) 1 of a body's points, p = tr σ / dim.
 
-    ``volume`` and ``total`` (N,) become the volume of its points in each cell, and Σ V tr σ.
+    ``sums`` and ``total`` (N,) become the volume of its points in each cell, and Σ V tr σ.
     """
     dim = len(spacing)
     for i in range(first_node, last_node):
-        volume[i] = total[i] = 0.0
+        sums[i] = total[i] = 0.0
     for p in range(first, last):
         trace = 0.0
         for d in range(dim):
             trace += points.stress[p, d, d]
-        volume[cell[p]] += points.volume[p]
-        total[cell[p]] += points.volume[p] * trace
+        sums[cell[p]] += volume[p]
+        total[cell[p]] += volume[p] * trace
     for p in range(first, last):
-        excess = total[cell[p]] / volume[cell[p]]
+        excess = total[cell[p]] / sums[cell[p]]
         for d in range(dim):
             excess -= points.stress[p, d, d]
         for d in range(dim):
             points.stress[p, d, d] += excess / dim
+
+
+def _volumes(particles: Particles, grid: Grid) -> FloatArray:
+    """Return the volumes (n,) in means; thicknesses of bodies of revolution alone differ between points."""
+    return particles.times_thickness(particles.volume) if grid.axisymmetric else particles.volume
 
 
 class AveragedVolume:
@@ -117,11 +123,12 @@ class AveragedVolume:
             self.frame, self.grid = grid.frame, grid
             self.cell, self.change = np.zeros(particles.count, dtype=np.int64), np.zeros(particles.count)
             self.before, self.after = np.zeros((2, len(grid.mass)))
+        volume = _volumes(particles, grid)
         self._each(
             particles,
             lambda body: average_volume(
-                body.particles.start, body.particles.stop, particles, grid, body.field, dt, self.cell,
-                self.change, self.before, self.after, grid.spacing,
+                body.particles.start, body.particles.stop, particles, volume, grid, body.field, dt, self.cell,
+                self.change, self.before, self.after, grid.spacing, grid.tensor_spacing,
             ),
         )  # fmt: skip
 
@@ -129,11 +136,12 @@ class AveragedVolume:
     def update_stress(self, particles: Particles) -> None:
         """Average the pressure, that of damping included."""
         grid = self.grid
+        volume = _volumes(particles, grid)
         self._each(
             particles,
             lambda body: average_pressure(
-                body.particles.start, body.particles.stop, particles, grid.offset[body.field],
-                grid.offset[body.field + 1], self.cell, self.after, self.before, grid.spacing,
+                body.particles.start, body.particles.stop, particles, volume, grid.offset[body.field],
+                grid.offset[body.field + 1], self.cell, self.after, self.before, grid.tensor_spacing,
             ),
         )  # fmt: skip
 

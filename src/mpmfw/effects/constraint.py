@@ -236,14 +236,15 @@ def _planes(
         size = np.abs(normal)
         place[AXIS] = np.flatnonzero(size > size.max() - 1e-9)[0]  # nearest to the normal, the first of two
         weights.append(tabulate(normal, int(place[AXIS]), degree, grids))
-    node_volume = (grids * cell) ** dim / grids
+    node_volume, grid = (grids * cell) ** dim / grids, setup.state.grid
+    around = [grid.around(body.lower[0]) if grid.axisymmetric else 1.0 for body in bodies]
     return PlaneSides(
         normal=np.array([normal for normal, _ in faces]),
         place=np.array([place for _, place in faces]),
         box_lower=np.array([body.lower for body in bodies]) - rim,
         box_upper=np.array([body.upper for body in bodies]) + rim,
         alone=np.full(len(bodies), int(alone), dtype=np.int64),
-        cell_mass=np.array([body.areal_density * node_volume for body in bodies]),
+        cell_mass=np.array([body.areal_density * node_volume for body in bodies]) * around,
         reach=np.array([reach for reach, _ in weights]),
         tabulated=np.cumsum([0, *(len(values) for _, values in weights)]),
         weight=np.concatenate([values for _, values in weights]),

@@ -73,7 +73,7 @@ class Damping:
     @hookimpl
     def setup(self, setup: Setup) -> None:
         """Allocate the work."""
-        self.work, self.spacing = setup.allocate(self.name, WORK), setup.state.grid.spacing
+        self.work, self.spacing = setup.allocate(self.name, WORK), setup.state.grid.tensor_spacing
 
     @hookimpl
     def update_stress(self, particles: Particles, dt: float) -> None:

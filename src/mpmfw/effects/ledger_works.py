@@ -141,8 +141,8 @@ class HalfStep:
     def _power_of_motion(self, grid: Grid, particles: Particles) -> float:
         """Power [W/m] of the stress on the motion of the last step."""
         if self._power is None:
-            volume = particles.times_thickness(particles.volume)
-            self._power = float(stress_power(volume, particles, self.dt, grid.spacing))
+            volume, points = particles.times_thickness(particles.volume), particles.in_space
+            self._power = float(stress_power(volume, points, self.dt, grid.tensor_spacing))
         return self._power
 
 

@@ -62,6 +62,8 @@ class RigidBodies:
         self.turn, self.spin = np.zeros((count, dim, dim)), np.zeros((count, dim, dim))
         self.belt = np.zeros((count, dim))  #: velocity of the surface over the body [m/s]
         held = [getattr(model.rigid, "held", None) or () for model in models]
+        if setup.state.grid.axisymmetric:  # what acts round the axis moves a body along it alone
+            held = [("x", "rotation", *each) for each in held]
         #: components of the velocity (n, dim) and spins (n, 1, 1) of free bodies that no force changes
         self.held = np.array([[name in each for name in "xyz"[:dim]] for each in held])
         self.held_spin = np.array(["rotation" in each for each in held])[:, None, None]
@@ -101,7 +103,8 @@ class RigidBodies:
             self.centre[k] = model.rigid.motion.about
             self.offset[k] = centroid - self.centre[k]
         elif not body.prescribed:
-            self.mass[k], second = mass_of(model, volume, second, body.thickness)
+            thickness = 2.0 * np.pi * centroid[0] if self.state.grid.axisymmetric else body.thickness
+            self.mass[k], second = mass_of(model, volume, second, thickness)
             self.spread[k], self.turn[k] = np.linalg.eigh(second)
             self.radii[k] = np.sqrt(self.spread[k] / self.mass[k]) * (FAR if self.held_spin[k] else 1.0)
 

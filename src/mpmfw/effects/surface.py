@@ -107,6 +107,8 @@ class SurfaceTracker:
         density = np.array([body.areal_density for body in setup.bodies])
         self.cell_mass = setup.allocate(self.name, CELL_MASS)
         self.cell_mass[:] = density[self.surface.body] * setup.cell_size**setup.dim
+        if setup.state.grid.axisymmetric:
+            self.cell_mass *= setup.state.grid.around(self.surface.position[:, 0])
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:

@@ -129,7 +129,7 @@ class Verdict:
 
         The strain energy changes by Δt Σ V σ:L in a step: in bodies two cells wide half of this is a fifth of
         all energy."""
-        p = state.particles
+        p = state.particles.in_space
         power = p.times_thickness(p.volume) @ np.einsum("pij,pij->p", p.stress, p.velocity_gradient)
         strain = float(self.strain.of(state).sum()) + self.half_step * state.dt * float(power)
         return kinetic_energy_of(state) + strain

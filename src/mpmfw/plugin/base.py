@@ -73,7 +73,7 @@ class Material(PlugIn):
     Subclasses implement the hook ``update_stress``, the moduli, :meth:`energy_density` and
     :meth:`cauchy_stress`. One whose points have a history implements :meth:`energy_of_points` and
     :meth:`stress_of_points` instead, and allocates the history in ``setup`` (``Setup.allocate``). F is
-    (n, dim, dim); plane strain in 2D, F_zz = 1.
+    (n, dim, dim); plane strain in 2D, F_zz = 1. Of bodies of revolution F and σ are (n, 3, 3).
     """
 
     #: Whether its points lose energy, which :meth:`dissipated_by_points` says.
@@ -140,6 +140,8 @@ class ShapeFunction(PlugIn):
     singular_spread: ClassVar[bool] = False
     #: Whether the nodes of every row of its tables ascend, so that threads can share the nodes out.
     rows_ascend: ClassVar[bool] = False
+    #: Whether uniform states of bodies of revolution are exact with it: ``Setup.state.grid.axisymmetric``.
+    axisymmetric: ClassVar[bool] = False
     #: Largest Courant number c Δt / h that is not refused.
     courant: ClassVar[float] = 0.8
     auto_scheme: ClassVar[str] = "usl"  #: what ``auto`` means for the scheme

@@ -107,7 +107,7 @@ def of_points(method: str, material: Any, state: State, own: slice) -> FloatArra
     """Return a material's numbers or stresses (3, 3) of the points ``own``."""
     shape = (own.stop - own.start, *((3, 3) if method == "stress_of_points" else ()))
     with naming(material, method, state):
-        values = np.asarray(getattr(material, method)(state.particles, own))
+        values = np.asarray(getattr(material, method)(state.particles.in_space, own))
         if values.shape != shape:
             raise ValueError(f"values of shape {values.shape}; expected {shape}")
     return values

@@ -119,7 +119,7 @@ class HookSpecs:
         """Before F of step 6: L_p of every point is complete.
 
         With MUSL and USF it is that of the second projection, or of the first. May change
-        ``particles.velocity_gradient``.
+        ``particles.velocity_gradient``, which is (n, 3, 3) of bodies of revolution.
         """
 
     @hookspec
@@ -128,7 +128,9 @@ class HookSpecs:
 
     @hookspec
     def update_stress(self, particles: Particles, dt: float) -> None:
-        """Step 6: σ of the material's bodies from F. May change their ``particles.stress``."""
+        """Step 6: σ of the material's bodies from F. May change their ``particles.stress``.
+
+        Of bodies of revolution F and σ are (n, 3, 3)."""
 
     @hookspec
     def end_step(self, state: State) -> None:

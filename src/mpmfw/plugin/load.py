@@ -55,15 +55,22 @@ def measure_facets(
 
 
 @kernel
-def add_facet_forces(which: Ints, force: Floats, facets: Ints, table: Table, node_force: Floats) -> None:
-    """f_i += f_m / dim N_i(x_s) from every corner of the facets (eq. 11 of [H17])."""
+def add_facet_forces(
+    which: Ints, force: Floats, facets: Ints, table: Table, node_force: Floats, share: Floats | None = None
+) -> None:
+    """f_i += f_m / dim N_i(x_s) from every corner of the facets (eq. 11 of [H17]).
+
+    Of bodies of revolution a corner a has the ``share`` (n, dim) of f_m."""
     dim = force.shape[1]
     for q in range(len(which)):
         for a in range(dim):
             node = facets[which[q], a]
             for k in range(table.row[node], table.row[node + 1]):
                 for d in range(dim):
-                    node_force[table.nodes[k], d] += table.weight[k] * force[q, d] / dim
+                    if share is None:
+                        node_force[table.nodes[k], d] += table.weight[k] * force[q, d] / dim
+                    else:
+                        node_force[table.nodes[k], d] += table.weight[k] * force[q, d] * share[q, a]
 
 
 @kernel
@@ -134,7 +141,13 @@ class LoadedFacets:
         measure_facets(
             which, surface.facets, surface.position, self.position, self.normal, self.area, state.grid.spacing
         )
-        if state.particles.thickness is not None:
+        #: (n, 2) of the corners in the force on a facet, ∫ r N_a / ∫ r; None where they have equal shares
+        self.share: FloatArray | None = None
+        if state.grid.axisymmetric:
+            radius = surface.position[surface.facets[which], 0]
+            self.area *= 2.0 * np.pi * self.position[:, 0]
+            self.share = (radius + radius.sum(axis=1)[:, None]) / (6.0 * self.position[:, :1])
+        elif state.particles.thickness is not None:
             thickness = np.array([body.thickness for body in state.bodies])
             self.area *= thickness[surface.body[surface.facets[which, 0]]]
 
@@ -171,14 +184,15 @@ class SurfaceLoad(Load):
         surface, loaded = state.tracked_surface, LoadedFacets(state, self.facets)
         shape = (len(self.facets), state.grid.dim)
         force = loaded.area[:, None] * self.checked(self.traction(loaded, state.time), shape, state)
-        add_facet_forces(self.facets, force, surface.facets, surface.table, grid.force)
-        self._force = force
+        add_facet_forces(self.facets, force, surface.facets, surface.table, grid.force, loaded.share)
+        self._force, self._share = force, loaded.share
 
     @hookimpl
     def end_step(self, state: State) -> None:
         """Add the work on the facets."""
         surface = state.tracked_surface
-        motion = surface.displacement[surface.facets[self.facets]].mean(axis=1)
+        motion = surface.displacement[surface.facets[self.facets]]
+        motion = motion.mean(axis=1) if self._share is None else np.einsum("qa,qad->qd", self._share, motion)
         self.work += float(np.vdot(self._force, motion))
 
 

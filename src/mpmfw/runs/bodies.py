@@ -156,14 +156,22 @@ def make_particles(
     thickness = None
     if any(body.thickness is not None for body in scene.bodies.values()):
         thickness = np.repeat([body.thickness for body in bodies], [len(layout.volume) for layout in layouts])
+    if scene.grid.axisymmetric:
+        thickness = 2.0 * np.pi * arrays["position"][:, 0]
+        arrays["mass"] *= thickness
     starts = [body.particles.start for body in bodies] if n_fields == len(bodies) else [0]
-    return Particles(
+    particles = Particles(
         **arrays,
         affine=AFFINE_FIELD.allocate(sizes) if transfer.affine is not None else None,
         moment=MOMENT_FIELD.allocate(sizes) if transfer.affine == "moment" else None,
         first=np.array([*starts, len(volume)], dtype=np.int64),
         thickness=thickness,
     )
+    if scene.grid.axisymmetric:
+        from mpmfw.effects.axisymmetry import SpacePoints
+
+        particles.space = SpacePoints.of(particles)
+    return particles
 
 
 def initial_velocity(scene: Scene, state: State, interpolate: Callable[[], Stencil]) -> None:

@@ -116,7 +116,9 @@ def _put_together(
     n_fields = len(bodies) if per_body else 1
     lower, upper = np.array([scene.grid.lower, scene.grid.upper])
     rigid = sum(body.rigid for body in bodies) if per_body else 0
-    grid = make_grid(scene.grid.cell_size, lower, upper, n_fields, rigid_fields=rigid)
+    grid = make_grid(
+        scene.grid.cell_size, lower, upper, n_fields, rigid_fields=rigid, axisymmetric=scene.grid.axisymmetric
+    )
     particles = make_particles(scene, layouts, bodies, transfer, n_fields)
     soft = [body for body in bodies if not body.rigid]
     for body in soft:  # neighbours become one slice, and take one call of a kernel

@@ -39,6 +39,8 @@ def _table(setup: Setup) -> list[tuple[str, str, object, str]]:
     slides = slides and setup.friction_law is None and setup.has_friction
     no_gap = "one body" if output.gap else "output.gap = false"
     return [
+        ("axisymmetry", "effects.axisymmetry:Axisymmetry.from_setup", scene.grid.axisymmetric,
+         "grid.axisymmetric = false"),
         ("rigid bodies", "effects.rigid:RigidBodies.from_setup", rigid, "no rigid body"),
         ("contact", "contact.strategy:from_setup", True, ""),
         ("forces on rigid bodies", "effects.rigid_forces:RigidForces.from_setup", pressed,
@@ -134,6 +136,8 @@ def _treatment(setup: Setup, body: Body, held: bool) -> tuple[str, str]:
     """Return ``spin``, ``exact`` or ``lumped``, and why."""
     model, contact = setup.scene.bodies[body.name], setup.contact
     asked = model.rotation
+    if setup.state.grid.axisymmetric:
+        return "lumped", "a body of revolution does not turn"
     if asked == "lumped":
         return "lumped", "given"
     if not setup.field_per_body:

@@ -10,6 +10,7 @@ import numpy as np
 
 from mpmfw.geometry import SurfaceMesh
 from mpmfw.plugin.discovery import REFERENCES, available
+from mpmfw.scene.axisymmetry import check_axisymmetry
 from mpmfw.scene.options import NAMED
 from mpmfw.scene.problem import Path, Problem, one_form
 from mpmfw.scene.rigid import check_rigid, check_spin
@@ -46,6 +47,7 @@ def check(scene: Tables, plugins: Mapping[Path, type[Any]], options: Mapping[Pat
     yield from _friction_law(scene, plugins)
     yield from _loads(scene)
     yield from _named(scene, plugins, options)
+    yield from check_axisymmetry(scene, plugins)
     references = sorted({*REFERENCES, *available("reference")})
     if scene.reference is not None and scene.reference.kind not in references:
         yield unknown_name(("reference", "kind"), scene.reference.kind, references)

@@ -38,11 +38,13 @@ Options = SkipJsonSchema[BaseModel | None]
 
 
 class Grid(Table):
-    """Background grid: square cells of ``cell_size`` [m] from ``lower`` to ``upper`` [m]."""
+    """Background grid: square cells of ``cell_size`` [m] from ``lower`` to ``upper`` [m]; in space or the
+    plane, or in the half-plane of bodies of revolution."""
 
     cell_size: PositiveLength
     lower: Position
     upper: Position
+    axisymmetric: bool = False  #: x is the radius, and y the axis
 
     @property
     def dim(self) -> int:

@@ -132,9 +132,16 @@ class Particles(Struct):
     first: IntArray  #: (n_fields + 1,) material points of velocity field f are first[f]:first[f + 1]
     thickness: FloatArray | None = None  #: (n,) [m]; None unless a body of the plane names its own
     threads: Any = None  #: ``Threads`` that share the operations of the step; None if one does it all
+    #: the points with F, L and σ in three dimensions, (n, 3, 3); None unless the grid is axisymmetric
+    space: Any = None
 
     def __post_init__(self) -> None:
         self.set()
+
+    @property
+    def in_space(self) -> Any:
+        """The points with the tensors that materials take: of a body of revolution those in space."""
+        return self if self.space is None else self.space
 
     def part(self, begin: int, end: int) -> Struct:
         """Return what kernels see of the points ``begin:end``, as views."""
@@ -183,9 +190,18 @@ class Grid(Struct):
     spacing: tuple[float, ...]  #: (h, h[, h]) [m]: its length tells compiled kernels the dimension
     frame: int = 0  #: counts how often the windows were laid; node indices are valid within one frame
     rigid_fields: int = 0  #: number of rigid bodies' fields, the last ones: dim + 1 points of mass each
+    axisymmetric: bool = False  #: x is the radius, and y the axis
+    tensor_spacing: tuple[float, ...] = ()  #: as ``spacing``, of the tensors that materials take
 
     def __post_init__(self) -> None:
+        self.tensor_spacing = (self.cell_size,) * (3 if self.axisymmetric else self.dim)
         self.set()
+
+    def around(self, radius: FloatArray | float) -> Any:
+        """Return the way round the axis at a ``radius`` r [m], 2π r.
+
+        On the axis it is the mean way of what belongs to a node there, 2π h / 6."""
+        return 2.0 * np.pi * np.maximum(radius, self.cell_size / 6.0)
 
     @property
     def dim(self) -> int:

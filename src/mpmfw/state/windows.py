@@ -21,7 +21,13 @@ FEW = 32
 
 
 def make_grid(
-    cell_size: float, lower: FloatArray, upper: FloatArray, n_fields: int, *, rigid_fields: int = 0
+    cell_size: float,
+    lower: FloatArray,
+    upper: FloatArray,
+    n_fields: int,
+    *,
+    rigid_fields: int = 0,
+    axisymmetric: bool = False,
 ) -> Grid:
     """Return an empty grid from ``lower`` to at least ``upper``."""
     dim = len(lower)
@@ -38,6 +44,7 @@ def make_grid(
         **arrays,
         spacing=(float(cell_size),) * dim,
         rigid_fields=rigid_fields,
+        axisymmetric=axisymmetric,
     )
 
 

@@ -39,10 +39,10 @@ def usl(state: State, hook: Any, transfer: Transfer, clock: Clock, length: Lengt
     hook.advect(grid=g, dt=dt)
 
     clock("material")
-    hook.after_velocity_gradient(particles=p, grid=g, phi=phi, dt=dt)
+    hook.after_velocity_gradient(particles=p.in_space, grid=g, phi=phi, dt=dt)
     update_deformation(state, dt)  # 6
     hook.update_particle_domains(particles=p, grid=g, dt=dt)
-    hook.update_stress(particles=p, dt=dt)
+    hook.update_stress(particles=p.in_space, dt=dt)
     hook.end_step(state=state)
     return dt
 
@@ -80,9 +80,9 @@ def musl(state: State, hook: Any, transfer: Transfer, clock: Clock, length: Leng
     transport_affine(p, transfer, g, dt)
 
     clock("material")
-    hook.after_velocity_gradient(particles=p, grid=g, phi=phi, dt=dt)
+    hook.after_velocity_gradient(particles=p.in_space, grid=g, phi=phi, dt=dt)
     update_deformation(state, dt)  # 7
-    hook.update_stress(particles=p, dt=dt)
+    hook.update_stress(particles=p.in_space, dt=dt)
     hook.end_step(state=state)
     return dt
 
@@ -104,9 +104,9 @@ def usf(state: State, hook: Any, transfer: Transfer, clock: Clock, length: Lengt
 
     clock("material")
     gather_velocity_gradient(p, phi, g)  # 3
-    hook.after_velocity_gradient(particles=p, grid=g, phi=phi, dt=dt)
+    hook.after_velocity_gradient(particles=p.in_space, grid=g, phi=phi, dt=dt)
     update_deformation(state, dt)
-    hook.update_stress(particles=p, dt=dt)
+    hook.update_stress(particles=p.in_space, dt=dt)
 
     clock("force")
     add_forces(state, hook, phi, dt)  # 4, 5
@@ -233,8 +233,10 @@ def _apply_moment(p: Particles, phi: Stencil, g: Grid, position: FloatArray) -> 
 
 
 def add_internal_force(p: Particles, phi: Stencil, g: Grid) -> None:
-    """f_i −= Σ V σ·∇φ."""
+    """f_i −= Σ V σ·∇φ, and of bodies of revolution Σ V σ_θθ φ / r."""
     _over_nodes(p, particle_grid.add_internal_force, p.thickness, phi, g, g.spacing)
+    if p.space is not None:
+        p.space.add_hoop_force(p, phi, g, _over_nodes)
 
 
 def add_forces(state: State, hook: Any, phi: Stencil, dt: float) -> None:
@@ -273,8 +275,10 @@ def transport_affine(p: Particles, transfer: Transfer, g: Grid, dt: float) -> No
 def update_deformation(state: State, dt: float) -> None:
     """F ← (1 + Δt L) F, V = det(F) V_0; raise Diverged unless det F > 0."""
     p = state.particles
-    bad = _over_points(p, particle_grid.update_deformation, dt, state.grid.spacing)
+    bad = _over_points(p.in_space, particle_grid.update_deformation, dt, state.grid.tensor_spacing)
     if bad < 0:
+        if p.space is not None:
+            p.deformation_gradient[...] = p.space.deformation_gradient[:, :2, :2]
         return
     body, jacobian = _body_of(state, bad), p.volume[bad] / p.initial_volume[bad]
     inverted = f"a material point inverted (det F = {jacobian:.3g})"

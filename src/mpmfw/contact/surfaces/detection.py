@@ -121,6 +121,7 @@ class Surfaces(OnFacets):
     Options: ClassVar[type[FacetOptions]] = SurfacesOptions
     options: FacetOptions
     provides = frozenset({"facets", "nodes", "steady gap"})
+    has_radius = True
     #: Whether a node meets every facet that it penetrates (eq. 10), not the closest alone.
     every_facet: bool = False
     history = ("count",)
@@ -186,6 +187,11 @@ class Surfaces(OnFacets):
         rows.n_bodies = len(self.state.bodies)
         rows.limits = {"at/slave": self.surface.count, "at/facet": len(self.surface.facets)}
         return rows
+
+    def radii(self, rows: ContactRows, grid: Grid) -> FloatArray:  # noqa: ARG002
+        """Return x of the slave nodes."""
+        assert isinstance(rows, SurfaceRows)
+        return np.asarray(self.surface.position[rows.places.slave[: rows.count], 0])
 
     def restored(self) -> None:
         """Refuse candidates on facets that there are not by ``NotSaved``."""

@@ -55,6 +55,8 @@ class InterfaceLayer:
         density = np.array([0.0 if body.rigid else body.areal_density for body in setup.bodies])
         self.mass: FloatArray = setup.allocate(self.name, MASS)
         self.mass[:] = self.thickness * density[surface.body] * surface.tributary
+        if setup.state.grid.axisymmetric:
+            self.mass *= setup.state.grid.around(surface.position[:, 0])
         self.velocity: FloatArray = setup.allocate(self.name, VELOCITY)
         self.points = struct(mass=self.mass, velocity=self.velocity)
 

@@ -1,0 +1,293 @@
+"""Bodies of revolution: uniform states are exact, loads and masses are of the full ring, and what has no
+meaning is refused."""
+
+import numpy as np
+import pytest
+from test_restart import stop_and_go_on
+
+import mpmfw
+from mpmfw.effects import axisymmetry
+from mpmfw.errors import SceneError
+from mpmfw.runs.simulation import Simulation
+from mpmfw.step.schemes import add_internal_force, gather_velocity_gradient, interpolate, project
+from mpmfw_material.neo_hookean import NeoHookean
+from scenes_for_tests import SOFT, with_changes
+
+RATE = np.diag([0.7, -0.4, 0.7])
+SHAPES = ("cpdi", "cpdi2", "gimp", "linear", "bspline", "cubic_bspline")
+#: With domains, by which a uniform pressure is integrated exactly.
+WITH_DOMAINS = SHAPES[:3]
+
+
+def hollow(inner=0.0, size=0.045, **changes):
+    """A cylinder of 1 m in wall and height, its points at no place of the cells again and again."""
+    scene = {
+        "grid": {"cell_size": 0.1, "lower": [0.0, -0.5], "upper": [2.5, 2.0], "axisymmetric": True},
+        "time": {"end": 0.02, "output_interval": 0.01},
+        "shape": {"method": "cpdi"},
+        "materials": {"soft": SOFT},
+        "bodies": {
+            "solid": {
+                "material": "soft",
+                "geometry": {
+                    "type": "rectangle",
+                    "lower": [inner, 0.03],
+                    "upper": [inner + 1.0, 1.03],
+                },
+                "particles": {"size": size},
+            }
+        },
+    }
+    return with_changes(scene, **changes)
+
+
+def on_plane(inner=0.0, **changes):
+    """The cylinder on a rigid plane, falling."""
+    plane = {"geometry": {"type": "rectangle", "lower": [-0.5, -0.3], "upper": [1.5, 0.025]}, "rigid": True}
+    scene = hollow(inner, bodies__plane=plane, contact={"method": "penalty"}, **changes)
+    return with_changes(scene, bodies__solid__velocity=[0.0, -1.0])
+
+
+def begun(scene):
+    """A simulation with the table of its first step and nodes with mass."""
+    simulation = Simulation(scene)
+    simulation.start()
+    state = simulation.state
+    phi = interpolate(state, simulation.hook, simulation.clock)
+    project(state.particles, phi, state.grid)
+    simulation.hook.detect(grid=state.grid, phi=phi, particles=state.particles)
+    return simulation, phi
+
+
+@pytest.mark.parametrize("shape", ["cpdi", "cpdi2"])
+def test_a_uniform_pressure_is_in_balance_within_a_turned_body(shape):
+    solid = {"type": "rectangle", "lower": [0.6, 0.2], "upper": [1.6, 1.2], "angle": 0.4}
+    particles = {"layout": "fitted", "size": 0.045}
+    changes = {"geometry": solid, "particles": particles}
+    scene = hollow(shape__method=shape, **{f"bodies__solid__{key}": value for key, value in changes.items()})
+    simulation, phi = begun(scene)
+    p, grid = simulation.state.particles, simulation.state.grid
+    p.stress[:], p.space.stress[:] = np.eye(2), np.eye(3)
+    add_internal_force(p, phi, grid)
+    inside = np.abs(grid.position - [1.1, 0.7]).max(axis=1) < 0.25
+    around = 2.0 * np.pi * grid.position[inside, :1] * 0.1
+    assert np.abs(grid.force[inside] / around).max() < 1e-13
+    assert np.abs(grid.force[:, 1].sum()) < 1e-12
+
+
+@pytest.mark.parametrize("inner", [0.0, 0.33])
+@pytest.mark.parametrize("shape", WITH_DOMAINS)
+def test_a_uniform_pressure_is_in_balance_within_a_body(shape, inner):
+    simulation, phi = begun(hollow(inner, shape__method=shape))
+    p, grid = simulation.state.particles, simulation.state.grid
+    p.stress[:], p.space.stress[:] = np.eye(2), np.eye(3)
+    add_internal_force(p, phi, grid)
+    r, y = grid.position.T
+    around = 2.0 * np.pi * np.maximum(r, 0.1)[:, None] * 0.1
+    inside = (r > (inner + 0.2 if inner else 1e-9)) & (r < inner + 0.75) & (y > 0.25) & (y < 0.85)
+    assert inside.sum() > 20
+    assert np.abs(grid.force[inside] / around[inside]).max() < 1e-13
+    outward = grid.force[r > inner + 0.75, 0].sum()
+    assert outward == pytest.approx(-2.0 * np.pi * (inner + 1.0), rel=1e-12)  # the outer side is pulled back
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_a_uniform_rate_is_that_of_every_point(shape):
+    simulation, phi = begun(hollow(shape__method=shape))
+    p, grid = simulation.state.particles, simulation.state.grid
+    grid.velocity[:] = grid.position @ RATE[:2, :2]
+    gather_velocity_gradient(p, phi, grid)
+    simulation.hook.after_velocity_gradient(particles=p.in_space, grid=grid, phi=phi, dt=1e-3)
+    assert np.abs(p.space.velocity_gradient - RATE).max() < 1e-12
+
+
+@pytest.mark.parametrize("scheme", ["usl", "musl", "usf"])
+@pytest.mark.parametrize("model", ["neo_hookean", "j2"])
+def test_a_uniform_motion_stretches_rings_as_their_radii(scheme, model):
+    """F = diag(a, b, a) with a and b from the height of a point; all in one motion keep the axis."""
+    more = {} if model == "neo_hookean" else {"yield_stress": 1e12}
+    scene = hollow(
+        size=0.05, stepping={"scheme": scheme}, materials__soft={**SOFT, "model": model, **more},
+        bodies__solid__volumetric="averaged",
+    )  # fmt: skip
+    simulation = Simulation(scene)
+    simulation.start()
+    p = simulation.state.particles
+    start = p.position.copy()
+    p.velocity[:] = p.position @ RATE[:2, :2]
+    if p.affine is not None:
+        p.affine[:] = RATE[:2, :2]
+    simulation.step()
+    dt = simulation.state.dt
+    stretch = np.eye(3) + dt * RATE
+    inner = (start[:, 0] < 0.7) & (start[:, 1] > 0.3) & (start[:, 1] < 0.7)
+    assert np.abs(p.space.deformation_gradient[inner] - stretch).max() < 1e-3 * dt
+    assert np.abs(p.deformation_gradient - p.space.deformation_gradient[:, :2, :2]).max() == 0.0
+    assert np.allclose(p.position[inner, 0] / start[inner, 0], stretch[2, 2], atol=1e-3 * dt)
+    assert np.allclose(p.volume[inner] / p.initial_volume[inner], np.linalg.det(stretch), atol=3e-3 * dt)
+    difference = p.space.stress[inner, 2, 2] - p.stress[inner, 0, 0]
+    assert np.abs(difference).max() < 1e-3 * SOFT["bulk_modulus"] * dt
+
+
+def test_masses_energies_and_pressure_are_of_the_full_ring():
+    scene = hollow(0.33, bodies__solid__sides=[{"side": "left", "pressure": 1e3}], output__ledger=True)
+    simulation = Simulation(scene)
+    simulation.start()
+    p, grid = simulation.state.particles, simulation.state.grid
+    volume = np.pi * (1.33**2 - 0.33**2)
+    assert p.mass.sum() == pytest.approx(SOFT["density"] * volume, rel=1e-12)
+    simulation.advance(1)
+    assert grid.force.sum(axis=0) == pytest.approx([1e3 * 2.0 * np.pi * 0.33, 0.0], rel=1e-12, abs=1e-9)
+    series = mpmfw.run(scene)["series"].to_dataset()
+    gained = float(series["total_energy"][-1].sum()) + float(series["transfer_dissipation"][-1])
+    assert gained == pytest.approx(float(series["external_work"][-1]), rel=0.02)
+    assert series["linear_momentum"].attrs["units"] == "kg m s-1"
+
+
+def test_a_ring_swings_with_the_frequency_of_its_waves():
+    scene = hollow(
+        grid__upper=[3.0, 1.5], bodies__solid__velocity=[0.1, 0.0],
+        bodies__solid__geometry={"type": "rectangle", "lower": [1.9, 0.4], "upper": [2.1, 0.6]},
+        bodies__solid__particles__size=0.05,
+    )  # fmt: skip
+    bulk, shear = SOFT["bulk_modulus"], SOFT["shear_modulus"]
+    speed = np.sqrt(9.0 * bulk * shear / (3.0 * bulk + shear) / SOFT["density"])
+    half = 2.0 * np.pi / speed
+    tree = mpmfw.run(with_changes(scene, time__end=1.2 * half, time__output_interval=half / 100.0))
+    series = tree["series"].to_dataset()
+    moved = series["centre_of_mass"].values[:, 0, 0]
+    moved = moved - moved[0]
+    back = np.flatnonzero(moved[1:] < 0.0)[0]
+    crossed = np.interp(0.0, -moved[back : back + 2], series["time"].values[back : back + 2])
+    assert crossed == pytest.approx(half, rel=0.01)
+    assert np.abs(series["linear_momentum"].values[:, 0, 1]).max() < 1e-12
+
+
+CONTACTS = ["penalty", "lcp", "impulse", "bardenhagen", "nodes+penalty", "hamad2017"]
+
+
+@pytest.mark.parametrize("contact", CONTACTS)
+def test_contact_turns_a_cylinder_back_and_takes_no_momentum_on_the_way(contact):
+    tree = mpmfw.run(on_plane(0.33, time__end=0.02, output__ledger=contact != "hamad2017"), contact=contact)
+    series = tree["series"].to_dataset()
+    impulse = series["contact_force"].values[1:, 0, 1].sum() * 0.01
+    gained = np.diff(series["linear_momentum"].sel(body="solid", axis="y").values[[0, -1]])[0]
+    assert gained > 500.0
+    layer = contact == "hamad2017"  # whose mass has momentum as well
+    assert impulse == pytest.approx(gained, rel=0.1 if layer else 1e-9)
+    assert -series["reaction"].sel(body="plane", axis="y").values[1:].sum() * 0.01 == pytest.approx(impulse)
+    if not layer and contact != "nodes+penalty":  # whose springs are loaded at the start
+        energy = series["total_energy"].sel(body="solid").values
+        assert (energy + series["transfer_dissipation"].values).max() < 1.01 * energy[0]
+
+
+def test_springs_press_with_the_area_of_their_rings():
+    scene = on_plane(0.33, bodies__solid__geometry__lower=[0.33, 0.02], allow_overlap=True)
+    simulation = Simulation(scene)
+    simulation.advance(1)
+    rows = simulation.contact.last_rows
+    flat = rows.normal[: rows.count, 1] > 0.99
+    assert rows.area[: rows.count][flat].sum() == pytest.approx(np.pi * (1.33**2 - 0.33**2), rel=1e-3)
+
+
+def test_a_free_rigid_cylinder_has_the_mass_of_its_ring_and_moves_along_the_axis():
+    scene = on_plane(gravity={"vector": [0.0, -10.0]}, bodies__solid__sides=[{"side": "top", "fixed": True}])
+    scene["bodies"]["plane"] = {
+        "geometry": {"type": "rectangle", "lower": [0.2, -0.4], "upper": [0.6, -0.1]},
+        "rigid": {"density": 100.0},
+    }
+    del scene["bodies"]["solid"]["velocity"]
+    tree = mpmfw.run(scene)
+    series = tree["series"].sel(body="plane")
+    mass = 100.0 * np.pi * (0.6**2 - 0.2**2) * 0.3
+    assert series["linear_momentum"].values[-1] == pytest.approx([0.0, -10.0 * mass * 0.02], rel=1e-9)
+
+
+def test_the_axis_is_kept_and_two_threads_change_no_bit():
+    ends = []
+    for threads in (1, 2):
+        simulation = Simulation(on_plane(size=0.05), threads=threads)
+        simulation.start()
+        simulation.advance(40)
+        p = simulation.state.particles
+        ends.append((p.position.copy(), p.space.stress.copy()))
+    assert all(np.array_equal(a, b) for a, b in zip(*ends, strict=True))
+    assert ends[0][0][:, 0].min() > 0.0
+    surface = simulation.state.surface
+    on_axis = surface.position[: surface.on_grid, 0] < 1e-9
+    assert on_axis.sum() > 10
+    assert surface.position[: surface.on_grid][on_axis, 0].min() == 0.0
+
+
+def test_nodes_on_the_axis_alone_are_held(monkeypatch):
+    def held(**changes):
+        for name, value in changes.items():
+            monkeypatch.setattr(axisymmetry, name, value)
+        simulation, _ = begun(hollow())
+        grid = simulation.state.grid
+        grid.momentum[:] = 1.0
+        simulation.manager.get_plugin("axisymmetry").constrain_momentum(grid=grid)
+        return set(grid.position[grid.momentum[:, 0] == 0.0, 0].round(9).tolist())
+
+    assert held(ON_AXIS=axisymmetry.ON_AXIS) == {0.0}
+    assert held(ON_AXIS=1.5) == {0.0, 0.1}
+
+
+def test_a_saved_run_goes_on_to_the_bit(tmp_path):
+    scene = on_plane(materials__soft={**SOFT, "model": "j2", "yield_stress": 1e3}, output__ledger=True)
+    stop_and_go_on(lambda: Simulation(scene), tmp_path / "saved", 30)
+
+
+class OfThePlane(NeoHookean):
+    """A material that takes the grid's dimensions for those of F."""
+
+    name = "of_the_plane"
+
+    @mpmfw.api.hookimpl
+    def setup(self, setup):
+        """Take the plane."""
+        super().setup(setup)
+        self.constants = (*self.constants[:2], setup.state.grid.spacing)
+
+
+def test_a_material_without_hoop_stress_is_refused():
+    scene = hollow(materials__soft={**SOFT, "model": f"{__name__}:OfThePlane"})
+    simulation = Simulation(mpmfw.load_scene(scene))
+    simulation.start()
+    with pytest.raises(SceneError, match="no stress round the axis"):
+        simulation.advance(1)
+
+
+@pytest.mark.parametrize(
+    ("changes", "match"),
+    [
+        ({"grid__lower": [-0.1, -0.5]}, r"grid\.lower: begins at a negative radius"),
+        ({"shape__method": "ck"}, r"shape\.method: 'ck' has no form"),
+        ({"sleep": {}}, r"sleep: does not go with"),
+        ({"gravity": {"vector": [1.0, -9.0]}}, r"gravity: pulls across the axis"),
+        ({"gravity": {"table": [[0.0, 0.0, 0.0], [1.0, 0.5, 0.0]]}}, r"gravity: pulls across"),
+        ({"bodies__solid__thickness": 0.5}, r"solid\.thickness"),
+        ({"bodies__solid__angular_velocity": 1.0}, r"solid\.angular_velocity"),
+        ({"bodies__solid__rotation": "spin"}, r"solid\.rotation"),
+        ({"bodies__solid__velocity": [1.0, 0.0]}, r"solid\.velocity: across the axis"),
+        ({"bodies__solid__geometry__lower": [-0.1, 0.0], "grid__lower": [0.0, 0.0]}, r"solid\.geometry"),
+        ({"output__contact_moment": "centre_of_mass"}, r"output\.contact_moment: has no meaning"),
+        ({"bodies__plane__rigid": {"motion": {"velocity": [1.0, 0.0]}}}, r"velocity: across the axis"),
+        ({"bodies__plane__rigid": {"motion": {"angular_velocity": 1.0}}}, r"plane\.rigid: turns"),
+    ],
+)
+def test_what_has_no_meaning_is_refused(changes, match):
+    with pytest.raises(SceneError, match=match):
+        mpmfw.load_scene(with_changes(on_plane(), **changes))
+
+
+def test_space_and_detections_without_a_radius_are_refused():
+    with pytest.raises(SceneError, match="is for two dimensions"):
+        mpmfw.load_scene(with_changes(hollow(), grid__lower=[0.0] * 3, grid__upper=[2.5] * 3))
+    scene = hollow(contact={"method": "points+penalty"})
+    scene["bodies"]["other"] = {
+        **scene["bodies"]["solid"],
+        "geometry": {"type": "rectangle", "lower": [0.0, 1.2], "upper": [1.0, 1.5]},
+    }
+    with pytest.raises(SceneError, match="no radius of its rows"):
+        Simulation(scene)

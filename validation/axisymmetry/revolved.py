@@ -1,0 +1,188 @@
+"""Scenes of bodies of revolution, and what closed forms say of them."""
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+YOUNG, POISSON, DENSITY = 1e6, 0.3, 1e3
+#: Inner and outer radius of the pipe [m], and the pressure in it [Pa].
+INNER, OUTER, PRESSURE = 0.5, 1.0, 1e3
+#: Mean radius of the ring, and the edge of its section [m].
+RING, EDGE = 2.0, 0.2
+#: Radius of the ball [m], and its speed [m/s].
+BALL, SPEED = 1.0, 0.3
+#: Share of the time of contact in which the middle half of the impulse passes, of x″ = −x^1.5.
+MIDDLE = 0.28733
+MODULUS = YOUNG / (1.0 - POISSON**2)
+MASS = 4.0 / 3.0 * np.pi * BALL**3 * DENSITY
+
+
+def _scene(
+    cell: float, body: dict[str, Any], time: tuple[float, float], upper: tuple[float, float]
+) -> dict[str, Any]:
+    return {
+        "grid": {"cell_size": cell, "lower": [0.0, -1.0], "upper": list(upper), "axisymmetric": True},
+        "time": {"end": time[0], "output_interval": time[1]},
+        "shape": {"method": "cpdi"},
+        "materials": {
+            "rubber": {
+                "model": "linear_elastic",
+                "density": DENSITY,
+                "youngs_modulus": YOUNG,
+                "poissons_ratio": POISSON,
+            }
+        },
+        "bodies": {"solid": {"material": "rubber", "particles": {"size": "0.5 cells"}, **body}},
+        "output": {"ledger": True},
+    }
+
+
+def _rectangle(*corners: float) -> dict[str, Any]:
+    return {"type": "rectangle", "lower": list(corners[:2]), "upper": list(corners[2:])}
+
+
+def pipe(cells: int) -> dict[str, Any]:
+    """Return a pipe with so many ``cells`` in its wall under pressure, at rest."""
+    cell = (OUTER - INNER) / cells
+    body = {
+        "geometry": _rectangle(INNER, 0.0, OUTER, 4.0 * cell),
+        "sides": [
+            {"side": "left", "pressure": PRESSURE},
+            {"side": "bottom", "fixed": ["y"]},
+            {"side": "top", "fixed": ["y"]},
+        ],
+    }
+    scene = _scene(cell, body, (1e-4, 1e-4), (1.5, 1.0))
+    return scene | {"settle": {"tolerance": 1e-4}}
+
+
+def lame(tree: xr.DataTree) -> dict[str, float]:
+    """Return the largest errors of the ``hoop`` stress over the inner one's, and that of the ``opening`` [%].
+
+    σ_θθ = A (1 + b²/r²) and u = (1 + ν) A / E ((1 − 2ν) r + b²/r), A = p a² / (b² − a²); plane strain."""
+    points = tree["particles/solid"].to_dataset()
+    last = points.isel(time=-1)
+    share = PRESSURE * INNER**2 / (OUTER**2 - INNER**2)
+    stretch = last["hoop_stretch"].values
+    radius = last["position"].values[:, 0] / stretch
+    exact = share * (1.0 + OUTER**2 / radius**2)
+    moved = (1.0 + POISSON) * share / YOUNG * ((1.0 - 2.0 * POISSON) + OUTER**2 / radius**2)
+    inner = share * (1.0 + OUTER**2 / INNER**2)
+    return {
+        "hoop": 100.0 * float(np.abs(last["hoop_stress"].values - exact).max() / inner),
+        "opening": 100.0 * float((stretch - 1.0) @ moved / (moved @ moved) - 1.0),
+    }
+
+
+def ring() -> dict[str, Any]:
+    """Return a ring two cells wide that is thrown outwards, for two periods."""
+    half = 0.5 * EDGE
+    body = {
+        "geometry": _rectangle(RING - half, 0.4, RING + half, 0.4 + EDGE),
+        "velocity": [0.1, 0.0],
+    }
+    period = 2.0 * np.pi * RING / np.sqrt(YOUNG / DENSITY)
+    return _scene(0.5 * EDGE, body, (2.0 * period, period / 50.0), (3.0, 1.5))
+
+
+def breathing(tree: xr.DataTree) -> dict[str, float]:
+    """Return errors of the ``period`` by least squares against √(E/ρ)/R and of the ``energy`` at the end [%],
+    and the largest axial ``momentum`` over the radial one."""
+    from scipy.optimize import curve_fit
+
+    series = tree["series"].to_dataset()
+    time, place = series["time"].values, series["centre_of_mass"].values[:, 0, 0]
+    rate = np.sqrt(YOUNG / DENSITY) / RING
+    moved = place - place[0]
+    fit = curve_fit(lambda t, a, w: a * np.sin(w * t), time, moved, p0=[np.ptp(moved) / 2.0, rate])[0]
+    energy, momentum = series["total_energy"].values[:, 0], series["linear_momentum"].values[:, 0]
+    return {
+        "period": 100.0 * float(rate / fit[1] - 1.0),
+        "energy": 100.0 * float(energy[-1] / energy[0] - 1.0),
+        "momentum": float(np.abs(momentum[:, 1]).max() / np.abs(momentum[:, 0]).max()),
+    }
+
+
+def half_disc(corners: int = 240) -> list[list[float]]:
+    """Return the outline of a ball in the half-plane; the polygon has the ball's volume to 1e-4."""
+    angle = np.linspace(-0.5 * np.pi, 0.5 * np.pi, corners)
+    place = BALL * np.stack([np.cos(angle), 1.0 + np.sin(angle)], axis=1)
+    place[[0, -1], 0] = 0.0
+    return [[float(x), float(y)] for x, y in place]
+
+
+def ball(cells: int) -> dict[str, Any]:
+    """Return a ball of so many ``cells`` in its radius that falls on a rigid plane without friction."""
+    body = {"geometry": {"type": "polygon", "points": half_disc()}, "velocity": [0.0, -SPEED]}
+    end = 1.4 * hertz()["time"]
+    scene = _scene(BALL / cells, body, (end, end / 400.0), (1.5, 2.5))
+    scene["bodies"]["plane"] = {"geometry": _rectangle(-0.5, -0.5, 1.5, -1e-6), "rigid": True}
+    scene["contact"] = {"method": "penalty"}
+    return scene
+
+
+def hertz() -> dict[str, float]:
+    """Return the largest force [N] and the time of contact [s] of Hertz's impact on a rigid plane.
+
+    K. L. Johnson, Contact Mechanics (1985), section 11.4: F = 4/3 E* √R δ^1.5, and the kinetic energy."""
+    stiffness = 4.0 / 3.0 * MODULUS * np.sqrt(BALL)
+    depth = (1.25 * MASS * SPEED**2 / stiffness) ** 0.4
+    return {"force": stiffness * depth**1.5, "time": 2.9432 * depth / SPEED}
+
+
+def resting(cells: int, kappa: float) -> dict[str, Any]:
+    """Return the ball of the case hertz-in-space on a rigid plane under its weight: a contact of 0.2 R."""
+    scene = ball(cells)
+    solid, plane = scene["bodies"]["solid"], scene["bodies"]["plane"]
+    rise = 0.014
+    solid["geometry"] = {"type": "polygon", "points": [[x, y + rise] for x, y in half_disc()]}
+    plane["geometry"] = _rectangle(-0.5, -0.5, 1.5, rise)
+    scene["materials"]["rubber"]["youngs_modulus"] = 3.5771353e6
+    del solid["velocity"]
+    scene["contact"]["penalty"] = {"kappa": kappa}
+    scene["time"] = {"end": 1e-4, "output_interval": 1e-4}
+    return scene | {"gravity": {"vector": [0.0, -10.0]}, "settle": {"tolerance": 1e-3}}
+
+
+def circle(tree: xr.DataTree) -> dict[str, float]:
+    """Return the errors [%] of the ``force`` against the weight, and of the ``radius`` √(5/2 ⟨r²⟩) of the
+    contact against 0.2 R."""
+    solid = tree["surface/solid"].to_dataset().isel(time=-1)
+    place, force = solid["position"].values, solid["force"].values[:, 1]
+    total, square = float(force.sum()), float(force @ place[:, 0] ** 2)
+    return {
+        "force": 100.0 * (total / (10.0 * MASS) - 1.0),
+        "radius": 100.0 * (np.sqrt(2.5 * square / total) / (0.2 * BALL) - 1.0),
+    }
+
+
+def in_space(cells: int) -> dict[str, Any]:
+    """Return the same impact in space, where the axis is y."""
+    scene = ball(cells)
+    scene["grid"] = {"cell_size": BALL / cells, "lower": [-1.5, -1.0, -1.5], "upper": [1.5, 2.5, 1.5]}
+    solid, plane = scene["bodies"]["solid"], scene["bodies"]["plane"]
+    solid["geometry"] = {"type": "ball", "centre": [0.0, BALL, 0.0], "radius": BALL}
+    solid["velocity"] = [0.0, -SPEED, 0.0]
+    plane["geometry"] = {"type": "box", "lower": [-0.8, -0.4, -0.8], "upper": [0.8, -1e-6, 0.8]}
+    return scene
+
+
+def impact(tree: xr.DataTree) -> dict[str, float]:
+    """Return errors of the ``force`` over the approach of the centre of mass by least squares, of the
+    ``time`` between a quarter and three quarters of the impulse [%], the ``restitution``, and the ``energy``
+    with what was lost, over the start."""
+    series = tree["series"].to_dataset()
+    force, time = np.abs(series["contact_force"].values[:, 0, 1]), series["time"].values
+    place = series["centre_of_mass"].sel(body="solid", axis="y").values
+    exact = 4.0 / 3.0 * MODULUS * np.sqrt(BALL) * np.maximum(place[0] - place, 0.0) ** 1.5
+    passed = np.cumsum(force) / force.sum()
+    middle = float(np.diff(np.interp([0.25, 0.75], passed, time))[0])
+    velocity = series["mean_velocity"].sel(body="solid", axis="y").values
+    energy = series["total_energy"].sel(body="solid").values + series["transfer_dissipation"].values
+    return {
+        "force": 100.0 * float(force @ exact / (exact @ exact) - 1.0),
+        "time": 100.0 * (middle / (MIDDLE * hertz()["time"]) - 1.0),
+        "restitution": float(-velocity[-1] / velocity[0]),
+        "energy": float(energy.max() / energy[0]),
+    }

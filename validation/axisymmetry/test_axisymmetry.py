@@ -1,0 +1,119 @@
+"""Bodies of revolution: a pipe under pressure, a ring that swings, a ball at rest and one that falls."""
+# cost: 60
+
+import revolved
+
+from mpmfw.validation import Place, Runs, each, full, methods, together
+
+ALONE = [*methods([""]), *methods([""], ["gimp", "bspline"], when="full")]
+
+pipe = Runs(
+    "pipe",
+    scene=revolved.pipe,
+    methods=ALONE,
+    places=[
+        Place("5 cells in the wall", make={"cells": 5}, when="full"),
+        Place("10 cells in the wall", make={"cells": 10}),
+    ],
+)
+ring = Runs("ring", scene=revolved.ring, methods=ALONE)
+resting = Runs(
+    "resting",
+    scene=revolved.resting,
+    places=[
+        Place("R/h = 14, κ = 8", make={"cells": 14, "kappa": 8.0}),
+        Place("R/h = 14, κ = 1", make={"cells": 14, "kappa": 1.0}, when="full"),
+    ],
+)
+falling = Runs(
+    "falling",
+    scene=revolved.ball,
+    methods=methods(["lcp"]),
+    places=[Place("R/h = 20", make={"cells": 20})],
+)
+coarse = Runs(
+    "coarse",
+    scene=revolved.ball,
+    methods=methods(["lcp"]),
+    places=[Place("R/h = 8", make={"cells": 8})],
+    when="full",
+)
+space = Runs(
+    "space",
+    scene=revolved.in_space,
+    methods=methods(["lcp"]),
+    places=[Place("R/h = 8 in space", make={"cells": 8})],
+    when="full",
+)
+
+
+@pipe
+def test_pipe(run):
+    binds = run.method.matches("cpdi")
+    run.gates(
+        revolved.lame,
+        ("opening of the pipe, error, {at}", "opening", 0.0, 1.0, "%"),
+        ("largest error of the hoop stress, {at}", "hoop", 0.0, 6.0, "%"),
+        binds=binds,
+    )
+
+
+@ring
+def test_ring(run):
+    run.gates(
+        revolved.breathing,
+        ("period of the ring, error", "period", 0.0, 0.3, "%"),
+        ("energy of the ring after two periods, error", "energy", 0.0, 0.1, "%"),
+        ("axial momentum over the radial one", "momentum", 0.0, 1e-12),
+        binds=run.method.matches("cpdi"),
+    )
+
+
+@resting
+def test_resting(run):
+    stiff = run.place.make["kappa"] == 8.0
+    run.gates(
+        revolved.circle,
+        ("contact force against the weight, error, {at}", "force", 0.0, 1.0, "%"),
+        (
+            "radius by the second moment of the pressure, error, {at}",
+            "radius",
+            *((0.0, 3.0) if stiff else (8.7, (7.2, 10.2))),
+            "%",
+        ),
+    )
+
+
+@falling
+def test_falling(run):
+    run.gates(
+        revolved.impact,
+        ("force over the approach against Hertz, error, {at}", "force", 0.0, 15.0, "%"),
+        ("time of contact against Hertz, error, {at}", "time", 0.0, 8.0, "%"),
+        ("restitution, {at}", "restitution", 1.0, (0.95, 1.0)),
+        ("largest energy with what was lost, over the start, {at}", "energy", 1.0, (0.995, 1.005)),
+        binds=True,
+    )
+
+
+@each(coarse, space)
+def test_coarse(run):
+    run.gates(
+        revolved.impact,
+        ("force over the approach against Hertz, error, {at}", "force", 0.0),
+        ("time of contact against Hertz, error, {at}", "time", 0.0),
+        ("restitution, {at}", "restitution", 1.0),
+    )
+
+
+@full
+@together(coarse, space)
+def test_against_space(case, runs):
+    for measure, unit, key, limit in (
+        ("time of contact", "%", "time", 5.0),
+        ("force over the approach", "%", "force", 8.0),
+        ("restitution", "", "restitution", 0.05),
+    ):
+        half, whole = (run.of(revolved.impact, key) for run in sorted(runs, key=lambda run: run.place.at))
+        name = f"{measure}, half-plane less space, R/h = 8"
+        case.gate(name, half - whole, 0.0, limit, unit, method="lcp, cpdi", binds=True)
