@@ -183,7 +183,7 @@ class Setup:
         if self.scheme != "usl" and self.shape != "linear":  # which needs MUSL
             found["scheme"] = "scheme 'usl'"
         if self.contact is not None:
-            key = getattr(self.contact, "softer_by", None)
+            key = self.contact.softer_by
             found["contact"] = "another contact" if key is None else f"a softer contact ({key})"
         return {**found, "shape": f"another shape than '{self.shape}'"}
 

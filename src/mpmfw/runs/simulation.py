@@ -105,7 +105,7 @@ class Simulation:
         fit_windows(state, self.hook)
         self._check_supports()
         self._step: Any = SCHEMES[self.scheme]
-        self._time_step = TimeStep(setup, self._callers("stable_timestep"))
+        self._time_step = TimeStep(setup)
         self._recorder = Recorder(self.scene, state, self.fields, self.hook, self._callers("diagnostics"))
         self.started = False
         self._settling: Settling | None = None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -51,10 +51,10 @@ class TimeStep:
     """Chooses the length of every step.
 
     ``bulk_limit`` [s] is h / c of the fastest body, √(h w) / c of one thinner than a cell. A step past the
-    shape function's share of it is refused. ``limiting`` plug-ins implement ``stable_timestep``."""
+    shape function's share of it is refused."""
 
-    def __init__(self, setup: Setup, limiting: Sequence[Any]) -> None:
-        self.state, self.limiting = setup.state, limiting
+    def __init__(self, setup: Setup) -> None:
+        self.state, self.contact = setup.state, setup.contact
         self.bulk_limit = 2.0 / setup.bulk_frequency
         thinner = (1.0 - 1e-9) * setup.cell_size
         thin = any(body.width < thinner for body in setup.bodies)
@@ -89,14 +89,14 @@ class TimeStep:
 
     def _advice(self, owner: str) -> str:
         """Return ways to lengthen the steps that a contact limits."""
-        for contact in self.limiting:
-            names = contact.name.split("+")
-            if hasattr(contact, "softer_by") and owner.startswith((contact.name, names[-1])):
-                softer = f" ({contact.softer_by})" if contact.softer_by else ""
-                mapped = contact.needs_surface and "map" in contact.Options.model_fields
-                other = f"another contact.{names[0]}.map, " if mapped else ""
-                return f"a softer contact{softer}, {other}or another shape function"
-        return "another shape function"
+        contact = self.contact
+        names = contact.name.split("+") if contact is not None else []
+        if contact is None or not owner.startswith((contact.name, names[-1])):
+            return "another shape function"
+        softer = f" ({contact.softer_by})" if contact.softer_by else ""
+        mapped = contact.needs_surface and "map" in contact.Options.model_fields
+        other = f"another contact.{names[0]}.map, " if mapped else ""
+        return f"a softer contact{softer}, {other}or another shape function"
 
     def check(self, hook: Any) -> None:
         """Refuse a step past the first limit."""
