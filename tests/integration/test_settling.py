@@ -119,7 +119,7 @@ def press_fit():
         allow_overlap=True,
         contact={"method": "penalty", "penalty": {"kappa": 16.0, "linear_to": 0.03}},
         materials={"steel": steel},
-        settle={},
+        settle={"tolerance": 5e-3},
     )
 
 
