@@ -10,10 +10,9 @@ from types import SimpleNamespace
 import netCDF4
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 import mpmfw
-from mpmfw.cli import app
+from command_line import called
 from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning
 from mpmfw.results import Frame, RunHeader, RunWriter
 from mpmfw.results.reading import read
@@ -88,8 +87,7 @@ def test_a_file_that_was_broken_off_says_so_at_a_glance(path):
     with netCDF4.Dataset(path, "a") as dataset:
         dataset.setncattr("status", "running")
     drawn = path.with_name("a.png")
-    said = CliRunner().invoke(app, ["plot", str(path), "--field", "von_mises", "-o", str(drawn)])
-    assert said.exit_code == 0
+    said = called("plot", path, "--field", "von_mises", "-o", drawn)
     assert said.stderr.count("note: ") == 1
     assert "run.nc was broken off: its run did not come to its end" in said.stderr
 

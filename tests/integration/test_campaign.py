@@ -14,12 +14,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from typer.testing import CliRunner
 
 import mpmfw
+from command_line import called
 from mpmfw.api import hookimpl
 from mpmfw.campaigns.store import Store
-from mpmfw.cli import app
 from mpmfw.cli.compare import print_comparison
 from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.plugin.measure import Exact, Reference
@@ -197,17 +196,17 @@ def test_the_store_forgets_what_no_campaign_would_take(tmp_path, monkeypatch):
     left = tmp_path / f".{'0' * 32}.{'0' * 32}.part.nc"
     left.write_bytes(b"")
     os.utime(left, (0, 0))
-    result = CliRunner().invoke(app, ["store", "prune", str(tmp_path)])
-    assert "0 runs forgotten" in result.output
-    assert "2 runs kept" in result.output
+    output = called("store", "prune", tmp_path).output
+    assert "0 runs forgotten" in output
+    assert "2 runs kept" in output
     assert not left.exists()
     first, _ = sorted(tmp_path.glob("*.json"))
     code = Store(tmp_path).outcome(first.stem).code
     assert is_current(code)
     monkeypatch.setattr("mpmfw.runs.identity._core", lambda: "another core")
-    assert CliRunner().invoke(app, ["store", "prune", str(tmp_path)]).output.endswith("0 runs kept\n")
+    assert called("store", "prune", tmp_path).output.endswith("0 runs kept\n")
     assert list(tmp_path.iterdir()) == []
-    assert CliRunner().invoke(app, ["store", "prune", str(tmp_path / "nowhere")]).exit_code == 2
+    called("store", "prune", tmp_path / "nowhere", status=2)
 
 
 # -- executors

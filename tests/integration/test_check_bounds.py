@@ -6,9 +6,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
-from mpmfw.cli import app
+from command_line import called
 
 TESTS = Path(__file__).resolve().parents[1]
 
@@ -25,8 +24,7 @@ def test_the_process_gets_the_request_and_its_status_is_the_commands(monkeypatch
     arguments = ["check", "drag", "--bounds", "--set", "rate=2", "--only", "runs", "--kind", "load"]
     for status, expected in ((0, 0), (1, 1), (2, 2), (-11, 1)):
         ended["status"] = status
-        found = CliRunner().invoke(app, arguments)
-        assert found.exit_code == expected
+        found = called(*arguments, status=expected)
     assert "was ended by SIGSEGV" in found.output
     command, environment = asked[-1]
     assert environment["NUMBA_BOUNDSCHECK"] == "1"

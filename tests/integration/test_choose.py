@@ -6,10 +6,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 import mpmfw
-from mpmfw.cli import app
+from command_line import called
 from mpmfw.errors import SceneError
 from mpmfw.plugin.measure import Measured
 from mpmfw.scene.toml_text import toml_text
@@ -139,14 +138,11 @@ def test_what_cannot_be_answered_is_refused_with_what_can(given, options, messag
 def test_the_command_prints_a_table_and_the_answer_and_rows_for_other_programs(tmp_path):
     (tmp_path / "s.toml").write_text(toml_text(scene()), encoding="utf-8")
     methods = ["--contact", "penalty,separate", "--shape", "cpdi"]
-    asked = ["choose", str(tmp_path / "s.toml"), *methods, "-o", str(tmp_path / "c.nc")]
-    done = CliRunner().invoke(app, [*asked, "--error", "90%"])
-    assert done.exit_code == 0, done.output
+    asked = ["choose", tmp_path / "s.toml", *methods, "-o", tmp_path / "c.nc"]
+    done = called(*asked, "--error", "90%")
     assert "For 90 %: " in done.stdout
     assert "The runs took" in done.stdout
-    again = CliRunner().invoke(app, [*asked, "--error", "80%", "--json"])
-    assert again.exit_code == 0, again.output
-    rows = json.loads(again.stdout)
+    rows = json.loads(called(*asked, "--error", "80%", "--json").stdout)
     assert {row["contact"] for row in rows} == {"penalty", "separate"}
     assert sum(row["answer"] for row in rows) <= 1
     assert (tmp_path / "c.nc.runs").is_dir()

@@ -17,10 +17,9 @@ import numpy as np
 import pytest
 from test_many_bodies import row_meets_row
 from test_restart import COARSE
-from typer.testing import CliRunner
 
 import mpmfw
-from mpmfw.cli import app
+from command_line import called
 from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError, SimulationError
 from mpmfw.kernels import integrate_momentum
 from mpmfw.results.reading import read
@@ -256,9 +255,7 @@ def test_what_cannot_go_on_says_why(path):
 
     def refused(said):
         before = path.read_bytes() if path.is_file() else b""
-        done = CliRunner().invoke(app, ["resume", str(path)])
-        assert done.exit_code == 2
-        assert re.search(said, done.stderr)
+        assert re.search(said, called("resume", path, status=2).stderr)
         assert (path.read_bytes() if path.is_file() else b"") == before
 
     refused("run.nc: there is no such file; expected the results of a run")
@@ -304,7 +301,7 @@ def test_a_checkpoint_of_another_run_is_refused(tmp_path, path, changes, objects
 
 def test_a_new_run_forgets_the_checkpoint_of_the_last(path):
     stopped(BLOCKS, path, 9)
-    done = CliRunner().invoke(app, ["run", "rolling-cylinder-slip", "-o", str(path)])
+    done = called("run", "rolling-cylinder-slip", "-o", path, status=2)
     assert "run.nc: is there already, of a run that did not end; mpmfw resume" in done.stderr
     with pytest.raises(SimulationError):
         mpmfw.run(FAILING, output=path)
@@ -348,8 +345,7 @@ def test_the_command_goes_on_in_a_new_process(tmp_path, path):
         assert process.stderr is not None
         assert f"mpmfw resume {path} goes on" in process.stderr.read()
     assert process.returncode == 130
-    done = CliRunner().invoke(app, ["resume", str(path)])
-    assert done.exit_code == 0, done.output
+    done = called("resume", path)
     assert re.match(rf"{path}: goes on at \S+ s of 0.6 s\n", done.stderr)
     assert done.stdout == f"{path}\n"
     same_results(path, tmp_path / "reference.nc")

@@ -9,9 +9,8 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
-from mpmfw.cli import app
+from command_line import called
 from mpmfw.errors import SceneError
 from mpmfw_testing.templates import TEMPLATES, write_package
 from support import write_metadata
@@ -87,8 +86,6 @@ def test_what_cannot_be_written_is_refused(kind, name, said, tmp_path):
 
 
 def test_the_command_writes_and_does_not_write_over(tmp_path):
-    arguments = ["new", "load", "wind", "--into", str(tmp_path)]
-    assert CliRunner().invoke(app, arguments).exit_code == 0
-    again = CliRunner().invoke(app, arguments)
-    assert again.exit_code == 2
-    assert "is there already" in again.output
+    arguments = "new", "load", "wind", "--into", tmp_path
+    called(*arguments)
+    assert "is there already" in called(*arguments, status=2).output

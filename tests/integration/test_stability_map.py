@@ -6,13 +6,12 @@ import re
 import numpy as np
 import pytest
 import xarray as xr
-from typer.testing import CliRunner
 
+from command_line import called
 from contact_scenes import impact
 from mpmfw import open as open_results
 from mpmfw import run
 from mpmfw.api import SceneError
-from mpmfw.cli.app import app
 from mpmfw.errors import ResultsWarning
 from mpmfw.plots import figures_of, plot_file
 from mpmfw.plugin.discovery import load
@@ -82,9 +81,7 @@ def test_command_writes_the_map_and_says_what_holds(tmp_path):
     scene = tmp_path / "blocks.toml"
     scene.write_text(toml_text(blocks()), encoding="utf-8")
     output = tmp_path / "map.nc"
-    arguments = ["stability", scene, "-o", output, "--kappa", 1, "--cfl", "0.2,0.4", "--steps", 40]
-    result = CliRunner().invoke(app, list(map(str, arguments)))
-    assert result.exit_code == 0, result.output
+    result = called("stability", scene, "-o", output, "--kappa", 1, "--cfl", "0.2,0.4", "--steps", 40)
     assert "largest" in result.output
     assert "0.707" in result.output
     assert output.exists()

@@ -7,11 +7,10 @@ import shutil
 import numpy as np
 import pytest
 import xarray as xr
-from typer.testing import CliRunner
 
 import mpmfw
+from command_line import called
 from mpmfw.campaigns.executors import InProcess
-from mpmfw.cli import app
 from mpmfw.errors import SceneError
 from mpmfw.scene.toml_text import toml_text
 from mpmfw.state.fields import STEP_STAGES
@@ -158,15 +157,10 @@ def test_requests_that_make_no_sense_are_refused(tmp_path):
 def test_the_command_prints_a_table_and_a_sentence_and_its_figures_are_drawn(tmp_path):
     (tmp_path / "s.toml").write_text(toml_text(tiny_study()), encoding="utf-8")
     output = tmp_path / "out.nc"
-    runner = CliRunner()
-    done = runner.invoke(
-        app, ["study", str(tmp_path / "s.toml"), "-o", str(output), "--jobs", "1", "--under", "5000%"]
-    )
-    assert done.exit_code == 0, done.output
+    done = called("study", tmp_path / "s.toml", "-o", output, "--jobs", 1, "--under", "5000%")
     assert "The cheapest combination under 5e+03 % error is" in done.output
     assert done.output.count("\n") < 25
     assert "settle" not in done.output  # nothing settles
-    drawn = runner.invoke(app, ["plot", str(output)])
-    assert drawn.exit_code == 0, drawn.output
+    called("plot", output)
     assert (tmp_path / "out-front.png").stat().st_size > 10_000
     assert (tmp_path / "out-stages.png").stat().st_size > 10_000

@@ -6,10 +6,9 @@ from pathlib import Path
 import pytest
 import xarray as xr
 from test_resume import stopped
-from typer.testing import CliRunner
 
 import mpmfw
-from mpmfw.cli import app
+from command_line import called
 from mpmfw.errors import SceneError
 from mpmfw.results.domains import corners_of
 from mpmfw.results.references import RollingReference, reference_of
@@ -66,7 +65,7 @@ def refused(call, *arguments, **others):
 def test_a_scene_s_file_imports_nothing(key):
     scene = written({**two_blocks("penalty"), key.partition(".")[0]: PLACES[key]})
     refused(load_scene, scene)
-    assert CliRunner().invoke(app, ["explain", scene]).exit_code == 2
+    called("explain", scene, status=2)
     assert "evil" not in sys.modules
 
 
@@ -84,7 +83,7 @@ def test_with_trust_it_does_and_what_is_given_beside_the_file_needs_none():
     assert load_scene(plain, set={"contact.method": "evil:X"}).contact.method == "evil:X"
     for arguments in ([written(scene), "--trust"], [plain, "--contact", "evil:X"]):
         sys.modules.pop("evil", None)
-        assert CliRunner().invoke(app, ["explain", *arguments]).exit_code == 0
+        called("explain", *arguments)
         assert "evil" in sys.modules
 
 
@@ -104,7 +103,7 @@ def test_a_study_s_file_imports_nothing(table):
     path = written(study)
     with pytest.raises(SceneError, match="--trust"):
         mpmfw.study(path)
-    assert CliRunner().invoke(app, ["study", path]).exit_code == 2
+    called("study", path, status=2)
     assert "evil" not in sys.modules
 
 
@@ -126,10 +125,9 @@ def test_a_run_goes_on_with_a_stranger_s_code_only_with_trust(tmp_path):
     stopped(scene, tmp_path / "run.nc", 3)
     sys.modules.pop("evil")
     refused(mpmfw.resume, tmp_path / "run.nc")
-    result = CliRunner().invoke(app, ["resume", "run.nc"])
-    assert result.exit_code == 2
+    called("resume", "run.nc", status=2)
     assert "evil" not in sys.modules
-    assert CliRunner().invoke(app, ["resume", "run.nc", "--trust"]).exit_code == 0
+    called("resume", "run.nc", "--trust")
     assert mpmfw.open(tmp_path / "run.nc").attrs["status"] == "ok"
 
 

@@ -4,11 +4,10 @@ import math
 import warnings
 
 import pytest
-from typer.testing import CliRunner
 
 import mpmfw
+from command_line import called
 from mpmfw.api import ContactStrategy, hookimpl
-from mpmfw.cli.app import app
 from mpmfw.effects.verdict import SIDES_LATEST
 from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.runs.simulation import Simulation
@@ -217,8 +216,7 @@ def test_a_suspect_run_ends_well_and_every_table_shows_it(tmp_path):
     file, text = tmp_path / "run.nc", tmp_path / "scene.toml"
     made = passes_through()
     text.write_text(toml_text(made), encoding="utf-8")
-    answer = CliRunner().invoke(app, ["run", str(text), "-o", str(file)])
-    assert answer.exit_code == 0
+    called("run", text, "-o", file)
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # the file is complete
         tree = mpmfw.open(file)
@@ -226,10 +224,7 @@ def test_a_suspect_run_ends_well_and_every_table_shows_it(tmp_path):
     assert "suspect: a-b" in tree.attrs["warnings"]
     with pytest.raises(SceneError, match="finished"):
         mpmfw.resume(file)
-    answer = CliRunner().invoke(
-        app, ["compare", str(text), "--contact", "midplane,penalty", "-o", str(tmp_path / "compare.nc")]
-    )
-    assert answer.exit_code == 0
+    answer = called("compare", text, "--contact", "midplane,penalty", "-o", tmp_path / "compare.nc")
     assert "midplane, gimp: suspect: a-b:" in " ".join(answer.output.split())
 
 

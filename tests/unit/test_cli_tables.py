@@ -1,10 +1,9 @@
 """Tables lose no text at 80 columns, and the texts of options become values."""
 
 import pytest
-from typer.testing import CliRunner
 
 import mpmfw.benchmark
-from mpmfw.cli import app
+from command_line import called
 from mpmfw.cli.arguments import variations
 from mpmfw.cli.tables import formatted, print_table
 from mpmfw.errors import SceneError
@@ -40,7 +39,7 @@ def test_columns_of_a_benchmark_are_those_of_all_scenes(monkeypatch):
         "ns_total": 4.0,
     }
     monkeypatch.setattr(mpmfw.benchmark, "measure_scene", lambda *_, **__: {**row, **next(measured)})
-    printed = CliRunner().invoke(app, ["benchmark"]).stdout.splitlines()
+    printed = called("benchmark").stdout.splitlines()
     heads = ["scene", "contact", "shape", "contact ns", "fill", "total", "contact %", "effects"]
     assert printed[1].split() == " ".join(heads).split()
 

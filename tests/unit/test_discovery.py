@@ -4,11 +4,10 @@ import sys
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
+from command_line import called
 from faulty_plugins.contact.plain import PlainContact
 from faulty_plugins.small.geometry import Sound
-from mpmfw.cli import app
 from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import available, load
 from mpmfw.runs.simulation import Simulation
@@ -83,7 +82,7 @@ def test_two_distributions_with_one_name_are_both_named(install):
     with pytest.raises(SceneError, match=r"'twice': o[a-z]*_law .* and o[a-z]*_law .*uninstall"):
         load("contact", "twice")
     assert load("contact", "penalty").name == "penalty"
-    listed = CliRunner().invoke(app, ["plugins"]).output
+    listed = called("plugins").output
     assert "penalty" in listed
     assert "BROKEN: two distributions" in " ".join(listed.split())
 

@@ -6,11 +6,10 @@ import xarray as xr
 from matplotlib.collections import EllipseCollection, PolyCollection
 from matplotlib.quiver import Quiver
 from PIL import Image, ImageSequence
-from typer.testing import CliRunner
 
 import mpmfw
+from command_line import called
 from drop_for_tests import drop, drop_scene
-from mpmfw.cli import app
 from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.geometry.solids import sphere_surface
 from mpmfw.plots import plane_cut
@@ -116,8 +115,8 @@ def test_wrong_names_get_one_message(a, call, message):
 )
 def test_the_command_draws(folder, monkeypatch, arguments, written):
     monkeypatch.chdir(folder)
-    result = CliRunner().invoke(app, ["plot", *arguments])
-    assert (result.exit_code, result.stdout, result.stderr) == (0, f"{written}\n", "")
+    result = called("plot", *arguments)
+    assert (result.stdout, result.stderr) == (f"{written}\n", "")
     assert (folder / written).stat().st_size > 10_000
 
 

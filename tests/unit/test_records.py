@@ -6,11 +6,10 @@ import os
 import numpy as np
 import pytest
 from pydantic import BaseModel
-from typer.testing import CliRunner
 
 import mpmfw
+from command_line import called
 from mpmfw.api import Boundary
-from mpmfw.cli import app
 from mpmfw.errors import SceneError
 from mpmfw.report.records import Record, _problem, ranked, read_records, write_records
 from mpmfw.scene import load_scene
@@ -199,21 +198,17 @@ def test_a_share_is_compared_with_per_cent():
 
 
 def test_rank_prints_records_or_says_what_it_needs(folder):
-    done = CliRunner().invoke(app, ["rank", "--records", str(folder), "--format", "json"])
-    assert done.exit_code == 0
+    done = called("rank", "--records", folder, "--format", "json")
     assert {row["method"] for row in json.loads(done.stdout)} == {"penalty"}
-    assert CliRunner().invoke(app, ["rank"]).exit_code == 2
+    called("rank", status=2)
     given = ["--by", "contact", "--levels", "1%", "--force", "-o", "x.png", "--body", "a"]
-    refused = CliRunner().invoke(app, ["rank", "--records", str(folder), *given])
-    assert refused.exit_code == 2
+    refused = called("rank", "--records", folder, *given, status=2)
     said = "--by, --levels, --body, --output, --force: has no effect with --records"
     assert said in " ".join(refused.stderr.split())
 
 
 def test_a_folder_that_cannot_be_made_stops_a_comparison_before_its_runs(tmp_path):
     (tmp_path / "file").touch()
-    given = ["--records", str(tmp_path / "file"), "-o", str(tmp_path / "x.nc")]
-    done = CliRunner().invoke(app, ["compare", SLIP, *given])
-    assert done.exit_code == 1
+    done = called("compare", SLIP, "--records", tmp_path / "file", "-o", tmp_path / "x.nc", status=1)
     assert "file': File exists" in done.stderr
     assert not list(tmp_path.glob("x.nc*"))

@@ -5,10 +5,9 @@ import subprocess
 import sys
 
 import pytest
-from typer.testing import CliRunner
 
 import mpmfw
-from mpmfw.cli import app
+from command_line import called
 from mpmfw.errors import SceneError
 from mpmfw_testing import (
     Check,
@@ -160,15 +159,14 @@ def test_the_command_finds_a_law_in_the_working_directory(tmp_path, monkeypatch)
     (tmp_path / "my_law.py").write_text(
         "from mpmfw.api import ContactStrategy\n\n\nclass MyLaw(ContactStrategy):\n    name = 'mine'\n"
     )
-    done = CliRunner().invoke(app, ["check", "my_law:MyLaw", "--only", "options"])
-    assert (done.exit_code, done.stderr) == (0, "")
+    done = called("check", "my_law:MyLaw", "--only", "options")
+    assert done.stderr == ""
     assert "the plug-in has no options" in done.stdout
 
 
 def test_the_command_runs_checks_and_tells_of_failures(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    done = CliRunner().invoke(app, ["check", "separate", "--only", "pushes-apart", "--only", "options"])
-    assert done.exit_code == 1
+    done = called("check", "separate", "--only", "pushes-apart", "--only", "options", status=1)
     for part in (
         "pushes-apart",
         "not applicable",
@@ -183,7 +181,6 @@ def test_the_command_runs_checks_and_tells_of_failures(tmp_path, monkeypatch):
         '[expected_failures]\npushes-apart = "no interaction: bodies pass through"\n'
     )
     chosen = ["--only", "pushes-apart", "--expected-failures", "why.toml", "--pictures", "shown"]
-    done = CliRunner().invoke(app, ["check", "separate", *chosen])
-    assert done.exit_code == 0
+    done = called("check", "separate", *chosen)
     assert "expected failure" in done.stdout
     assert "no interaction: bodies pass through" in done.stdout
