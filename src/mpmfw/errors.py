@@ -109,7 +109,7 @@ class PluginError(SimulationError):
 class Interrupted(KeyboardInterrupt):
     """Ctrl-C or SIGTERM stopped a run; what was written so far is intact. Exit status 130 or 143.
 
-    ``number`` is that of the signal; the text says what there is, and how to go on.
+    ``number`` is that of the signal; the message says what was written, and how to continue.
     """
 
     def __init__(self, number: int, said: str = "interrupted") -> None:
@@ -118,7 +118,7 @@ class Interrupted(KeyboardInterrupt):
 
 
 class ResultsWarning(UserWarning):
-    """A run went through, with something that its reader must know."""
+    """A run ended, and its results need a remark."""
 
 
 def status_code(status: str) -> str:

@@ -66,8 +66,8 @@ def _registry() -> Any:
 def to_si(value: object, unit: str) -> object:
     """Return ``value`` in ``unit``; numbers pass through, of strings a number and a unit are read.
 
-    Nothing is evaluated: ``"1/2 m"`` and ``"(1 + 1) m"`` are no quantities. A ValueError refuses booleans and
-    strings that are no quantity, or of another dimension than ``unit``.
+    Nothing is evaluated: ``"1/2 m"`` and ``"(1 + 1) m"`` are refused. A ValueError refuses booleans and
+    strings that are not quantities, or of another dimension than ``unit``.
     """
     if isinstance(value, bool):
         raise ValueError(f"{str(value).lower()} is a boolean; expected a number or a string {_example(unit)}")

@@ -1,4 +1,4 @@
-"""A check, how it is broken, and what came of it."""
+"""A check, its violation, and its outcome."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ class Violation(AssertionError):
 
 
 class Inapplicable(Exception):
-    """The property cannot be asked of this plug-in; carries the reason."""
+    """The property does not apply to this plug-in; the message gives the reason."""
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ def within(measured: Any, bound: Any, message: str, case: Mapping[str, object] |
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of one check."""
+    """Result of one check."""
 
     check: str  #: its name
     statement: str  #: what must hold

@@ -236,7 +236,7 @@ def axes(subject: Subject) -> None:
     found = np.asarray(geometry.axes)
     turned = found.shape != (geometry.dim, geometry.dim) or np.linalg.det(found) < 0.0
     if turned or np.abs(found @ found.T - np.eye(geometry.dim)).max() > 1e-12:
-        raise Violation("axes are no right-handed unit vectors at right angles", {"axes": found.tolist()})
+        raise Violation("axes are not a right-handed orthonormal set", {"axes": found.tolist()})
 
 
 def _extent(geometry: BodyGeometry) -> float:

@@ -73,7 +73,7 @@ def _exact(reference: Any) -> Iterator[tuple[str, AnyArray]]:
     scene = load_scene({key: value for key, value in example.items() if key != "reference"})
     given = {name: reference.exact(scene, name, About(axis="x")) for name in MEASURES}
     if not any(given.values()):
-        raise Violation("the reference gives no measure of its own example")
+        raise Violation("the reference does not measure its own example")
     for name, exact in given.items():
         if exact is not None:
             yield name, np.asarray(exact.at(np.linspace(0.0, 0.5, 6)), dtype=float)

@@ -105,7 +105,7 @@ def checks_of(kind: Kind) -> tuple[Check, ...]:
         There are none for it.
     """
     if kind not in MODULES:
-        raise SceneError(f"there are no checks of a {kind} by itself; expected one of {', '.join(CHECKED)}")
+        raise SceneError(f"a {kind} has no separate checks; expected one of {', '.join(CHECKED)}")
     return tuple(map(Check.of, import_module(f"mpmfw_testing.{MODULES[kind]}").CHECKS))
 
 
@@ -116,7 +116,7 @@ def check_plugin(
     only: Iterable[str] | None = None,
     pictures: Path | None = PICTURES,
 ) -> None:
-    """Check a plug-in of one of the kinds that there are checks for; its base class says which.
+    """Check a plug-in against the properties of its kind, which follows from its base class.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def check_plugin(
     Raises
     ------
     AssertionError
-        A check went wrong: all that did, each with its smallest counterexample.
+        Checks failed: all of them, each with its smallest counterexample.
     SceneError
         There are no checks for it.
 

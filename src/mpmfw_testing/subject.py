@@ -151,7 +151,7 @@ def _named(kind: Kind, name: str) -> type[Any]:
 
 
 def _refuse_unusable(plugin: type[Any], kind: Kind) -> None:
-    """Refuse a class with hooks that nobody would call, or a geometry that lacks a required member."""
+    """Refuse a class with hooks that are never called, or a geometry that lacks a required member."""
     if kind == "geometry":
         refuse_incomplete(plugin)
     elif kind not in ("measure", "reference"):

@@ -247,7 +247,7 @@ def test_a_run_that_dies_harms_no_other_and_an_object_that_cannot_leave_runs_her
         name = "here"
 
     data = mpmfw.campaign(SLIDING, {"contact": [Deadly(), "penalty", Here()]}, jobs=2, repeats=1)
-    died = "failed: its process ended abruptly, perhaps for want of memory"
+    died = "failed: its process ended abruptly, perhaps because memory ran out"
     assert data["status"].values.tolist() == [died, "ok", "ok"]
     first, second = (data["centre_of_mass"].sel(contact=name, drop=True) for name in ("penalty", "here"))
     xr.testing.assert_equal(first, second)

@@ -50,7 +50,7 @@ def test_a_bad_scene_is_status_2_and_one_message(refused, command):
             ["run", "s.toml", "--shape", "gimp", "--set", "shape.method=cpdi"],
             "--shape gimp: --set shape.method",
         ),
-        (["plot", "s.toml"], "s.toml: is no results' file"),
+        (["plot", "s.toml"], "s.toml: does not hold results"),
         (["run", "s.toml", "-o", "./s.toml"], "--output s.toml: is the file of the scene"),
         (["compare", "s.toml", "-o", "c.nc", "--report", "c.nc"], "--report c.nc: is the file of --output"),
         (["compare", "s.toml", "--set", "contact.method=none"], "--set contact.method: the methods of a"),

@@ -150,7 +150,7 @@ def test_pairs_that_the_scene_names_are_listed_from_the_start():
     assert np.isfinite(sim._recorder.frame(0.0).series["min_gap"]).all()
     effects = {effect.name: effect for effect in sim.effects}
     assert effects["contact"].reason == "penalty (Penalty), pairs: those that come near"
-    assert effects["friction"].reason == "d3-d20, μ = 0.3 in pairs without a value of their own"
+    assert effects["friction"].reason == "d3-d20, μ = 0.3 in pairs without another value"
     assert not effects["contact search"].on
 
 

@@ -1,4 +1,4 @@
-"""A run that was killed or interrupted goes on from its last checkpoint, and ends as it would have."""
+"""A run that was killed or interrupted continues from its last checkpoint, with the same results."""
 
 import json
 import math
@@ -156,7 +156,7 @@ def test_a_signal_lets_the_step_end_and_leaves_a_checkpoint(path, whole, number)
     assert tree.attrs["status"] == "interrupted"
     assert f"keeps the {tree['series'].sizes['time']} outputs that it reached; mpmfw resume" in str(error)
     with pytest.warns(
-        ResultsWarning, match=r"is not complete: interrupted; .* mpmfw resume .*run.nc goes on"
+        ResultsWarning, match=r"is not complete: interrupted; .* mpmfw resume .*run.nc continues it"
     ):
         mpmfw.open(path)
     tree = resume(path)
@@ -173,7 +173,7 @@ def test_a_second_signal_ends_the_run_within_the_step(path, whole):
     assert read(path).attrs["status"] == "interrupted"
     assert names_in(path.parent) == ["run.nc"]
     error = stopped(BLOCKS, path, 9, signal.SIGINT, signal.SIGINT, checkpoint=0.0)  # that of the step before
-    assert re.search("mpmfw resume .* goes on$", str(error))
+    assert re.search("mpmfw resume .* continues it$", str(error))
     resume(path)
     same_results(path, whole)
 
@@ -181,7 +181,7 @@ def test_a_second_signal_ends_the_run_within_the_step(path, whole):
 def test_results_that_a_kill_has_made_unreadable_go_on_from_the_checkpoint(path, whole):
     stopped(BLOCKS, path, 9)
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
-    with pytest.raises(MpmfwError, match=r"was cut short or is damaged; mpmfw resume .*run.nc goes on with"):
+    with pytest.raises(MpmfwError, match=r"was cut short or is damaged; mpmfw resume .*run.nc continues it"):
         mpmfw.open(path)
     resume(path)
     same_results(path, whole)
@@ -260,7 +260,7 @@ def test_what_cannot_go_on_says_why(path):
 
     refused("run.nc: there is no such file; expected the results of a run")
     path.write_text("text")
-    refused("run.nc: is no results' file")
+    refused("run.nc: does not hold results")
     path.unlink()
     mpmfw.run(BLOCKS, output=path)
     refused("run.nc: the run is finished; there is nothing to go on with")
@@ -343,9 +343,9 @@ def test_the_command_goes_on_in_a_new_process(tmp_path, path):
             time.sleep(0.002)
         process.send_signal(signal.SIGINT)
         assert process.stderr is not None
-        assert f"mpmfw resume {path} goes on" in process.stderr.read()
+        assert f"mpmfw resume {path} continues it" in process.stderr.read()
     assert process.returncode == 130
     done = called("resume", path)
-    assert re.match(rf"{path}: goes on at \S+ s of 0.6 s\n", done.stderr)
+    assert re.match(rf"{path}: continues at \S+ s of 0.6 s\n", done.stderr)
     assert done.stdout == f"{path}\n"
     same_results(path, tmp_path / "reference.nc")

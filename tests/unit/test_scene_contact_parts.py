@@ -125,7 +125,7 @@ def test_a_text_is_read_and_written(text, name, options, written):
     [
         ("", "expected NAME or NAME(option=value, …)"),
         ("a(b=1", "is not closed"),
-        ("a(b)", "'b' is no option=value"),
+        ("a(b)", "'b' is not option=value"),
         ("a(b=1, b=2)", "option 'b' is given twice"),
         ("a(b=[1)", "')' closes nothing"),
     ],

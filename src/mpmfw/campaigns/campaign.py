@@ -38,7 +38,7 @@ def campaign(
     set: Mapping[str, Any] | None = None,
     **running: Unpack[Running],
 ) -> xr.Dataset:
-    """Run a scene at all points of a grid, and join what came of them.
+    """Run a scene at all points of a grid, and join the results.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ def compare(
         bare name stands for a code's plainest and its best settings. A code runs once, whatever the shape.
     output
         NetCDF file to write, brought up to date after every run. Finished runs are kept in the folder
-        ``<output>.runs``, from which another start goes on.
+        ``<output>.runs``, from which an interrupted study continues.
     set
         Scene keys that all runs share. ``output.particles`` keeps fields if all runs have the same points.
     measures

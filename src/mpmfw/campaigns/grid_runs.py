@@ -141,11 +141,11 @@ class GridRuns:
         return {"processor": ", ".join(processors), "cores": self.executor.cores, "timing": timing_of(every)}
 
     def notes(self) -> dict[str, list[str]]:
-        """What readers of results must know, by the name of a point."""
+        """Remarks on results, by the name of a point."""
         return {one.name: [*outcome.notes] for _, one, outcome in self.known() if outcome.notes}
 
     def warn(self) -> None:
-        """Say what readers of results must know."""
+        """Warn of remarks on results."""
         for name, notes in self.notes().items():
             for note in notes:
                 warnings.warn(f"{name}: {note}", ResultsWarning, stacklevel=3)

@@ -102,7 +102,7 @@ def overrides_of(bodies: Iterable[str], dim: int, key: str, value: Any) -> dict[
     """Return the keys that a campaign's key sets, and their values."""
     if key == "particles_per_cell":
         if isinstance(value, bool) or not isinstance(value, int | float) or value <= 0:
-            raise SceneError(f"{value!r} is no number of particles; expected a positive number, such as 4")
+            raise SceneError(f"{value!r} is not a number of particles; expected a positive number, such as 4")
         value = f"{value ** (-1.0 / dim):.12g} cells"
     full = full_key(key)
     if "*" not in full or full == OWN_OPTION:

@@ -105,7 +105,7 @@ def _do(
     count.tell()
     for task, finished in executor.outcomes(work, tasks):
         if finished is None:
-            text = "failed: its process ended abruptly, perhaps for want of memory"
+            text = "failed: its process ended abruptly, perhaps because memory ran out"
             finished = Finished(Outcome(task.key, text, task.name, lasting=False))
         store.put(finished.outcome, finished.results)
         count.total -= 0 if is_complete(finished.outcome.status) else repeats_left

@@ -49,7 +49,7 @@ class Outcome:
     name: str = ""  #: what ran, in words
     scene: str = ""  #: the scene's text, for a reader of the store
     digest: str = ""  #: of the series, which every repeat must give again; empty without results
-    notes: tuple[str, ...] = ()  #: what the run's reader must know
+    notes: tuple[str, ...] = ()  #: remarks on the run
     costs: tuple[Cost, ...] = ()  #: one for each repeat
     values: Mapping[str, Any] = field(default_factory=dict)  #: read off the run, where it has no results
     code: Mapping[str, str] = field(default_factory=dict)  #: hashes of packages, versions of libraries

@@ -214,7 +214,7 @@ def check_result(path: Path, kind: str, force: bool = False) -> Path:
     exists = path.is_file() and path.stat().st_size > 0
     resumable, hint = False, ""
     if kind == "run" and (checkpoint := Path(f"{path}.checkpoint")).exists():
-        hint = f", of a run that did not end; mpmfw resume {path} goes on with it"
+        hint = f", of a run that did not end; mpmfw resume {path} continues it"
         if is_foreign(str(checkpoint)):
             raise SceneError(f"{checkpoint}: is not a checkpoint of a run, for {path}; give another name")
         if not force and not exists:

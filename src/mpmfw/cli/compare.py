@@ -44,7 +44,7 @@ def compare(
     scene.
 
     A method that fails does not stop the others. Methods are by default the scene's. A comparison that was
-    broken off goes on from the folder FILE.runs.
+    interrupted continues from the folder FILE.runs.
     """
     from mpmfw.scene import load_scene
     from mpmfw.scene.requested import check_compared

@@ -222,7 +222,7 @@ def _diagnostics(simulation: Simulation) -> Iterator[str]:
     if _asked(scene, "particle_interval") and not scene.output.particles:
         yield f"{interval}no material points are stored: output.particles = false"
     elif _asked(scene, "particle_interval") and scene.output.particle_interval <= scene.time.output_interval:
-        yield f"{interval}material points are stored at every output: time.output_interval is no shorter"
+        yield f"{interval}material points are stored at every output: time.output_interval is not shorter"
     if _asked(scene, "stability") and contact is not None and not contact.monitors():
         yield f"output.stability: of the time step alone: contact '{contact.name}' has no such series"
 

@@ -42,17 +42,17 @@ def resume(
     checkpoint: args.Checkpoint = None,
     threads: Annotated[int | None, Option(help="Threads instead of the scene's.")] = None,
     force: Annotated[
-        bool, Option("--force", help="Go on with another version of the code, to other numbers.")
+        bool, Option("--force", help="Continue with another version of the code; numbers may differ.")
     ] = False,
     trust: args.Trust = False,
 ) -> None:
-    """Go on with RUN.nc from its last checkpoint, to the end that it would have had."""
+    """Continue RUN.nc from its last checkpoint, with the same results as without the interruption."""
     from mpmfw.runs.run import resumed, run_on
 
     with resumed(results, None, None, force, checkpoint, threads, trust) as checkpoints:
         simulation = checkpoints.simulation
         end = simulation.scene.time.end
-        typer.echo(f"{results}: goes on at {simulation.state.time:.6g} s of {end:g} s", err=True)
+        typer.echo(f"{results}: continues at {simulation.state.time:.6g} s of {end:g} s", err=True)
         with run_progress(end) as progress:
             run_on(checkpoints, progress)
     typer.echo(str(results))

@@ -52,9 +52,9 @@ def study(
     trust: args.Trust = False,
     form: FormatOption = Format.table,
 ) -> None:
-    """Run all combinations of STUDY, and say what accuracy costs in time.
+    """Run all combinations of STUDY, and give error and CPU time of each.
 
-    The results are written to a file, by default named as the study. One that was broken off goes on from the
+    The results are written to a file, by default named as the study. An interrupted study continues from the
     folder FILE.runs.
     """
     from mpmfw.studies.conclusion import conclusions, rows
@@ -153,7 +153,7 @@ def choose(
     agree.
 
     By default it chooses among five cheap contacts, gimp and cpdi. The result is written to a file, by
-    default named as the scene. A choice that was broken off goes on from the folder FILE.runs.
+    default named as the scene. A choice that was interrupted continues from the folder FILE.runs.
     """
     from mpmfw.scene import load_scene
     from mpmfw.scene.requested import check_compared

@@ -33,7 +33,7 @@ def validate(
     scheduler: args.Scheduler = None,
     force: Annotated[bool, Option("--force", help="Run cases again that have results.")] = False,
 ) -> None:
-    """Run validation cases by pytest: closed forms and references that tell contact algorithms apart.
+    """Run validation cases by pytest: closed forms and references for contact algorithms.
 
     Ends with 0 if every gate holds but those that are marked as known red, else with 1. Table and page are of
     all cases with results of today's code in the output folder; these are not run again.

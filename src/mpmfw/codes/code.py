@@ -80,7 +80,7 @@ class Code(PlugIn):
         raise NotImplementedError
 
     def version(self, program: str) -> str:
-        """Return what tells this version of the program from others."""
+        """Return an identifier of this build of the program."""
         facts = os.stat(program)
         return f"{program}, {facts.st_size} bytes of {facts.st_mtime_ns}"
 

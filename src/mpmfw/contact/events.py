@@ -53,7 +53,7 @@ def follow_contacts(
 
 
 class ContactEvents:
-    """Follows the contacts of a strategy's rows, if the scene asks for it."""
+    """Follows the contacts of a strategy's rows, if the scene requests it."""
 
     name = "contact_events"
     stage = "output"

@@ -47,7 +47,7 @@ class ForceLaw(ContactLaw):
         raise NotImplementedError
 
     def restored(self) -> None:
-        """Refuse rows of pairs that there are not by ``NotSaved``."""
+        """Raise ``NotSaved`` for rows of pairs that do not exist."""
         check_indices(len(self.state.pairs), pair=self.old.pair[: self.old.count])
 
     def monitors(self) -> list[Any]:
@@ -155,7 +155,7 @@ class ImpulseLaw(ContactLaw):
     dt: float = 0.0
 
     def impulses(self, rows: ContactRows, grid: Grid, work: FloatArray | None, *, projected: bool) -> None:
-        """Write ``rows.force``, the impulses [N s m^(dim−3)] that the momentum of ``grid`` asks for; the
+        """Write ``rows.force``, the impulses [N s m^(dim−3)] that follow from the momentum of ``grid``; the
         caller adds them to it.
 
         ``work`` of friction of every pair is to be added to [J m^(dim−3)]; it is None where the correction

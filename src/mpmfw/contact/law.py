@@ -139,7 +139,7 @@ class ContactLaw(ContactStrategy):
         return {}
 
     def prepare(self, setup: Setup) -> None:
-        """Take facts of the scene from ``setup``."""
+        """Read facts of the scene from ``setup``."""
 
     def measure(self, rows: ContactRows, grid: Grid, phi: Stencil, particles: Particles) -> None:
         """Take what the law needs of the points; ``phi`` is their table."""

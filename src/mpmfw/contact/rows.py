@@ -56,7 +56,7 @@ class ContactRows(Rows):
         self.make_room(64, 1024)
 
     def allocate_friction(self, *, cohesion: bool) -> None:
-        """Make room for ``friction``, and for ``cohesion`` if it is asked for."""
+        """Make room for ``friction``, and for ``cohesion`` if it is requested."""
         names = ("friction", "cohesion")[: 1 + cohesion]
         self._without = [name for name in self._without if name not in names]
         self.set(**{name: np.zeros(len(self.pair)) for name in names})

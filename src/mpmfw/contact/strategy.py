@@ -65,7 +65,7 @@ def from_setup(setup: Setup) -> Acts | str:
     if contact is None:
         return "one body" if len(setup.bodies) == 1 else "not named"
     with naming(contact, "its planning"):
-        asked = f"contact '{contact.name}' asks for {contact.velocity_fields}"
+        asked = f"contact '{contact.name}' requires {contact.velocity_fields}"
         frictional, why = "", f"contact '{contact.name}' does not use it"
         if contact.uses_friction:
             frictional = "every pair" if law is not None and law.cohesive else _frictional(setup)
@@ -86,7 +86,7 @@ def _frictional(setup: Setup) -> str:
     named = [pair.label for pair in setup.state.pairs if pair.mu > 0.0]
     near = setup.state.near
     if near and near.friction:
-        named.append(f"μ = {near.friction:g} in pairs without a value of their own")
+        named.append(f"μ = {near.friction:g} in pairs without another value")
     return ", ".join(named)
 
 

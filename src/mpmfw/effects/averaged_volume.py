@@ -1,7 +1,7 @@
 """Change of volume and pressure averaged over each cell, against locking of bodies that keep their volume.
 
-Every point of a nearly incompressible body wants its own volume kept. That is more than the nodes' motion can
-meet, and the body is too stiff. Here only each cell wants its volume kept,
+Every point of a nearly incompressible body constrains its volume. The motion of the nodes cannot meet so
+many constraints, and the body is too stiff. Here there is one constraint for each cell,
 
     j̄_c = Σ_p V_p j_p / Σ_p V_p,    1 + Δt L̄ = (j̄ / j)^(1/dim) (1 + Δt L),
 
@@ -102,7 +102,7 @@ def _volumes(particles: Particles, grid: Grid) -> FloatArray:
 
 
 class AveragedVolume:
-    """The means of every body in ``bodies``; ``apart``: each has nodes of its own."""
+    """The means of every body in ``bodies``; ``apart``: each has separate nodes."""
 
     name = "averaged_volume"
 
@@ -146,7 +146,7 @@ class AveragedVolume:
         )  # fmt: skip
 
     def _each(self, particles: Particles, average: Callable[[Body], None]) -> None:
-        """Average body by body; threads share out bodies that have nodes of their own."""
+        """Average body by body; threads share bodies that have separate nodes."""
         threads = particles.threads
         count = 1 if threads is None or not self.apart else threads.count
 

@@ -46,7 +46,7 @@ class ContactMoment(Observer):
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts | str:
-        """Measure where every body has nodes of its own that contact acts on."""
+        """Measure if every body has separate nodes on which contact acts."""
         about, contact = setup.scene.output.contact_moment, setup.contact
         if contact is None:
             return "no contact acts"

@@ -59,16 +59,16 @@ CONTACT_RESIDUAL = _series(
 )
 HALF_STEP = _series(
     "half_step_work",
-    "part of energy_residual that is no error in time: work of the internal forces on what the transfer "
+    "part of energy_residual without error in time: work of the internal forces on what the transfer "
     "takes from the velocity half a step on, negative where it is lost",
 )
 CONTACT_HALF_STEP = _series(
     "contact_half_step_work",
-    "part of contact_residual that is no error in time: work of contact on what the transfer takes from the "
+    "part of contact_residual without error in time: work of contact on what the transfer takes from the "
     "velocity",
 )
 
-#: What a contact with springs tells of its work, as ``State.arrays`` of each pair [J/m].
+#: Works that a contact with springs reports, as ``State.arrays`` of each pair [J/m].
 SPRING_RECORDS = ("energy", "frictional_work", "damping_work", "spring_work")
 
 
@@ -112,7 +112,7 @@ class EnergyLedger(Observer):
         contact, unstable = setup.contact, setup.allow_unstable
         if contact is not None and contact.adds_mass:
             # Its inertia is on the nodes and on no material point: every term would be that of two bodies.
-            return f"contact '{contact.name}' adds inertia of its own to the nodes"
+            return f"contact '{contact.name}' adds inertia to the nodes"
         stops = "runs on whatever it shows" if unstable else "stops within 20 steps where energy grows"
         reason = f"output.ledger; works and transfer measured in every step; {stops}"
         terms, none = _terms(setup), "nothing in the scene does any"

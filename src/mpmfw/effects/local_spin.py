@@ -254,7 +254,7 @@ def correct_spin(
 
 
 class LocalSpin:
-    """The correction for every body with ``rotation = "spin"``, which has a velocity field of its own.
+    """The correction for every body with ``rotation = "spin"``, which needs a separate velocity field.
 
     ``half_edges`` are those of the points' domains at the start. ``constraint`` are boundary conditions of
     these bodies: a prescribed side gains no spin."""

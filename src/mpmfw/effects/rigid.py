@@ -110,7 +110,7 @@ class RigidBodies:
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
-        """Return the bodies; raise SceneError where a contact cannot tell them from others."""
+        """Return the bodies; raise SceneError if a contact cannot distinguish them from deformable ones."""
         contact = setup.contact
         if contact is None or not setup.field_per_body:
             raise SceneError(

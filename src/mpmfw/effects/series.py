@@ -101,7 +101,7 @@ class StrainEnergies:
 
 
 class BodySeries:
-    """Series of the bodies, with energies if the scene wants them."""
+    """Series of the bodies, with energies if the scene requests them."""
 
     name = "body_series"
     stage = "output"

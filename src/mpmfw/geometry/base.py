@@ -53,7 +53,7 @@ LengthInCells = Annotated[
 class BodyGeometry(BaseModel):
     """Base of geometries: a model of the keys of a body's table ``geometry``.
 
-    A class of yours derives from :class:`PlaneGeometry` or :class:`SolidGeometry`, gives the field ``type``
+    A subclass derives from :class:`PlaneGeometry` or :class:`SolidGeometry`, gives the field ``type``
     its name as the only value and the default, and is announced as an entry point of the group
     ``mpmfw.geometry``.
     """

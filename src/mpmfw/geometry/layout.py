@@ -19,7 +19,7 @@ class Layout:
     Of a point's parallelogram or parallelepiped ``half_edges[p, :, a]`` is the half-edge vector r_a; det(2 r)
     > 0 is the volume.
 
-    Surfaces are there where they were asked for. In 2D they are polylines, first point not repeated: the
+    Surfaces are present if they were requested. In 2D they are polylines, first point not repeated: the
     material lies left of the direction of travel (outer ones counter-clockwise, holes clockwise), and a
     segment with tangent t has the outward normal (t_y, -t_x)/abs(t). Triangles are counter-clockwise as seen
     from outside.

@@ -15,9 +15,9 @@ from mpmfw.geometry.layout import FloatArray, IntArray, Layout
 
 
 class PlaneGeometry(BodyGeometry):
-    """Base of plane bodies: subclasses say their :attr:`region` and :meth:`outlines`.
+    """Base of plane bodies: subclasses give their :attr:`region` and :meth:`outlines`.
 
-    Where the true shape is curved they say its :attr:`exact_volume`, :attr:`centroid` and :attr:`bounds`.
+    Where the true shape is curved they give its :attr:`exact_volume`, :attr:`centroid` and :attr:`bounds`.
     """
 
     dim: ClassVar[int] = 2  #: number of space dimensions

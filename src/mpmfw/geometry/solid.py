@@ -24,9 +24,9 @@ Surfaces = tuple[tuple[FloatArray, IntArray], ...]
 
 
 class SolidGeometry(BodyGeometry):
-    """Base of bodies in space: subclasses say their :meth:`surfaces` and ``bounds``.
+    """Base of bodies in space: subclasses give their :meth:`surfaces` and ``bounds``.
 
-    Where these have a formula they say :attr:`exact_volume` and :attr:`centroid` as well.
+    Where these have a formula they give :attr:`exact_volume` and :attr:`centroid` as well.
     """
 
     dim: ClassVar[int] = 3  #: number of space dimensions
@@ -36,7 +36,7 @@ class SolidGeometry(BodyGeometry):
     @abstractmethod
     def surfaces(self, edge: float) -> Surfaces:
         """Nodes (n, 3) [m] and triangles (k, 3), counter-clockwise as seen from outside, of every closed
-        surface, sides up to ``edge`` [m]; holes are surfaces of their own."""
+        surface, sides up to ``edge`` [m]; holes are separate surfaces."""
 
     @cached_property
     def fine_surface(self) -> tuple[FloatArray, IntArray]:

@@ -41,7 +41,7 @@ class SurfaceMesh(TurnedSolid):
         except ValueError as error:
             raise ValueError(f"unit '{self.unit}': {error}") from error
         if not isinstance(scale, float | int) or scale <= 0:
-            raise ValueError(f"unit '{self.unit}' is no unit of length")
+            raise ValueError(f"unit '{self.unit}' is not a unit of length")
         try:
             merging = f"; nodes within {SINGLE:.2g} of the largest coordinate are one"
             check_surface(*self.fine_surface, merging if self.path.suffix.lower() == ".stl" else "")

@@ -160,7 +160,7 @@ def contact_fields(
 
 
 def skipped_fields(tree: xr.DataTree, bodies: Sequence[str]) -> list[str]:
-    """Return stored fields that are no scalar, vector or tensor."""
+    """Return stored fields that are not scalars, vectors or tensors."""
     groups = [(f"particles/{body}", "particle") for body in bodies]
     groups += [(f"surface/{body}", "surface_node") for body in surfaces_of(tree)]
     frames = [(frame_of(tree, place, 0), dim) for place, dim in groups]

@@ -124,13 +124,13 @@ def plot_files(paths: Sequence[str | os.PathLike[str]], output: str | os.PathLik
     datasets = [series_of(open_results(path)) for path in paths]
     for path, dataset in zip(paths, datasets, strict=True):
         if "status" not in dataset or not isinstance(drawn_reference(dataset), RollingReference):
-            text = f"'{os.fspath(path)}' is no comparison of a rolling cylinder"
+            text = f"'{os.fspath(path)}' is not a comparison of a rolling cylinder"
             raise SceneError(f"{text}; plot other files one by one, or with --field or --series")
     return write_figure(motion(datasets), Path(output))
 
 
 def write_figure(figure: Figure, path: Path) -> Path:
-    """Save a figure as PNG, or as the path's ending says."""
+    """Save a figure in the format of the path's suffix, by default PNG."""
     path = path if path.suffix else path.with_suffix(".png")
     form, content = path.suffix.lower(), io.BytesIO()
     try:

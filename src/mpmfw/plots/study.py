@@ -72,7 +72,7 @@ def label_of(resolution: str, label: Any) -> str:
 
 #: Marker sizes [pt] of the coarsest and the finest resolution.
 _SIZES = (5.5, 3.5)
-#: Line of the error that a study asks for.
+#: Line at the target error of a study.
 _LIMIT: dict[str, Any] = {"color": "0.55", "linewidth": 0.6, "linestyle": (0, (4, 3))}
 
 

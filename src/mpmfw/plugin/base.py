@@ -27,7 +27,7 @@ class OptionsModel(BaseModel):
 
 
 class NoOptions(OptionsModel):
-    """Options of a plug-in that has none."""
+    """Empty options of a plug-in."""
 
 
 class PlugIn:
@@ -176,7 +176,7 @@ class NamedPlugIn(PlugIn):
     def checked(
         self, answer: Any, shape: tuple[int, ...], state: State, *, missing: bool = False
     ) -> FloatArray:
-        """Return the answer of a method as an array of this ``shape``; NaN may stand for ``missing`` values.
+        """Return the result of a method as an array of this ``shape``; NaN may stand for ``missing`` values.
 
         Raise PluginError if the shape differs or a value is not finite.
         """
@@ -203,7 +203,7 @@ class OutputSeries(NamedPlugIn):
     stage = "output"
 
     def series(self) -> list[Field]:
-        """Declarations: name, dims, unit and meaning; may be asked more than once."""
+        """Return declarations: name, dims, unit and meaning; called more than once."""
         raise NotImplementedError
 
     def values(self, state: State, interval: float) -> Mapping[str, Any]:

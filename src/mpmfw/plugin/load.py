@@ -220,7 +220,7 @@ class Boundary(NamedPlugIn):
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        """Find the held points; refuse none, and a shared velocity field."""
+        """Find the held points; refuse an empty set, and a shared velocity field."""
         self.state = state = setup.state
         found = []
         if state.grid.n_fields < len(state.bodies):

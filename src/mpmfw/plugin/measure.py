@@ -58,7 +58,7 @@ class Measure:
         return (self.__doc__ or self.name).strip().splitlines()[0].rstrip(".")
 
     def of(self, run: xr.DataTree, scene: Scene, about: About) -> Measured:
-        """Read it off the results of a ``run`` of a ``scene``."""
+        """Return the quantity from the results of a ``run`` of a ``scene``."""
         raise NotImplementedError
 
     def exact(self, scene: Scene, about: About) -> Exact | None:  # noqa: ARG002

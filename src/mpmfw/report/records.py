@@ -36,7 +36,7 @@ Hash = Annotated[str, Field(pattern="^[0-9a-f]{16}$")]
 
 
 class Record(BaseModel):
-    """One result: what was computed, by which method and code, where, and what came of it."""
+    """One result: what was computed, by which method and code, where, and with which figures."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 

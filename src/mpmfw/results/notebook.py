@@ -43,7 +43,7 @@ def history(
     Parameters
     ----------
     results
-        A run or a comparison, whose methods are dimensions of the answer: a tree, a dataset or a file.
+        A run or a comparison, whose methods are dimensions of the result: a tree, a dataset or a file.
     name
         ``centre_of_mass``, ``min_gap`` …, see the page on results.
     body, pair, axis
@@ -118,7 +118,7 @@ def field(
 def table(comparison: Results) -> pd.DataFrame:
     """Return the table of a comparison: a row for each method, with errors [%], gaps and costs.
 
-    It is indexed by the methods; NaN where a run did not get there. Raises a SceneError for other results.
+    It is indexed by the methods; NaN where a run ended early. Raises a SceneError for other results.
     """
     import pandas as pd
 
@@ -127,7 +127,7 @@ def table(comparison: Results) -> pd.DataFrame:
 
     dataset = series_of(comparison)
     if "status" not in dataset or dataset.attrs.get("kind") != "compare":
-        raise SceneError("these are no results of a comparison (mpmfw.compare)")
+        raise SceneError("these are not results of a comparison (mpmfw.compare)")
     return pd.DataFrame(rows_of(dataset)).set_index([str(dim) for dim in method_dims(dataset)])
 
 
@@ -139,7 +139,7 @@ def pareto(study: Results) -> pd.DataFrame:
     """
     dataset = series_of(study)
     if not {"error", "cpu_time", "pareto"} <= set(dataset.data_vars):
-        raise SceneError("these are no results of a study (mpmfw.study)")
+        raise SceneError("these are not results of a study (mpmfw.study)")
     rows = dataset[["error", "cpu_time", "pareto"]].to_dataframe()
     front = rows[rows["pareto"].astype(bool)]
     return front[["error", "cpu_time"]].sort_values("cpu_time")

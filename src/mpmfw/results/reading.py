@@ -29,7 +29,7 @@ _OPEN: set[netCDF4.Dataset] = set()
 
 
 def open(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree | xr.Dataset:
-    """Open a results' file: what the function returned that made it.
+    """Open a results file, as the object that its function returned.
 
     Parameters
     ----------
@@ -48,12 +48,12 @@ def open(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree | x
     Raises
     ------
     MpmfwError
-        The file does not exist, is no results' file, or was cut short.
+        The file does not exist, does not hold results, or was cut short.
 
     Warns
     -----
     ResultsWarning
-        The run that wrote it is not finished: it goes on, was killed or interrupted, or failed.
+        The run that wrote it has not finished: it still runs, was killed or interrupted, or failed.
     """
     import xarray as xr
 
@@ -115,7 +115,7 @@ def read_run(path: str | os.PathLike[str]) -> xr.DataTree:
 
     tree = read(path)
     if not isinstance(tree, xr.DataTree):
-        raise MpmfwError(f"cannot read '{os.fspath(path)}': it is no run's file")
+        raise MpmfwError(f"cannot read '{os.fspath(path)}': it does not hold a run")
     return tree
 
 
@@ -133,7 +133,7 @@ def is_hdf5(path: str) -> bool:
 
 
 def _how_to_go_on(name: str) -> str:
-    return f"; mpmfw resume {name} goes on with it" if os.path.isfile(f"{name}.checkpoint") else ""
+    return f"; mpmfw resume {name} continues it" if os.path.isfile(f"{name}.checkpoint") else ""
 
 
 def check_results(path: str | os.PathLike[str]) -> None:
@@ -142,7 +142,7 @@ def check_results(path: str | os.PathLike[str]) -> None:
         netCDF4.Dataset(os.fspath(path)).close()
     except OSError as error:
         name = os.fspath(path)
-        raise SceneError(f"{name}: is no results' file ({_reason(name, error)})") from error
+        raise SceneError(f"{name}: does not hold results ({_reason(name, error)})") from error
 
 
 def checked_tree(dataset: netCDF4.Dataset, size: int, *, load: bool) -> xr.DataTree:

@@ -271,7 +271,7 @@ def _pressed(scene: Scene) -> PressedBlocks:
         walls = all(s in sides and sides[s].fixed in (("x",), ["x"]) for s in ("left", "right"))
         _need(walls, f"the sides left and right of '{name}' are not fixed in x alone")
         upright = isinstance(body.geometry, Rectangle) and body.geometry.angle == 0.0
-        _need(upright, f"'{name}' is no rectangle along the axes")
+        _need(upright, f"'{name}' is not a rectangle along the axes")
         top, bottom = sides.get("top"), sides.get("bottom")
         if top is not None and isinstance(top.pressure, float) and bottom is None:
             ends["upper"] = (name, top.pressure)
@@ -288,7 +288,7 @@ def _rings(scene: Scene) -> RingsReference:
     _need(len(scene.bodies) == 2, "expected two bodies")
     # contact_force is on the pair's first body, the left one of the reference
     for name, known in zip(scene.bodies, shipped.bodies, strict=True):
-        _need(isinstance(scene.bodies[name].geometry, Ring), f"'{name}' is no ring")
+        _need(isinstance(scene.bodies[name].geometry, Ring), f"'{name}' is not a ring")
         found, expected = _ring_facts(scene, name), _ring_facts(shipped, known)
         for key, value in expected.items():
             given = found.get(key)

@@ -144,7 +144,7 @@ def select(comparison: Results, **choice: Any) -> xr.DataTree:
     """
     with opened(comparison) as dataset:
         if not isinstance(dataset, xr.Dataset) or "status" not in dataset:
-            raise SceneError("these are no results of a comparison (mpmfw.compare)")
+            raise SceneError("these are not results of a comparison (mpmfw.compare)")
         index = {}
         for dim in map(str, dataset["status"].dims):
             labels = [str(label) for label in dataset[dim].values.tolist()]

@@ -46,7 +46,7 @@ class RunWriter:
     Frames within a quarter of a second are written together. After a kill those written are readable, unless
     it came within a sync. Each group, such as ``particles/<body>``, has its own ``time``: a shared dimension
     costs with the square of the number of groups. The root's ``time``, along ``output``, is written last: it
-    tells which outputs are complete.
+    says which outputs are complete.
 
     ``content`` are the bytes of a file of the same run, whose outputs the new file begins with. A MpmfwError
     says that it is damaged, or that the file cannot be written.

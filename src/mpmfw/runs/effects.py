@@ -143,7 +143,7 @@ def _treatment(setup: Setup, body: Body, held: bool) -> tuple[str, str]:
     if not setup.field_per_body:
         return "lumped", "shares its velocity field with other bodies"
     if contact is not None and contact.adds_mass:
-        return "lumped", f"contact '{contact.name}' adds inertia of its own to the nodes"
+        return "lumped", f"contact '{contact.name}' adds inertia to the nodes"
     if asked is None and held:
         return "lumped", "prescribed sides or boundary conditions hold it"
     if asked is None:

@@ -177,7 +177,7 @@ def steps_of(scene: Scene, step: float) -> float:
 
 
 def check_length(simulation: Simulation) -> None:
-    """Refuse more steps or frames than anybody wants."""
+    """Refuse an excessive number of steps or frames."""
     time, settle = simulation.scene.time, simulation.scene.settle
     forced = "; --force (force=True) runs it all the same"
     frames = outputs_of(simulation.scene) + 1.0

@@ -52,8 +52,8 @@ def run(
     contact, shape
         A plug-in's name or a configured strategy object, instead of the scene's.
     output
-        NetCDF file to write, frame by frame; it replaces another run's file alone. None keeps the results in
-        memory.
+        NetCDF file to write, frame by frame; an existing file is replaced only if it is that of a run. None
+        keeps the results in memory.
     progress
         Called now and then with the simulated time [s] and the number of steps.
     set
@@ -62,7 +62,7 @@ def run(
         Begin a run that has more steps or frames than the limits in ``mpmfw.runs.limits``.
     checkpoint
         Wall time, [s] or as ``"10 min"``, between two files ``OUTPUT.checkpoint``, from which
-        :func:`mpmfw.resume` goes on; ten minutes by default, ``math.inf`` for none.
+        :func:`mpmfw.resume` continues; ten minutes by default, ``math.inf`` for none.
     threads
         Threads of each step, instead of the scene's; the results are the same to the bit.
 
@@ -146,7 +146,7 @@ def resume(
     threads: int | None = None,
     trust: bool = False,
 ) -> xr.DataTree:
-    """Go on with a run from its last checkpoint; it ends as without the interruption, to the bit.
+    """Continue a run from its last checkpoint, with the same bits as without the interruption.
 
     Parameters
     ----------
@@ -155,7 +155,7 @@ def resume(
     contact, shape
         The strategy objects that the run was given, as they were then.
     force
-        Go on with another version of the code, a library or the interpreter, or on another processor.
+        Continue with another version of the code, a library or the interpreter, or on another processor.
     trust
         Whether the run may name ``module:Class``, whose code is imported.
     progress, checkpoint, threads
@@ -163,7 +163,7 @@ def resume(
 
     Returns
     -------
-    The results, as :func:`mpmfw.run` returns them; the attribute ``resumed`` tells where it was taken up.
+    The results, as :func:`mpmfw.run` returns them; ``resumed`` lists the times of resumption.
 
     Raises
     ------
@@ -252,7 +252,7 @@ def _how_to_go_on(checkpoints: Checkpoints) -> str:
     how = "run it again for the rest"
     if checkpoints.path is not None and os.path.isfile(checkpoints.path):
         objects = f"mpmfw.resume({writer.path!r}, contact= or shape= as before)"
-        how = f"{objects if checkpoints.objects else f'mpmfw resume {writer.path}'} goes on"
+        how = f"{objects if checkpoints.objects else f'mpmfw resume {writer.path}'} continues it"
     elif writer.path is None or not writer.frames:
         return f"{text}: nothing is kept; run it again"
     return f"{text}: {writer.path} keeps the {writer.frames} outputs that it reached; {how}"

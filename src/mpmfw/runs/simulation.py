@@ -33,18 +33,18 @@ REPORT_EVERY = 50
 
 
 class Simulation:
-    """One run of one scene, with a plug-in manager of its own.
+    """One run of one scene, with a separate plug-in manager.
 
     Parameters
     ----------
     scene
         A valid scene, or what :func:`mpmfw.load_scene` takes.
     contact, shape
-        Name of a plug-in, ``module:Class``, a strategy object or its class, in place of the scene's.
+        Name of a plug-in, ``module:Class``, a strategy object or its class, instead of the scene's.
     loads
         Load objects by name, on all bodies, beside the scene's.
     threads
-        Threads that share the work of a step, in place of the scene's; the results are the same to the bit.
+        Threads that share the work of a step, instead of the scene's; the results are the same to the bit.
 
     Raises
     ------
@@ -199,7 +199,7 @@ class Simulation:
             self._bind_hooks()
 
     def start(self, after_step: Callable[[], None] | None = None) -> None:
-        """Settle if the scene asks for it, then set the initial motion: time zero."""
+        """Settle if the scene requests it, then set the initial motion: time zero."""
         if self.started:
             return
         if self.scene.settle is not None:
@@ -248,7 +248,7 @@ class Simulation:
     ) -> None:
         """Run to the end; hand a frame to ``write`` at time zero and at every output.
 
-        A restored simulation goes on from where it was. ``after_step`` is called after every step, also of
+        A restored simulation continues from its state. ``after_step`` is called after every step, also of
         settling; the simulation may be saved there."""
         state, time, last = self.state, self.scene.time, outputs_of(self.scene)
         with self.clock.watching_compilation():

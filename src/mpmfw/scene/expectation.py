@@ -68,7 +68,7 @@ def choices_of(hint: Any) -> tuple[Any, ...]:
 
 
 def tag_of(model: type[BaseModel]) -> Any:
-    """Return the value of ``type`` that tells a model from its alternatives; None of a single one."""
+    """Return the value of ``type`` that distinguishes a model from its alternatives; None of a single one."""
     return model.model_fields["type"].default if "type" in model.model_fields else None
 
 

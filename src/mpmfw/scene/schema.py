@@ -37,7 +37,7 @@ def json_schema() -> dict[str, Any]:
 
 
 def _allow_units(schema: dict[str, Any]) -> None:
-    """Let quantities be strings with a unit as well, and give limits the names that JSON Schema knows."""
+    """Let quantities be strings with a unit as well, and name limits as in JSON Schema."""
     for _, part in walk(schema):
         if isinstance(part, dict) and "unit" in part and part.get("type") == "number":
             part["type"] = ["number", "string"]

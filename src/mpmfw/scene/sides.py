@@ -1,4 +1,4 @@
-"""Sides of one body that ask for two motions of the same nodes, or run into each other."""
+"""Sides of one body that prescribe two motions of the same nodes, or run into each other."""
 
 from __future__ import annotations
 

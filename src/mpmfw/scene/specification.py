@@ -48,7 +48,7 @@ def parse_specification(text: str) -> Specification:
     for part in _parts(inner or "", text):
         option = _OPTION.fullmatch(part)
         if option is None or not option.group(2).strip():
-            raise SceneError(f"{text}: '{part.strip()}' is no option=value; expected NAME(option=value, …)")
+            raise SceneError(f"{text}: '{part.strip()}' is not option=value; expected NAME(option=value, …)")
         key = option.group(1)
         if key in options:
             raise SceneError(f"{text}: option '{key}' is given twice; leave one of them out")

@@ -98,8 +98,8 @@ class PairFriction(Table):
 class Contact(Table):
     """The contact strategy, its options, and the friction of the pairs.
 
-    A scene may write ``detection`` and ``law`` in place of a method; ``tables`` are those that its options
-    stand in. ``friction_law`` is None for Coulomb's, and has its options in a table of its own."""
+    A scene may write ``detection`` and ``law`` instead of a method; ``tables`` are those that its options
+    stand in. ``friction_law`` is None for Coulomb's, and has its options in a separate table."""
 
     method: str
     friction: Friction = 0.0

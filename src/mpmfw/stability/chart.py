@@ -66,7 +66,7 @@ def stability_map(
     scene
         What ``mpmfw.run`` takes; its bodies must meet within ``steps`` steps.
     contact, shape
-        Names of plug-ins or configured strategy objects, in place of the scene's.
+        Names of plug-ins or configured strategy objects, instead of the scene's.
     kappa
         Stiffness factors of a contact that has this option; :data:`KAPPA` unless ``ratio`` is given.
     ratio

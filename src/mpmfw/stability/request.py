@@ -65,7 +65,7 @@ def check_overrides(scene: Scene, axis: Axis) -> None:
 def stiffness_ratio(scene: Scene, ratio: float) -> dict[str, Any]:
     """Return overrides that make M = K + 4 G / 3 of the second body ``ratio`` times that of the first.
 
-    Poisson's ratio stays; the second body gets a material of its own."""
+    Poisson's ratio stays; the second body gets a separate material."""
     if len(scene.bodies) < 2:
         raise SceneError("a stiffness ratio needs a scene of two bodies or more")
     first, second = Simulation(scene.with_overrides({"allow_unstable": True})).state.bodies[:2]

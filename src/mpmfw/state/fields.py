@@ -22,7 +22,7 @@ Group: TypeAlias = Literal["particles", "grid", "surface", "contact", "series"]
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """One array: what it is called, what it means, how it is laid out."""
+    """Declaration of an array: name, meaning and layout."""
 
     name: str  #: the same in the code, the file and the documentation
     dims: tuple[str, ...]  #: such as ``("particle", "axis")``
@@ -31,7 +31,7 @@ class Field:
     group: Group = "particles"  #: of the results' file
     dtype: str = "f8"  #: NumPy type code
     output: bool = False  #: whether frames of the results' file hold the field
-    missing: bool = False  #: whether NaN says that there is no value; anywhere else it fails the run
+    missing: bool = False  #: whether NaN means a missing value; otherwise it fails the run
     mean: bool = False  #: whether a series is a mean over the time since the last output
 
     def allocate(self, sizes: Mapping[str, int]) -> AnyArray:

@@ -23,7 +23,7 @@ TYPES = ("<f8", "<f4", "<i8", "<i4", "|i1", "|u1", "|b1")
 
 
 class NotSaved(MpmfwError):
-    """What cannot be saved, or does not fit what was built."""
+    """Values that cannot be saved, or do not fit the simulation."""
 
 
 def history_of(part: Any) -> tuple[str, ...] | None:

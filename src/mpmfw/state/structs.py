@@ -54,7 +54,7 @@ class Stencil(Struct):
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """One body: what every plug-in may know of it."""
+    """One body, as plug-ins see it."""
 
     name: str  #: as in the scene
     index: int  #: its place in the scene's order, from 0
@@ -187,7 +187,7 @@ class Grid(Struct):
     start_velocity: FloatArray  #: (n_nodes, dim) [m/s]
     force: FloatArray  #: (n_nodes, dim) [N/m]
     velocity: FloatArray  #: (n_nodes, dim) [m/s]
-    spacing: tuple[float, ...]  #: (h, h[, h]) [m]: its length tells compiled kernels the dimension
+    spacing: tuple[float, ...]  #: (h, h[, h]) [m]: its length gives compiled kernels the dimension
     frame: int = 0  #: counts how often the windows were laid; node indices are valid within one frame
     rigid_fields: int = 0  #: number of rigid bodies' fields, the last ones: dim + 1 points of mass each
     axisymmetric: bool = False  #: x is the radius, and y the axis

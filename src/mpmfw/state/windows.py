@@ -242,6 +242,6 @@ def _outlines(state: State) -> tuple[AnyArray, AnyArray]:
 
 
 def update_pairs(state: State, hook: Any) -> None:
-    """List bodies that have come near each other, and tell the plug-ins."""
+    """List bodies that have come near each other, and notify the plug-ins."""
     if state.near is not None and state.near.update(state):
         hook.add_pairs(state=state)

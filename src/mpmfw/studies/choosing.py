@@ -27,7 +27,7 @@ from mpmfw.scene import Scene, load_scene
 from mpmfw.studies.ladder import Ladder
 from mpmfw.studies.study import positive, relative_error
 
-#: Methods that run where nobody names any, cheap ones first.
+#: Default methods, cheap ones first.
 _DEFAULTS = tomllib.loads((files("mpmfw") / "reference" / "choose.toml").read_text(encoding="utf-8"))
 CONTACTS: tuple[str, ...] = tuple(_DEFAULTS["contact"])
 SHAPES: tuple[str, ...] = tuple(_DEFAULTS["shape"])
@@ -55,7 +55,7 @@ def choose(
     finest: float | str | None = None,
     **request: Unpack[Request],
 ) -> xr.Dataset:
-    """Say which method and cell size bring a scene's error below a target at little cost.
+    """Find a method and a cell size whose error is below a target, at low cost.
 
     Methods run from coarse to fine cells, the cheapest first, until one meets the target. Without a closed
     form the reference is the limit on which laws agree; its uncertainty is added to every error.
@@ -67,7 +67,7 @@ def choose(
     error
         Relative error that is asked for: 0.01 or ``"1 %"``.
     measure
-        Name of the quantity; by default the first whose value the scene knows.
+        Name of the quantity; by default the first that has a reference in the scene.
     contact, shape
         Methods to choose among, as :func:`mpmfw.compare` takes them, the cheap ones first. By default
         ``CONTACTS`` and ``SHAPES``.

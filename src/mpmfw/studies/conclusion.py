@@ -127,5 +127,5 @@ def _nearest(rows: list[dict[str, Any]]) -> str:
     one = min(known, key=lambda row: float(row["error"]))
     return (
         f"the nearest is {one['contact']}, {one['shape']} with {percent(one['error'])} % at "
-        f"{one['cell_size_needed']:.4g} m; allow finer cells, name other methods, or ask for less"
+        f"{one['cell_size_needed']:.4g} m; allow finer cells, name other methods, or raise the target"
     )

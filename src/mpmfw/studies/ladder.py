@@ -48,7 +48,7 @@ class Ladder:
         self._labels = {(i, j): f"{contacts[i]}, {shapes[j]}" for i, j in self.methods}
         laws = [str(contact).partition("(")[0] for contact in contacts]
         several = len({*laws}) > 1
-        #: What tells methods apart that confirm each other: the law; where all have one, the shape function.
+        #: How methods differ that confirm each other: the law; where all have one, the shape function.
         self._laws = {(i, j): laws[i] if several else str(shapes[j]) for i, j in self.methods}
         self.asked: set[Index] = set()
         self.errors: dict[Index, float] = {}

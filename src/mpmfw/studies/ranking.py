@@ -32,7 +32,7 @@ QUANTITIES = {
 }
 
 
-#: Quantities that are no share, and the unit of their levels.
+#: Quantities that are not ratios, and the unit of their levels.
 UNITS = {"penetration": "cells"}
 
 
@@ -42,7 +42,7 @@ def rank(
     levels: Sequence[float] = LEVELS,
     about: Mapping[str, str] | None = None,
 ) -> xr.Dataset:
-    """Rank the methods of studies: what each costs, at its best settings, to bring a quantity below a level.
+    """Rank methods of studies by the cost, at their best settings, of a quantity below a level.
 
     A problem is a scene of a study. A method is a label without its options; these, shape function and cell
     size are settings, of which the cheapest that reaches a level counts. For a quantity beside the error only
@@ -70,7 +70,7 @@ def rank(
     Raises
     ------
     SceneError
-        A file is no study's, has no dimension ``by``, or no run has an error and a cost.
+        A file does not hold a study, has no dimension ``by``, or no run has an error and a cost.
     """
     if not levels or min(levels) <= 0.0 or list(levels) != sorted(set(levels), reverse=True):
         text = ", ".join(map(str, levels)) or "none"

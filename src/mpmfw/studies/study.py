@@ -47,8 +47,8 @@ def study(
     study
         A TOML file, the name of a shipped study such as ``rolling-cylinder``, or nested mappings.
     output
-        NetCDF file to write. Finished runs are kept in the folder ``<output>.runs``, from which another start
-        goes on.
+        NetCDF file to write. Finished runs are kept in the folder ``<output>.runs``, from which an
+        interrupted study continues.
     timing
         ``exclusive`` measures costs one run at a time in this process, ``shared`` as runs come.
     under, about

@@ -1,4 +1,4 @@
-"""Validation cases in Python: closed forms and references that tell contact methods apart, run by pytest.
+"""Validation cases in Python: closed forms and references for contact methods, run by pytest.
 
 A case is a folder with a ``test_*.py`` that names scenes, methods and gates, and a ``README.md``.
 """

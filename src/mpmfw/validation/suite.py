@@ -128,7 +128,7 @@ def suite_of(given: Path | None = None) -> Path:
 def find_cases(suite: Path, names: Sequence[str] = ()) -> list[Path]:
     """Return the folders of the suite with a ``test_*.py``, all or the named ones; else a SceneError."""
     if not suite.is_dir():
-        raise SceneError(f"--suite {suite}: is no folder; expected one with a folder for each case")
+        raise SceneError(f"--suite {suite}: is not a folder; expected one with a folder for each case")
     known = {file.parent.name: file.parent for file in sorted(suite.resolve().glob("*/test_*.py"))}
     if not known:
         raise SceneError(f"--suite {suite}: no folder in it has a test_*.py")

@@ -90,7 +90,7 @@ class Impact:
         return np.asarray(CELL * (within + np.array([self.shift, self.rise])))
 
     def mapping(self, **keys: Any) -> dict[str, Any]:
-        """Return the scene; ``keys`` are tables beside or in place of its own."""
+        """Return the scene; ``keys`` are tables that are added or replaced."""
         relative = self.speed * self.normal + self.slide * self.tangent
         n, t, at = self.normal, 0.5 * WIDTH * self.tangent, self.origin
         near = at + CELL * self.gap * n

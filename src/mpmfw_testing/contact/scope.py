@@ -65,7 +65,7 @@ def time_step(subject: Subject) -> None:
     pressed = _pressed(subject, Impact(**still)).simulation
     pressed.start()
     if _own_limit(pressed) is None:
-        raise Inapplicable("the law states no time-step limit of its own: the bulk's h / c rules")
+        raise Inapplicable("the law states no time-step limit: the bulk's h / c applies")
 
     def trial(impact: Impact) -> None:
         motion = _pressed(subject, impact)
