@@ -91,6 +91,7 @@ EFFECTS = {
     "averaged volume": brings("averaged_volume", modules=".averaged_volume"),
     "load": brings("body_force field", modules="load.body_force"),
     "thickness": brings(arrays="particles/thickness"),
+    "initial stress": brings("initial_stress", modules=".initial_stress"),
     "axisymmetry": brings("axisymmetry", arrays="particles/thickness", modules=".axisymmetry"),
     "surfaces": brings("surface", arrays="surface", modules=".surface"),
     "least gap": brings("gap", series="min_gap"),
@@ -255,6 +256,16 @@ CASES = {
         )
         for model in ("mohr_coulomb", "drucker_prager")
     },
+    "initial stress": Case(
+        with_changes(
+            ONE,
+            materials__soft={**ELASTIC, **SOIL, "model": "mohr_coulomb"},
+            bodies__solid__initial_stress={"k0": 0.5},
+            gravity=GRAVITY,
+        ),
+        ("initial stress", "gravity"),
+        material="mohr_coulomb",
+    ),
     "three dimensions": Case(box(shape__method="linear", bodies__solid__rotation="lumped"), ()),
     "no contact": Case(_two("none"), ("none",)),
     "contact by velocity": Case(_two("bardenhagen"), BY_NODES),

@@ -41,6 +41,10 @@ def body(geometry: dict[str, Any] | None = None, **changes: Any) -> dict[str, An
     )
 
 
+BURIED = with_changes(
+    block(), **TIME, gravity=G, bodies__solid__sides=HELD, bodies__solid__initial_stress={"k0": 0.5},
+    materials__soft={**SOFT, "model": "mohr_coulomb", "friction_angle": 0.5, "cohesion": 1e5},
+)  # fmt: skip
 REVOLVED = with_changes(
     block(), **TIME, bodies__solid__geometry={"type": "rectangle", "lower": [0.5, -0.5], "upper": [1.5, 0.5]},
     bodies__solid__velocity=[1.0, 0.0], grid__lower=[0.0, -2.0],
@@ -196,6 +200,14 @@ ROWS: dict[str, tuple[dict[str, Any], str, Any, Any]] = {
         *(f"{SOLID}__rotation", "exact", "lumped"),
     ),
     "Body.volumetric": (held(), f"{SOLID}__volumetric", "auto", "averaged"),
+    "Body.initial_stress": (BURIED, f"{SOLID}__initial_stress", None, {"k0": 0.5}),
+    "InitialStress.k0": (BURIED, f"{SOLID}__initial_stress", {"k0": 0.5}, {"k0": 0.7}),
+    "InitialStress.density": (BURIED, f"{SOLID}__initial_stress", {"k0": 0.5}, {"k0": 0.5, "density": 2e3}),
+    "InitialStress.top": (BURIED, f"{SOLID}__initial_stress", {"k0": 0.5}, {"k0": 0.5, "top": 1.0}),
+    "InitialStress.table": (
+        *(BURIED, f"{SOLID}__initial_stress", {"table": [[0, 0, 0], [1, 1e4, 5e3]]}),
+        {"table": [[0, 0, 0], [1, 1e4, 6e3]]},
+    ),
     "Body.sides": (held(), SIDES, HELD, [{"side": "left", "fixed": True}]),
     "Body.thickness": (body(), f"{SOLID}__thickness", 1.0, 0.1),
     "RigidBody.rigid": (against(True), "bodies__right__rigid", True, {"density": 1e3}),

@@ -229,6 +229,13 @@ class Frictional(Plastic):
             *self.constants, self.spacing
         )  # fmt: skip
 
+    def set_stress(self, own: slice, stress: FloatArray) -> bool:
+        """Take the elastic strain of the stress, and so the plastic metric: ½ ln b_e of b_e = C_p⁻¹."""
+        mean = stress.mean(axis=1, keepdims=True)
+        strain = (stress - mean) / (2.0 * self.shear_modulus) + mean / (3.0 * self.bulk_modulus)
+        self.flow.metric[own] = np.exp(2.0 * strain)[:, :, None] * np.eye(3)
+        return True
+
     def _strain(self, particles: Particles, own: slice) -> tuple[FloatArray, FloatArray, FloatArray]:
         """J (n,), and the elastic strain ½ ln b_e as eigenvalues (n, 3) and eigenvectors (n, 3, 3)."""
         f = pad_plane_strain(particles.deformation_gradient[own])

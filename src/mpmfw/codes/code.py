@@ -115,6 +115,8 @@ class Code(PlugIn):
             if material.damping is not None:
                 yield f"materials.{name}.damping", "viscous damping cannot be expressed"
         for name, body in scene.bodies.items():
+            if body.initial_stress is not None:
+                yield f"bodies.{name}.initial_stress", "a stress at the start cannot be expressed"
             if body.thickness is not None:
                 yield f"bodies.{name}.thickness", "a thickness cannot be expressed"
             if isinstance(body, RigidBody) and body.rigid is not True:

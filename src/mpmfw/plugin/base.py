@@ -121,6 +121,12 @@ class Material(PlugIn):
         """Full Cauchy stress of the points ``own``, (n, 3, 3) [Pa]; by F alone σ(F)."""
         return self.cauchy_stress(particles.deformation_gradient[own])
 
+    def set_stress(self, own: slice, stress: FloatArray) -> bool:  # noqa: ARG002
+        """Let the points ``own`` begin with principal stresses along x, y and z, or θ, (n, 3) [Pa] at F = 1.
+
+        Return False if their stress follows from F alone."""
+        return False
+
     def dissipated_by_points(self, particles: Particles, own: slice) -> FloatArray:
         """Energy lost by points since the start, (n,) [J/m^3]."""
         return np.zeros(len(particles.mass[own]))

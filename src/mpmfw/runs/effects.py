@@ -52,6 +52,8 @@ def _table(setup: Setup) -> list[tuple[str, str, object, str]]:
         ("material damping", "effects.damping:Damping.from_setup", damped, "no material has damping"),
         ("averaged volume", "effects.averaged_volume:AveragedVolume.from_setup", setup.averaged_bodies,
          "no body would lock, and none has volumetric = 'averaged'"),
+        ("initial stress", "effects.initial_stress:InitialStress.from_setup",
+         any(body.initial_stress for body in scene.bodies.values()), "no body has initial_stress"),
         ("gravity", "effects.gravity:Gravity.from_setup", gravity, "no [gravity]"),
         ("settling", "effects.settling:from_setup", scene.settle, "no [settle]"),
         ("prescribed sides", "effects.constraint:Constraint.from_setup", setup.held_sides,

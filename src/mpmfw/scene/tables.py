@@ -30,6 +30,7 @@ from mpmfw.scene.base import (
     Table,
     VelocityVector,
 )
+from mpmfw.scene.initial_stress import InitialStress
 from mpmfw.scene.rigid import OfDeformable, RigidTable
 from mpmfw.units import Acceleration, Angle, Density, Frequency, Number
 
@@ -184,6 +185,7 @@ class Body(Table):
     rotation: Literal["spin", "exact", "lumped"] | None = None
     #: Change of volume at points or averaged over cells, against locking: see ``Setup.averaged_bodies``.
     volumetric: Literal["auto", "averaged", "pointwise"] = "auto"
+    initial_stress: InitialStress | None = None  #: of soil in its own weight
     thickness: PositiveLength | None = None  #: in the plane, across it [m]; None is 1 m
     sides: Annotated[tuple[Side, ...], Strict(False)] = ()
 
@@ -206,6 +208,7 @@ class RigidBody(Body):
     particles: SkipJsonSchema[OfDeformable] = None
     rotation: SkipJsonSchema[OfDeformable] = None
     volumetric: SkipJsonSchema[OfDeformable] = None
+    initial_stress: SkipJsonSchema[OfDeformable] = None
     sides: SkipJsonSchema[OfDeformable] = ()
 
     @property
