@@ -128,6 +128,7 @@ EFFECTS = {
         series="reaction reaction_moment reaction_work",
     ),
     "reaction": brings("reaction"),
+    "pairs of rigid bodies": brings("rigid_pairs", modules=".rigid_pairs"),
     "forces on rigid bodies": brings("rigid_forces", modules=".rigid_forces"),
     "moment": brings("contact_moment", modules=".contact_moment", series="contact_moment"),
     "stability": brings(
@@ -196,6 +197,16 @@ CASES = {
     "rigid": Case(
         _two("penalty", bodies__right={"geometry": _RIGHT, "rigid": True}),
         (*TOUCHED, "rigid bodies", "reaction"),
+    ),
+    "rigid pair": Case(
+        with_changes(
+            _two("penalty", bodies__right={"geometry": _RIGHT, "rigid": {"density": 1e3}}),
+            bodies__floor={
+                "geometry": {"type": "half_space", "point": [0, -9], "normal": [0, 1]},
+                "rigid": True,
+            },
+        ),
+        (*TOUCHED, "rigid bodies", "reaction", "pairs of rigid bodies"),
     ),
     "pressed": Case(
         _two("penalty", bodies__right={"geometry": _RIGHT, "rigid": {"density": 1e3, "force": [-1.0, 0.0]}}),

@@ -11,7 +11,7 @@ from test_restart import stop_and_go_on
 import mpmfw
 from mpmfw.contact import rigid_nodes, strategy
 from mpmfw.effects import rigid, rigid_kinematics
-from mpmfw.errors import SceneError
+from mpmfw.errors import SceneError, SimulationError
 from mpmfw.results.analysis import fitted_acceleration
 from mpmfw.results.references import reference_of
 from mpmfw.runs.simulation import Simulation
@@ -249,14 +249,20 @@ def test_two_bodies_whose_motion_is_prescribed_are_no_pair():
     scene["bodies"]["wall"] = {"geometry": {**DISC, "radius": 0.2}, "rigid": True}
     assert [pair.label for pair in Simulation(scene).state.pairs] == ["block-disc", "block-wall"]
     scene["bodies"]["wall"] = {**FREE, "geometry": {**DISC, "centre": [1.1, 1.7]}}
-    with pytest.raises(
-        SceneError, match=r"'penalty' has no stiffness between rigid bodies, as disc-wall are"
-    ):
-        Simulation(scene)
-    with pytest.raises(SceneError, match=r"'nodes' finds no contact between rigid bodies, as disc-wall are"):
-        Simulation({**scene, "contact": {"method": "bardenhagen"}})
+    assert [pair.label for pair in Simulation(scene).state.pairs] == ["block-disc", "block-wall"]
     lcp = Simulation({**scene, "contact": {"method": "lcp"}}).state
     assert [pair.label for pair in lcp.pairs] == ["block-disc", "block-wall", "disc-wall"]
+
+
+@pytest.mark.parametrize("method", ["penalty", "midplane", "bardenhagen"])
+def test_rigid_bodies_that_no_force_keeps_apart_end_the_run_where_they_touch(method):
+    scene = drop({**FREE, "geometry": {**DISC, "centre": [1.1, 1.5]}}, method)
+    scene["bodies"]["wall"] = {**FREE, "geometry": {**DISC, "centre": [1.1, 2.34]}, "velocity": [1.0, -4.0]}
+    message = (
+        f"the rigid bodies '.*' and '.*' touch, and contact '{method}.*' has no force between them.*0.02"
+    )
+    with pytest.raises(SimulationError, match=message):
+        Simulation(scene).run()
 
 
 def test_a_node_counts_as_near_up_to_a_cell_from_a_rigid_surface():

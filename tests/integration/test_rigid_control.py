@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from test_rigid import drop, series_of
 
+import mpmfw
 from mpmfw.effects import rigid
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import with_changes
@@ -104,6 +105,30 @@ def test_a_box_on_a_belt_reaches_its_speed(method, angle):
     assert series["external_work"].values[-1] == pytest.approx(80.0 * 0.5**2, rel=0.01)
     assert series["frictional_work"].values[-1, 0] == pytest.approx(40.0 * 0.5**2, rel=0.07)
     assert np.ptp(series["centre_of_mass"].values[:, 1], axis=0).max() == 0.0
+
+
+def test_the_roller_is_pressed_as_johnson_says_and_rolls_with_half_of_the_floors_velocity():
+    tree = mpmfw.run("roller", set={"time.end": 0.5, "output.particles": False, "output.surface": False})
+    series, force = tree["series"], 5e4 / (6e6 / (1.0 - 0.3**2))
+    half_width = np.sqrt(4.0 * force / np.pi)
+    shorter = 2.0 * force / np.pi * (2.0 * np.log(4.0 / half_width) - 1.0)
+    place, time = series["centre_of_mass"].values, series["time"].values
+    assert 2.1 - place[0, 2, 1] == pytest.approx(shorter, rel=0.02)
+    rolls = time > 0.25
+    assert np.polyfit(time[rolls], place[rolls, 0, 0], 1)[0] == pytest.approx(0.5, rel=0.02)
+    assert series["angular_momentum"].values[rolls, 0].mean() / (500.0 * np.pi) == pytest.approx(
+        0.5, rel=0.05
+    )
+    assert "warnings" not in tree.attrs  # what presses does the work
+
+
+def test_the_limit_load_of_a_footing_is_above_that_of_prandtl():
+    """By up to 20 % with cells of a quarter of its width."""
+    series = mpmfw.run("footing", set={"grid.cell_size": 0.25, "time.end": 0.5, "output.particles": False})[
+        "series"
+    ]
+    load = series["reaction"].values[-5:, 1, 1].mean() / 1e4
+    assert 0.9 < load / (2.0 + np.pi) < 1.2
 
 
 def test_with_lcp_free_rigid_bodies_lie_on_a_rigid_floor():

@@ -105,6 +105,8 @@ class ContactLaw(ContactStrategy):
         self.detection = self.Detection(**{name: getattr(self.options, name) for name in chosen})
         self.detection.configure(self.needs, forces=self.gives_forces)
         self.surface_map, self.adds_mass = self.detection.surface_map, self.detection.adds_mass
+        # springs have no stiffness between rigid bodies, which have no nodes on the grid
+        self.meets_rigid_pairs = not self.gives_forces and "facets" in self.detection.provides
         self.leaves_bodies_out = type(self).leaves_bodies_out and self.detection.leaves_bodies_out
         self.law_name = self.name.rpartition("+")[2]  #: that of its table in a scene
         option = self.softness_option

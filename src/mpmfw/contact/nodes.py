@@ -110,12 +110,6 @@ class AtNodes(Detection):
     def list_pairs(self, state: State) -> None:
         """List the bodies of all pairs, and their weights."""
         first, second = np.ascontiguousarray(state.pair_bodies.T)
-        for pair in state.pairs:
-            if state.bodies[pair.first].rigid:
-                raise SceneError(
-                    f"detection '{self.name}' finds no contact between rigid bodies, as {pair.label} are: "
-                    "they have no nodes; expected one on surfaces, and lcp or impulse"
-                )
         weight_first, weight_second = self.weights(state)
         self.pairs = NodePairs(
             first=first, second=second, weight_first=weight_first, weight_second=weight_second

@@ -160,11 +160,6 @@ class SpringLaw(ForceLaw):
         super().list_pairs(state)
         bodies = state.bodies
         softer = [min(bodies[p.first].p_wave_modulus, bodies[p.second].p_wave_modulus) for p in state.pairs]
-        for pair in np.flatnonzero(np.isinf(softer))[:1]:
-            raise SceneError(
-                f"law '{self.name}' has no stiffness between rigid bodies, as {state.pairs[pair].label} are; "
-                "expected lcp or impulse"
-            )
         self.modulus: FloatArray = self.kappa * np.array(softer, dtype=float) / self.cell_size
 
     def compliance(self) -> FloatArray | None:

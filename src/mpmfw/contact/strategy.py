@@ -29,6 +29,8 @@ class ContactStrategy(PlugIn):
     adds_mass: bool = False
     #: Whether the strategy keeps bodies apart: results then warn of deep penetration.
     keeps_apart: ClassVar[bool] = True
+    #: Whether it acts between two rigid bodies; where it does not, a run in which they touch ends.
+    meets_rigid_pairs: bool = False
     #: Whether the strategy uses the pairs' friction.
     uses_friction: ClassVar[bool] = False
     #: Whether the scene's ``contact.friction_law`` sets that friction, and not Coulomb's law alone.

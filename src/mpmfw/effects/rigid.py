@@ -50,7 +50,7 @@ class RigidBodies:
 
     name = "rigid"
     stage = "contact"
-    history = ("centre", "turn", "velocity", "spin", "belt")
+    history = ("centre", "turn", "velocity", "spin", "belt", "work")
 
     def __init__(self, setup: Setup) -> None:
         self.state, self.dim = setup.state, setup.dim
@@ -67,6 +67,9 @@ class RigidBodies:
         #: components of the velocity (n, dim) and spins (n, 1, 1) of free bodies that no force changes
         self.held = np.array([[name in each for name in "xyz"[:dim]] for each in held])
         self.held_spin = np.array(["rotation" in each for each in held])[:, None, None]
+        self.work = 0.0  #: of what holds them, on free bodies [J/m]
+        if self.holds:
+            self.ledger_term = "external", "held rigid bodies"
         self.mass = np.zeros(count)  #: (n,) [kg/m]; 0 where the motion is prescribed
         self.spread = np.zeros((count, dim))  #: (n, dim) Σ m x_k² along the body's own axes
         self.radii = np.zeros((count, dim))  #: of gyration, which the points of mass have [m]
@@ -260,16 +263,24 @@ class RigidBodies:
         """Take back what forces have done to what is prescribed or held."""
         own = self.own(grid.momentum)
         if self.holds:
-            self._read_motion(own)
-            self._write_momentum(grid)
+            self._project(grid)
         own[self.prescribed] = -self.point_velocity[self.prescribed]
 
     @hookimpl(trylast=True)
     def constrain_momentum(self, grid: Grid) -> None:
         """Project the momenta to rigid motions, and keep the prescribed ones; MUSL's second moves nothing."""
         if not self.moved:
-            self._read_motion(self.own(grid.momentum))
+            self._project(grid)
         self._write_momentum(grid)
+
+    def _project(self, grid: Grid) -> None:
+        """Take the motion from the momenta, and what holds parts of it in from their change."""
+        own, free = self.own(grid.momentum), ~self.prescribed
+        before = own.copy()
+        self._read_motion(own)
+        if self.holds:
+            self._write_momentum(grid)
+            self.work += float(np.vdot((own - before)[free], self.point_velocity[free]))
 
     def _read_motion(self, momentum: FloatArray) -> None:
         """Take the motion of free bodies that has the sum and the moment of their points' ``momentum``, but

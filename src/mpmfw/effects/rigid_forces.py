@@ -10,6 +10,7 @@ from mpmfw.effects.rigid import RigidBodies
 from mpmfw.effects.rigid_kinematics import in_axes, matrix_of
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Setup
+from mpmfw.state.fields import FloatArray
 from mpmfw.state.structs import Grid, State
 from mpmfw.units import TimeTable
 
@@ -21,10 +22,14 @@ class RigidForces:
     stretch it."""
 
     name = "rigid_forces"
+    history = ("work",)
     ledger_term = ("external", "forces on rigid bodies")
 
     def __init__(self, rigid: RigidBodies, tables: dict[int, tuple[TimeTable, TimeTable]]) -> None:
         self.rigid, self.tables = rigid, tables
+        self.work = 0.0  #: so far [J/m]
+        #: Impulse, its moment, and the motion that the step began with, of each body.
+        self.given: dict[int, tuple[FloatArray, ...]] = {}
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
@@ -44,13 +49,22 @@ class RigidForces:
         return Acts(names, [cls(rigid, tables)])
 
     @hookimpl
-    def add_nodal_force(self, grid: Grid, state: State) -> None:
+    def add_nodal_force(self, grid: Grid, state: State, dt: float) -> None:
         """Add the forces at the beginning of the step."""
         rigid, dim = self.rigid, grid.dim
         own = rigid.own(grid.force)
-        for k, (force, torque) in self.tables.items():
-            own[k] += force.at(state.time) / (dim + 1)
+        for k, (forces, torques) in self.tables.items():
+            force, torque = forces.at(state.time), torques.at(state.time)
+            own[k] += force / (dim + 1)
             spread = (dim + 1) * rigid.radii[k] ** 2
             axes = rigid.turn[k : k + 1]
-            moment = in_axes(matrix_of(torque.at(state.time), dim)[None], np.swapaxes(axes, 1, 2))
+            moment = in_axes(matrix_of(torque, dim)[None], np.swapaxes(axes, 1, 2))
             own[k] += rigid.arms[k] @ in_axes(moment / (spread[:, None] + spread), axes)[0].T
+            self.given[k] = dt * force, dt * torque, rigid.velocity[k].copy(), rigid.angular_velocity[k]
+
+    @hookimpl
+    def end_step(self) -> None:
+        """Count the works on the mean of the motions before and after the step."""
+        for k, (impulse, turn, velocity, spin) in self.given.items():
+            self.work += float(0.5 * impulse @ (velocity + self.rigid.velocity[k]))
+            self.work += float(0.5 * turn @ (spin + self.rigid.angular_velocity[k]))

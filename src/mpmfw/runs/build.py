@@ -206,8 +206,10 @@ def _add_interfaces(setup: Setup) -> None:
         rigid = np.array([body.rigid for body in state.bodies])  # which have no window that comes near
         pairs = np.concatenate([ends, pairs[rigid[pairs[:, 1]]]])
         state.near = near
-    prescribed = np.array([body.prescribed for body in state.bodies])
-    near.add(state, *pairs[~prescribed[pairs].all(axis=1)].T)  # nothing moves two such bodies apart
+    # Nothing moves two prescribed bodies apart, and few contacts two rigid ones
+    meets = getattr(contact, "meets_rigid_pairs", False)
+    out = np.array([body.prescribed if meets else body.rigid for body in state.bodies])
+    near.add(state, *pairs[~out[pairs].all(axis=1)].T)
 
 
 def _plugin(kind: Any, name: str, options: Any) -> Any:

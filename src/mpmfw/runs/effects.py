@@ -45,6 +45,8 @@ def _table(setup: Setup) -> list[tuple[str, str, object, str]]:
         ("contact", "contact.strategy:from_setup", True, ""),
         ("forces on rigid bodies", "effects.rigid_forces:RigidForces.from_setup", pressed,
          "no rigid body has a force or torque"),
+        ("pairs of rigid bodies", "effects.rigid_pairs:RigidPairs.from_setup",
+         sum(body.rigid for body in setup.bodies) > 1, "no two rigid bodies"),
         ("reaction", "effects.reaction:Reaction.from_setup", rigid, "no rigid body"),
         ("least gap", "effects.surface:GapDiagnostic.from_setup", output.gap and several, no_gap),
         ("surfaces", "effects.surface:SurfaceTracker.from_setup", setup.surface_users,

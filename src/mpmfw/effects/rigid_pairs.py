@@ -1,0 +1,51 @@
+"""Rigid bodies that no force of contact keeps apart: a run in which they touch ends."""
+
+from __future__ import annotations
+
+import itertools
+
+from mpmfw.contact.rigid_nodes import RigidSurfaces
+from mpmfw.errors import SimulationError
+from mpmfw.plugin.hookspecs import hookimpl
+from mpmfw.plugin.setup import Acts, Setup
+from mpmfw.state.structs import Body, State
+
+
+class RigidPairs:
+    """Pairs of bodies, of which a surface node of the first must not enter the second."""
+
+    name = "rigid_pairs"
+    stage = "contact"
+
+    def __init__(self, pairs: list[tuple[Body, Body]], contact: str) -> None:
+        self.pairs, self.contact = pairs, contact
+
+    @classmethod
+    def from_setup(cls, setup: Setup) -> Acts | str:
+        """Return the pairs of rigid bodies but those whose motions are prescribed, which may overlap."""
+        contact, rigid = setup.contact, [body for body in setup.bodies if body.rigid]
+        ordered = itertools.permutations(rigid, 2)
+        pairs = [(a, b) for a, b in ordered if not (a.prescribed and b.prescribed)]
+        if contact is None or contact.meets_rigid_pairs or not pairs:
+            return "contact acts between them" if pairs else "no two that move freely"
+        names = ", ".join(f"{a.name}-{b.name}" for a, b in pairs if a.index < b.index)
+        return Acts(f"{names}: the run ends where they touch", [cls(pairs, contact.label)])
+
+    @hookimpl
+    def end_step(self, state: State) -> None:
+        """Raise SimulationError if bodies touch."""
+        surface = state.tracked_surface
+        for first, second in self.pairs:
+            own, other = surface.position[surface.of(first.index)], surface.position[surface.of(second.index)]
+            near = own[((own >= other.min(axis=0)) & (own <= other.max(axis=0))).all(axis=1)]
+            if len(near) == 0:
+                continue
+            distance, _ = RigidSurfaces(state).measure(near, surface.facets_of(second.index))
+            if distance.min() < 0.0:
+                raise SimulationError(
+                    f"the rigid bodies '{first.name}' and '{second.name}' touch, and contact "
+                    f"'{self.contact}' has no force between them",
+                    position=near[distance.argmin()].tolist(),
+                    time=state.time,
+                    advice="contact lcp or impulse",
+                )
