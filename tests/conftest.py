@@ -6,6 +6,8 @@ from importlib.metadata import EntryPoint
 import pytest
 from hypothesis import HealthCheck, settings
 
+from python_files import write_metadata
+
 # How long an example takes says what else the machine has to do
 settings.register_profile("tests", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("tests")
@@ -33,11 +35,7 @@ def install(tmp_path, monkeypatch):
 
     def make(distribution, entries, source="", kind="contact"):
         folder = tmp_path / distribution
-        info = folder / f"{distribution}-1.0.dist-info"
-        info.mkdir(parents=True)
-        (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {distribution}\nVersion: 1.0\n")
-        lines = [f"{name} = {target}" for name, target in entries.items()]
-        (info / "entry_points.txt").write_text("\n".join([f"[mpmfw.{kind}]", *lines]) + "\n")
+        write_metadata(folder, distribution, {f"mpmfw.{kind}": entries})
         (folder / f"{distribution}.py").write_text(source)
         monkeypatch.syspath_prepend(str(folder))
 

@@ -1,7 +1,5 @@
 """Small factories of state, for tests of kernels and shape functions."""
 
-import tomllib
-
 import numpy as np
 
 from mpmfw.api import Particles, Setup, State
@@ -94,15 +92,3 @@ class PlasticPoint:
     def work(self):
         """Work that is lost [J/m^3]."""
         return float(self.flow.work[0])
-
-
-def write_metadata(root):
-    """Write what an installation leaves beside the package: metadata with the entry points of a project."""
-    project = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    info = root / "src" / f"{project['name'].replace('-', '_')}-0.1.0.dist-info"
-    info.mkdir()
-    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: 0.1.0\n")
-    lines = []
-    for group, entries in project["entry-points"].items():
-        lines += [f"[{group}]", *(f"{name} = {value}" for name, value in entries.items())]
-    (info / "entry_points.txt").write_text("\n".join(lines) + "\n")

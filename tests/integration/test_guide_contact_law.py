@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from mpmfw.cli.app import app
-from support import write_metadata
+from python_files import write_project_metadata
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "guide" / "write-a-contact-law.md"
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
@@ -38,7 +38,7 @@ def package(blocks, tmp_path_factory):
             path = root / named[1]
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text, encoding="utf-8")
-    write_metadata(root)
+    write_project_metadata(root)
     sys.path.insert(0, str(root / "src"))
     os.environ["PYTHONPATH"] = str(
         root / "src"

@@ -1,22 +1,18 @@
 """The problems of "Which contact for my problem?" give what the page says."""
 
-import importlib.util
 import math
-import sys
 from pathlib import Path
 
 import pytest
+
+from python_files import module_of
 
 SCRIPT = Path(__file__).resolve().parents[2] / "docs" / "make_choosing.py"
 
 
 @pytest.fixture(scope="module")
 def choosing():
-    spec = importlib.util.spec_from_file_location("docs_make_choosing", SCRIPT)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
+    return module_of(SCRIPT)
 
 
 @pytest.mark.filterwarnings("ignore::mpmfw.errors.ResultsWarning")

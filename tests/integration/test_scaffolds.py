@@ -13,7 +13,7 @@ import pytest
 from command_line import called
 from mpmfw.errors import SceneError
 from mpmfw_testing.templates import TEMPLATES, write_package
-from support import write_metadata
+from python_files import write_project_metadata
 
 #: Kinds whose template is a distribution in the documentation, with its folder and the names in it.
 WHOLE = {kind: (*folders, *names) for kind, (folders, *names) in TEMPLATES.items() if len(folders) == 1}
@@ -32,7 +32,7 @@ def test_every_kind_of_one_module_passes_its_own_tests(tmp_path):
     places = []
     for kind in TEMPLATES.keys() - WHOLE:
         places.append(write_package(kind, f"my_{kind}", tmp_path))
-        write_metadata(places[-1])
+        write_project_metadata(places[-1])
     path = os.pathsep.join(str(place / "src") for place in places)
     fast = f"not ({' or '.join(SLOW.split())})"
     command = [sys.executable, "-m", "pytest", "-q", "-k", fast, "-p", "no:cacheprovider", *map(str, places)]

@@ -1,21 +1,15 @@
 """The documentation says what the code says."""
 
-import importlib.util
-import sys
 from pathlib import Path
+
+from python_files import module_of
 
 ROOT = Path(__file__).resolve().parents[2]
 
 
 def script(name):
     """A script of the documentation as a module."""
-    spec = importlib.util.spec_from_file_location(f"docs_{name}", ROOT / "docs" / f"{name}.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
+    return module_of(ROOT / "docs" / f"{name}.py")
 
 
 def text(page):

@@ -1,6 +1,5 @@
 """The hard scenes as data: each one loads, as it stands and turned, and stays the same body there."""
 
-import importlib.util
 import sys
 from pathlib import Path
 
@@ -8,6 +7,7 @@ import pytest
 
 from mpmfw.validation import Case, Method
 from mpmfw.validation.suite import find_cases, suite_of
+from python_files import module_of
 
 SUITE = suite_of(Path("hard"))
 
@@ -22,18 +22,10 @@ def _on_the_path(monkeypatch):
         sys.modules.pop(name, None)
 
 
-def load(folder):
-    """Return the test module of a case."""
-    (file,) = folder.glob("test_*.py")
-    spec = importlib.util.spec_from_file_location(f"case_{folder.name}", file)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
 @pytest.mark.parametrize("folder", find_cases(SUITE), ids=lambda folder: folder.name)
 def test_every_scene_loads_as_it_stands_and_turned(folder):
-    runs = load(folder).every
+    (case,) = folder.glob("test_*.py")
+    runs = module_of(case).every
     for places in zip(runs.places[::2], runs.places[1::2], strict=True):
         plain, turned = (runs.scene_at(Case(folder), place, Method("penalty", "cpdi")) for place in places)
         assert turned.grid.cell_size == pytest.approx(1.4 * plain.grid.cell_size)
