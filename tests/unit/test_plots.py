@@ -93,7 +93,7 @@ def test_a_field_is_drawn_at_its_time_on_the_domains(a):
         (lambda a: mpmfw.plots.field(a, bodies=["top"]), r"no body 'top'; one of floor, upper"),
         (lambda a: mpmfw.plots.history(a, "gap"), "no series 'gap'; did you mean 'min_gap'|one of"),
         (lambda a: mpmfw.plots.history(a, "min_gap", pair="uper-floor"), "did you mean 'upper-floor'"),
-        (mpmfw.table, "no results of a comparison"),
+        (mpmfw.table, "not results of a comparison"),
     ],
 )
 def test_wrong_names_get_one_message(a, call, message):

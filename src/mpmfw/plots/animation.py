@@ -16,7 +16,6 @@ from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
 
 from mpmfw.errors import SceneError
 from mpmfw.plots.field_figure import Drawing, labelled
-from mpmfw.plots.space import SpaceDrawing
 from mpmfw.results.replacing import replacement
 from mpmfw.results.selection import Results, chosen_frames, frame_at, times_of
 
@@ -44,8 +43,7 @@ class Movie:
             label: [frame_at(tree, np.clip(time, *times_of(tree)[[0, -1]])) for time in self.times]
             for label, tree in trees.items()
         }
-        drawing: type[Drawing | SpaceDrawing] = Drawing if first.sizes.get("axis") == 2 else SpaceDrawing
-        self._drawing = drawing(trees, name, self.frames, bodies, limits, arrows=arrows)
+        self._drawing = Drawing(trees, name, self.frames, bodies, limits, arrows=arrows)
         self.figure = self._drawing.figure
         self.show(0)
         self.figure.canvas.draw()

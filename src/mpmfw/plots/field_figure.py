@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from mpmfw.errors import SceneError
 from mpmfw.plots.field_panel import Box, FieldPanel, Scales
 from mpmfw.plots.plane_cut import plane_cut
+from mpmfw.plots.space import SpacePanel
 from mpmfw.plots.style import (
     PANEL,
     dress,
@@ -167,7 +168,11 @@ class Drawing:
         *,
         arrows: bool = False,
     ) -> None:
-        self.panels = panels = {label: FieldPanel(tree, name, bodies) for label, tree in trees.items()}
+        panels: dict[str, FieldPanel | SpacePanel] = {
+            label: (SpacePanel if tree.sizes.get("axis") == 3 else FieldPanel)(tree, name, bodies)
+            for label, tree in trees.items()
+        }
+        self.panels = panels
         self.scales, unit = _scales(panels, frames, limits, arrows=arrows)
         x0, x1, y0, y1 = self.scales.box
         ratio = (x1 - x0) / (y1 - y0)
@@ -191,7 +196,7 @@ class Drawing:
     def show(self, label: str, frame: int) -> None:
         """Draw one output of one panel."""
         title = label or _methods(self.panels[label].tree)
-        self.panels[label].show(self.axes[label], frame, self.scales, title)
+        self.panels[label].draw(self.axes[label], frame, self.scales, title)
 
     def _bar(self, unit: str, *, below: bool) -> None:
         about = next(iter(self.panels.values())).about
@@ -209,7 +214,7 @@ class Drawing:
 
 
 def _scales(
-    panels: Mapping[str, FieldPanel],
+    panels: Mapping[str, FieldPanel | SpacePanel],
     frames: Mapping[str, Sequence[int]],
     limits: tuple[float, float] | None,
     *,

@@ -46,8 +46,6 @@ class FieldPanel:
     """A field of one run in 2D on the material points of ``bodies``."""
 
     def __init__(self, tree: xr.DataTree, name: str, bodies: Sequence[str] | None = None) -> None:
-        if tree.sizes.get("axis") != 2:
-            raise SceneError("runs in 3D are drawn one at a time, on a plane; or see mpmfw export")
         self.tree = tree
         self.bodies = bodies_of(tree, bodies)
         self.name = name
@@ -88,7 +86,7 @@ class FieldPanel:
         ]
         return float(np.nanmax(sizes))
 
-    def show(self, axes: Any, frame: int, scales: Scales, title: str) -> None:
+    def draw(self, axes: Any, frame: int, scales: Scales, title: str) -> None:
         """Draw another output."""
         while self._drawn:
             self._drawn.pop().remove()
@@ -99,12 +97,7 @@ class FieldPanel:
             self._drawn.append(axes.add_collection(shapes, autolim=False))
         for body in self.outlined:
             self._drawn += self._draw_surface(axes, frame_of(self.tree, f"surface/{body}", frame), scales)
-        times = times_of(self.tree)
-        scale, unit = time_scale(float(times[-1]))
-        time = f"t = {scale * float(times[frame]):.4g} {unit}"
-        text = f"{title}, {time}" if title else time
-        lines = [textwrap.fill(line, TITLE_WIDTH) for line in on_lines(text).splitlines()]
-        axes.set_title("\n".join(lines), loc="left")
+        set_title(axes, self.tree, frame, title)
 
     def _places(self, body: str, data: xr.Dataset) -> tuple[FloatArray, float]:
         """Return corners of domains, or centres and the largest point's radius [m]."""
@@ -139,3 +132,13 @@ class FieldPanel:
             plain = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "width": 0.004, "zorder": 4}
             drawn.append(axes.quiver(*position[acting].T, *arrows.T, color="#D55E00", **plain))
         return drawn
+
+
+def set_title(axes: Any, tree: xr.DataTree, frame: int, title: str) -> None:
+    """Write a title and the time of an output above axes."""
+    times = times_of(tree)
+    scale, unit = time_scale(float(times[-1]))
+    time = f"t = {scale * float(times[frame]):.4g} {unit}"
+    text = f"{title}, {time}" if title else time
+    lines = [textwrap.fill(line, TITLE_WIDTH) for line in on_lines(text).splitlines()]
+    axes.set_title("\n".join(lines), loc="left")

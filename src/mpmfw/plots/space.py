@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
 from scipy.spatial import cKDTree
 
 from mpmfw.paraview.meshes import mesh_library
-from mpmfw.plots.field_figure import colour_range
-from mpmfw.plots.style import dress, in_brackets, journal_style, new_panels, time_scale, with_prefix
+from mpmfw.plots.field_panel import Box, Scales, set_title
 from mpmfw.results.domains import corners_of, facets_of, surfaces_of
 from mpmfw.results.point_fields import point_field
-from mpmfw.results.selection import bodies_of, frame_of, rigid_bodies_of, times_of
+from mpmfw.results.selection import bodies_of, frame_of, rigid_bodies_of
 from mpmfw.state.fields import FloatArray
 
 #: Pixels of a picture; length of the longest arrow over the diagonal of all bodies.
@@ -145,49 +142,27 @@ def _in_space(places: FloatArray) -> FloatArray:
     return np.pad(np.asarray(places, dtype=float), ((0, 0), (0, 3 - places.shape[1])))
 
 
-class SpaceDrawing:
-    """Pictures of runs in space side by side, which move through their ``frames``."""
+class SpacePanel(View):
+    """A field of one run in space, as a picture; used as :class:`mpmfw.plots.field_panel.FieldPanel`."""
 
-    @journal_style()
-    def __init__(
-        self,
-        trees: Mapping[str, xr.DataTree],
-        name: str,
-        frames: Mapping[str, Sequence[int]],
-        bodies: Sequence[str] | None = None,
-        limits: tuple[float, float] | None = None,
-        *,
-        arrows: bool = False,
-    ) -> None:
-        self._field = name
-        self.views = {label: View(tree, bodies) for label, tree in trees.items()}
-        found = [view.extremes(name, frames[label]) for label, view in self.views.items()]
-        low, high, self._colours = colour_range(found, limits)
-        self._limits = (low, high)
-        forces = [view.largest_force(frames[label]) for label, view in self.views.items()]
-        self._largest = max(forces) if arrows else 0.0
-        self.figure, grid = new_panels(len(trees), 80.0)
-        self.figure.set_layout_engine("compressed")
-        self._images = {}
-        for label, axes in zip(trees, grid, strict=True):
-            dress(axes, "", "")
-            axes.set_axis_off()
-            self._images[label] = axes.imshow(np.ones((*_SIZE[::-1], 3)))
-        first = next(iter(trees.values()))[f"particles/{next(iter(self.views.values())).bodies[0]}"]
-        about = point_field(first.to_dataset().isel(time=0), name).attrs
-        size, unit = with_prefix(about["units"], max(abs(low), abs(high)))
-        scale = ScalarMappable(Normalize(low / size, high / size), self._colours)
-        bar = self.figure.colorbar(scale, ax=grid, location="bottom", aspect=30, pad=0.02)
-        bar.set_label(in_brackets(about["long_name"], unit))
+    def __init__(self, tree: xr.DataTree, name: str, bodies: Sequence[str] | None = None) -> None:
+        super().__init__(tree, bodies)
+        self.name = name
+        self._drawn: list[Any] = []
+        points = tree[f"particles/{self.bodies[0]}"].to_dataset()
+        self.about = point_field(points.isel(time=slice(0), missing_dims="ignore"), name).attrs
 
-    @journal_style()
-    def show(self, label: str, frame: int) -> None:
-        """Draw one output of one run."""
-        view = self.views[label]
-        view.show(self._field, frame, self._limits, colours=self._colours, largest_force=self._largest)
-        image = self._images[label]
-        image.set_data(view.plotter.screenshot(return_img=True))
-        times = times_of(view.tree)
-        factor, unit = time_scale(float(times[-1]))
-        time = f"t = {factor * float(times[frame]):.4g} {unit}"
-        image.axes.set_title(f"{label}, {time}" if label else time, loc="left")
+    def survey(self, frames: Iterable[int]) -> tuple[tuple[float, float], Box]:
+        """Return the range of finite values, and the extent of the picture."""
+        return self.extremes(self.name, frames), (0.0, 1.0, 0.0, _SIZE[1] / _SIZE[0])
+
+    def draw(self, axes: Any, frame: int, scales: Scales, title: str) -> None:
+        """Draw another output."""
+        low, high = (scales.unit_size * float(end or 0.0) for end in (scales.norm.vmin, scales.norm.vmax))
+        self.show(self.name, frame, (low, high), colours=scales.colours, largest_force=scales.largest_force)
+        while self._drawn:
+            self._drawn.pop().remove()
+        extent = [scales.length * value for value in (0.0, 1.0, 0.0, _SIZE[1] / _SIZE[0])]
+        self._drawn.append(axes.imshow(self.plotter.screenshot(return_img=True), extent=extent))
+        axes.set_axis_off()
+        set_title(axes, self.tree, frame, title)

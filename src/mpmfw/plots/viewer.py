@@ -73,23 +73,8 @@ def view(
 ) -> None:
     """Serve a page with a run at the loopback address until it is interrupted.
 
-    Parameters
-    ----------
-    results
-        A run, or the name of its file.
-    field
-        The field to begin with.
-    every
-        Only each ``every``-th output.
-    port
-        Of the page; 0 takes a free one.
-    open_browser
-        Open the page in the browser.
-
-    Raises
-    ------
-    SceneError
-        A library is missing, or there is no such field.
+    It begins with ``field`` and has each ``every``-th output; port 0 takes a free one. A SceneError names the
+    library that is missing, or the fields if there is no such field.
     """
     with opened_run(results) as tree:
         viewer = Viewer(tree, field, every)
