@@ -52,6 +52,17 @@ def test_a_force_moves_what_is_not_held(held, scheme):
     assert series["external_work"].values == pytest.approx(energy - energy[0], abs=1e-9 * energy[0])
 
 
+def test_forces_and_what_holds_do_the_work_that_the_verdict_counts():
+    """Of a sledge that goes on at its speed against a force."""
+    own = {"rigid": {"force": [-500.0, 300.0], "held": ["x"]}, "velocity": [2.0, 0.0]}
+    simulation = Simulation(flight(own))
+    simulation.run()
+    bodies, forces = simulation.state.rigid, simulation.setup.plugin("rigid_forces")
+    risen = 0.5 * 80.0 * (300.0 / 80.0 * 0.1) ** 2
+    assert forces.work == pytest.approx(-500.0 * 2.0 * 0.1 + risen)
+    assert bodies.work == pytest.approx(500.0 * 2.0 * 0.1)
+
+
 def test_in_space_a_torque_turns_about_its_axis():
     own = {"geometry": box([0.0] * 3, [0.4, 0.2, 0.2]), "rigid": {"torque": [0.0, 0.0, 2.0], "held": ["z"]}}
     scene = flight({**own, "velocity": [0.0, 0.0, 3.0]}, gravity={"vector": [0.0, 0.0, -10.0]})
