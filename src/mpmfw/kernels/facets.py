@@ -131,10 +131,10 @@ def dot(a: Floats, b: Floats, spacing: tuple[float, ...]) -> Float:
 @device
 def length_of(vector: Floats, spacing: tuple[float, ...]) -> Float:
     """√Σ v_d²."""
-    length = abs(vector[0])
-    for d in range(1, len(spacing)):
-        length = math.hypot(length, vector[d])
-    return length
+    square = 0.0
+    for d in range(len(spacing)):
+        square += vector[d] * vector[d]
+    return math.sqrt(square)
 
 
 @device

@@ -71,19 +71,21 @@ def reorient(
     carry nothing. Nodes far outside are not turned.
     """
     outward, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
-    area, looked = scratch.vector(spacing), False
+    area, looked, seams = scratch.vector(spacing), False, len(outline.covered) > 0
     for j in range(candidates.facet.shape[1]):
-        m = candidates.facet[s, j]
+        m, gap, past = candidates.facet[s, j], candidates.gap[s, j], False
         if m < 0:
             continue
-        gap = distance_to(s, m, outline, share, normal, spacing)
-        past = past_a_seam(s, m, share, normal, outline, spacing)
-        if not past and (not looked or len(outline.covered) > 0):
+        if seams:
+            distance_to(s, m, outline, share, normal, spacing)
+            past = past_a_seam(s, m, share, normal, outline, spacing)
+        if not past and (not looked or seams):
             node_outward(s, body_of(m, outline), outline, outward, spacing)
             looked = True
         if not past and not opposes(outward, m, outline, spacing):
             area_of(m, outline, area, spacing)
             flush = gap <= FLUSH * extent_of(length_of(area, spacing), spacing)
+            distance_to(s, m, outline, share, normal, spacing)
             reach = ROUND_THE_CORNER * radius
             m = facing_facet(s, outward, m, share, reach, outline, near, spacing) if flush else -1
             if m >= 0:
