@@ -122,6 +122,43 @@ def ball(cells: int) -> dict[str, Any]:
     return scene
 
 
+def bar(cells: int) -> dict[str, Any]:
+    """Return Taylor's bar of copper, so many ``cells`` in its radius, against a smooth wall for 80 µs."""
+    length, radius = 32.4e-3, 3.2e-3
+    body = {
+        "geometry": _rectangle(0.0, 0.0, radius, length),
+        "velocity": [0.0, -227.0],
+        "sides": [{"side": "bottom", "fixed": ["y"]}],
+    }
+    scene = _scene(radius / cells, body, (8e-5, 4e-6), (3.2 * radius, 1.1 * length))
+    scene["grid"]["lower"] = [0.0, -4.0 * radius / cells]
+    scene["materials"]["rubber"] = {
+        "model": "j2",
+        "density": 8930.0,
+        "youngs_modulus": 117e9,
+        "poissons_ratio": 0.35,
+        "yield_stress": 4e8,
+        "hardening_modulus": 1e8,
+    }
+    return scene
+
+
+def upset(tree: xr.DataTree) -> dict[str, float]:
+    """Return the final ``length`` and radius of the ``foot`` [mm], half a point beyond the outermost ones,
+    and the energy that is ``lost`` beyond plastic flow and the transfer, over the start [%]."""
+    points = tree["particles/solid"].to_dataset()
+    series, half = tree["series"].to_dataset(), 0.25 * float(tree.attrs["cell_size"])
+    last, stretch = points.isel(time=-1), points["deformation_gradient"].values[-1]
+    radius, height = last["position"].values.T
+    outer, upper = int(radius.argmax()), int(height.argmax())
+    return {
+        "length": 1e3 * float(height[upper] + half * stretch[upper, 1, 1]),
+        "foot": 1e3 * float(radius[outer] + half * stretch[outer, 0, 0]),
+        "lost": 100.0
+        * abs(float(series["energy_residual"].values[-1] / series["total_energy"].values[0, 0])),
+    }
+
+
 def hertz() -> dict[str, float]:
     """Return the largest force [N] and the time of contact [s] of Hertz's impact on a rigid plane.
 

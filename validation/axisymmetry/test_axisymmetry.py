@@ -1,4 +1,5 @@
-"""Bodies of revolution: a pipe under pressure, a ring that swings, a ball at rest and one that falls."""
+"""Bodies of revolution: a pipe under pressure, a ring that swings, a ball at rest and one that falls, and
+Taylor's bar."""
 # cost: 60
 
 import revolved
@@ -30,6 +31,15 @@ falling = Runs(
     scene=revolved.ball,
     methods=methods(["lcp"]),
     places=[Place("R/h = 20", make={"cells": 20})],
+)
+bar = Runs(
+    "bar",
+    scene=revolved.bar,
+    methods=ALONE,
+    places=[
+        Place("6 cells in the radius", make={"cells": 6}),
+        Place("10 cells in the radius", make={"cells": 10}, when="full"),
+    ],
 )
 coarse = Runs(
     "coarse",
@@ -93,6 +103,17 @@ def test_falling(run):
         ("restitution, {at}", "restitution", 1.0, (0.95, 1.0)),
         ("largest energy with what was lost, over the start, {at}", "energy", 1.0, (0.995, 1.005)),
         binds=True,
+    )
+
+
+@bar
+def test_bar(run):
+    run.gates(
+        revolved.upset,
+        ("final length of Taylor's bar, {at}", "length", "21.26 to 21.66", (21.26, 21.66), "mm"),
+        ("radius of its foot, {at}", "foot", "6.89 to 7.24", (6.89, 7.24), "mm"),
+        ("energy that no term accounts for, over the start, {at}", "lost", 0.0, 1.0, "%"),
+        binds=run.method.matches("cpdi"),
     )
 
 
