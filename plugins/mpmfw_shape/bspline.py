@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+import numpy as np
 
 from mpmfw.api.types import Setup, hookimpl
 from mpmfw.kernels import device, kernel, scratch
@@ -18,7 +18,7 @@ def quadratic_weights(
     xi: Float, inverse_h: Float, d: int, base: Floats, weight: Floats, slope: Floats
 ) -> None:
     """The three quadratic B-splines whose support holds ``xi`` [cells] along axis ``d``."""
-    base[d] = math.floor(xi - 0.5)
+    base[d] = np.floor(xi - 0.5)
     t = xi - base[d]  # 0.5 … 1.5
     weight[d, 0] = 0.5 * (1.5 - t) ** 2
     weight[d, 1] = 0.75 - (t - 1.0) ** 2

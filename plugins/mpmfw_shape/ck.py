@@ -15,6 +15,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.stencil import fits, read_window
 from mpmfw.kernels.types import Float, Floats, Ints, Nodes, Table
@@ -28,7 +30,7 @@ WIDTH = 4
 def compact_weights(xi: Float, inverse_h: Float, d: int, base: Floats, weight: Floats, slope: Floats) -> None:
     """The four kernels K((ξ − i) / 2) whose support holds ``xi`` [cells] along axis ``d``, and their slopes
     [1/m]."""
-    cell = math.floor(xi)
+    cell = np.floor(xi)
     base[d] = cell - 1.0
     t = xi - cell
     bend, turn = math.sin(math.pi * t) / (2.0 * math.pi), math.cos(math.pi * t)

@@ -18,7 +18,7 @@ import numpy as np
 from mpmfw.api.types import FloatArray, Grid, IntArray, Particles, Setup, Stencil, hookimpl
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.arithmetic import determinant, invert, multiply
-from mpmfw.kernels.stencil import CORNERS, FULL, OUTSIDE, fill_domain, read_window
+from mpmfw.kernels.stencil import FULL, OUTSIDE, fill_parallelepiped, read_window
 from mpmfw.kernels.types import Float, Floats, Ints, Nodes, Table
 from mpmfw_shape._tables import BEYOND_AXIS, PackedRows
 
@@ -140,35 +140,26 @@ def fill_cpdi(
     Return the first point outside its window, −1, or −2 if the table is too short.
     """
     dim, inverse_h = len(spacing), 1.0 / spacing[0]
-    n_corners = 1 << dim  # of 2**dim the compiler finds the value too late to unroll the loops over corners
-    share_of_each = 1.0 / n_corners
     origin, shape, centre = scratch.vector(spacing), scratch.integers(spacing), scratch.vector(spacing)
     r, inverse = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
-    corner, slope = scratch.matrix(CORNERS, spacing), scratch.matrix(CORNERS, spacing)
-    share = scratch.vector(CORNERS)
-    for c in range(n_corners):
-        share[c] = share_of_each
+    edges, weighted = scratch.matrix(spacing, spacing), scratch.vector(spacing)
     for f in range(len(first) - 1):
         read_window(grid, f, origin, shape, spacing)
         for p in range(first[f], first[f + 1]):
-            for d in range(dim):
-                centre[d] = (position[p, d] - origin[d]) * inverse_h
             deformed_edges(deformation_gradient[p], half_edges[p], r, spacing)
             if radius is not None:
                 keep_from_axis(r, radius[p], spacing)
             invert(r, inverse, spacing)
-            for c in range(n_corners):
-                for d in range(dim):
-                    corner[c, d] = centre[d]
-                    slope[c, d] = 0.0
-                    for e in range(dim):
-                        sign = 1.0 if (c >> e) & 1 else -1.0
-                        corner[c, d] += sign * r[d, e] * inverse_h
-                        if radius is not None:
-                            across = 1.0 if (c >> (1 - e)) & 1 else -1.0
-                            sign *= 1.0 + across * r[0, 1 - e] / (3.0 * radius[p])
-                        slope[c, d] += sign * share_of_each * inverse[e, d]
-            k = fill_domain(k, end, corner, share, slope, shape, grid.offset[f], table, spacing)
+            for d in range(dim):
+                centre[d] = (position[p, d] - origin[d]) * inverse_h
+                if radius is not None:
+                    weighted[d] = r[0, 1 - d] / (3.0 * radius[p])
+                for e in range(dim):
+                    edges[d, e] = r[d, e] * inverse_h
+            across = None if radius is None else weighted
+            k = fill_parallelepiped(
+                k, end, centre, edges, inverse, across, shape, grid.offset[f], table, spacing
+            )
             if k < 0:
                 return p if k == OUTSIDE else FULL
             table.row[p + 1] = k

@@ -7,9 +7,9 @@ method (MPM). International Journal for Numerical Methods in Engineering 76, 922
 
 from __future__ import annotations
 
-import math
 from typing import Literal
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from mpmfw.kernels import device, kernel, scratch
@@ -72,7 +72,7 @@ def fill_cubic(
                 xi = (position[p, d] - origin[d]) * inverse_h
                 at_start = modified and grid.window_lower[f, d] == 0
                 at_end = modified and grid.window_lower[f, d] + shape[d] == grid.nodes[d]
-                cell = math.floor(xi)
+                cell = np.floor(xi)
                 if at_end and xi == shape[d] - 1:  # on the last node: the end of the last cell
                     cell -= 1
                 cubic_weights(xi, cell, inverse_h, d, base, w, s)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from mpmfw.api.types import Field, FloatArray, Particles, SceneError, Setup, hookimpl
@@ -34,7 +32,7 @@ def gimp_weights(
     the next cell; a + b = 2 l. The integrals of the two hat functions over either part need no case
     distinction.
     """
-    base[d] = math.floor(xi - l)
+    base[d] = np.floor(xi - l)
     u = xi - l - base[d]
     b = max(u + 2.0 * l - 1.0, 0.0)
     a = 2.0 * l - b

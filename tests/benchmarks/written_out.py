@@ -28,7 +28,6 @@ class OneBody:
         dt = self.safety * self.limit
         self.interpolate()
         self.project()
-        particle_grid.add_internal_force(self.p, None, self.phi, self.g, self.g.spacing)
         self.move(dt)
 
     def interpolate(self):
@@ -39,12 +38,12 @@ class OneBody:
         assert outside < 0
 
     def project(self):
-        """m_i, (m v)_i and v_i⁰."""
+        """m_i, (m v)_i and v_i⁰, and the internal forces."""
         p, g, phi = self.p, self.g, self.phi
         g.mass.fill(0.0)
         g.momentum.fill(0.0)
         g.force.fill(0.0)
-        particle_grid.project(p, p.position, p.affine, phi, g, g.mass, g.spacing)
+        particle_grid.project_with_force(p, p.affine, None, phi, g, g.spacing)
         particle_grid.velocity_of_momentum(g.mass, g.momentum, g.start_velocity, g.spacing)
 
     def move(self, dt):
@@ -92,7 +91,6 @@ class TwoApart(OneBody):
         self.contact.detect(self.g, self.phi, self.p)
         limits = [self.contact.stable_timestep(), self.travel.stable_timestep(self.state)]
         dt = self.safety * min([self.limit, *(limit[0] for limit in limits if limit is not None)])
-        particle_grid.add_internal_force(self.p, None, self.phi, self.g, self.g.spacing)
         self.state.dt = dt
         self.contact.add_nodal_force(self.g, dt)
         self.move(dt)

@@ -8,6 +8,7 @@ import pytest
 
 from mpmfw.api import Stencil
 from mpmfw.kernels import arithmetic, kernel, particle_grid, struct
+from mpmfw.kernels.stencil import WIDEST, fill_tensor_product
 from mpmfw.step.transfer import make_transfer
 
 N_POINTS, N_NODES = 23, 41
@@ -71,12 +72,22 @@ def test_projection_adds_mass_and_momentum(problem, with_affine):
 
 
 @pytest.mark.parametrize("thick", [False, True])
-def test_internal_force(problem, thick):
-    p, t, g = problem.points, problem.table, problem.grid
+@pytest.mark.parametrize("with_affine", [False, True])
+def test_internal_force(problem, thick, with_affine):
+    """Alone, and in one pass with the projection, which is the same to the bit."""
+    x, t, p, g = problem, problem.table, problem.points, problem.grid
     thickness = np.linspace(1.0, 2.0, N_POINTS) if thick else None
-    particle_grid.add_internal_force(p, thickness, t, g, problem.spacing)
+    affine = x.affine if with_affine else None
+    g.mass = np.ones(N_NODES)
+    particle_grid.add_internal_force(p, thickness, t, g, x.spacing)
     volume = p.volume * thickness if thick else p.volume
     close(g.force, 1.0 + twin.internal_force(t, volume, p.stress, N_NODES))
+    particle_grid.project(p, p.position, affine, t, g, g.mass, x.spacing)
+    apart = [array.copy() for array in (g.mass, g.momentum, g.force)]
+    g.mass, g.momentum, g.force = (np.ones_like(array) for array in apart)
+    particle_grid.project_with_force(p, affine, thickness, t, g, x.spacing)
+    for array, alone in zip((g.mass, g.momentum, g.force), apart, strict=True):
+        np.testing.assert_array_equal(array, alone)
 
 
 def test_affine_from_moment(problem):
@@ -138,8 +149,9 @@ def test_deformation_and_volume(problem):
 
 
 @kernel
-def in_one_operation(a, b, factor, at, product, quotient, hats, spacing):
+def in_one_operation(a, b, factor, at, product, quotient, hats, matrices, spacing):
     """What acts on a whole matrix or on all corners."""
+    arithmetic.copy_matrix(matrices, 1, matrices, 2, spacing)
     arithmetic.add_outer_product(product, a, 2, b, 1, spacing)
     arithmetic.divide(quotient, a[0, 0], spacing)
     for d in range(len(spacing)):
@@ -148,6 +160,7 @@ def in_one_operation(a, b, factor, at, product, quotient, hats, spacing):
 
 @pytest.mark.parametrize("dim", [2, 3])
 def test_what_acts_in_one_operation_is_rounded_as_number_by_number(dim):
+    """Of a sum of products each product may be added without being rounded first."""
     rng, corners = np.random.default_rng(dim), 2**dim
     a, b, factor = rng.normal(size=(4, dim)), rng.normal(size=(4, dim)), rng.normal(size=8)
     product, quotient = rng.normal(size=(2, dim, dim))
@@ -156,7 +169,25 @@ def test_what_acts_in_one_operation_is_rounded_as_number_by_number(dim):
     wanted, divided = product + np.outer(a[2], b[1]), quotient / a[0, 0]
     hats, expected = np.full((dim, 8), -1.0), np.full((dim, 8), -1.0)
     expected[:, :corners] = (factor * np.maximum(1.0 - np.abs(at - 3.0), 0.0))[:, :corners]
-    in_one_operation(a, b, factor, at, product, quotient, hats, (0.5,) * dim)
-    np.testing.assert_array_equal(product, wanted)
+    matrices = rng.normal(size=(4, dim, dim))
+    copied = matrices[[0, 2, 2, 3]]
+    in_one_operation(a, b, factor, at, product, quotient, hats, matrices, (0.5,) * dim)
+    np.testing.assert_allclose(product, wanted, rtol=0.0, atol=2.0**-52 * np.abs(wanted).max())
+    np.testing.assert_array_equal(matrices, copied)
     np.testing.assert_array_equal(quotient, divided)
     np.testing.assert_array_equal(hats, expected)
+
+
+@kernel
+def fill_widest(base, weight, slope, shape, table, spacing):
+    fill_tensor_product(0, WIDEST, base, weight, slope, shape, 0, table, spacing)
+
+
+def test_rows_of_tensor_products_may_be_as_wide_as_stencil_says():
+    weight, slope = np.random.default_rng(0).normal(size=(2, 2, WIDEST))
+    table, n = struct(**{name: np.zeros(1) for name in ("row", "nodes", "weight", "gradient")}), WIDEST**2
+    table.set(nodes=np.zeros(n, np.int32), weight=np.zeros(n), gradient=np.zeros((n, 2)))
+    fill_widest(np.zeros(2), weight, slope, np.array([WIDEST, WIDEST]), table, (0.5, 0.5))
+    np.testing.assert_array_equal(table.nodes, np.arange(n))
+    np.testing.assert_array_equal(table.weight, np.outer(*weight).ravel())
+    np.testing.assert_array_equal(table.gradient[:, 1], np.outer(weight[0], slope[1]).ravel())

@@ -43,15 +43,24 @@ def _repeated(builder: Any, value: Any, width: int) -> Any:
     return vector
 
 
+def _multiply_add(builder: Any, a: Any, b: Any, c: Any) -> Any:
+    """``a * b + c`` of vectors, in one operation where the processor has it."""
+    name = f"llvm.fmuladd.v{a.type.count}f64"
+    fused = _cgutils.get_or_insert_function(builder.module, ir.FunctionType(a.type, [a.type] * 3), name)
+    return builder.call(fused, [a, b, c])
+
+
 def _emit(context: Any, builder: Any, signature: Any, args: Any, *, accumulate: bool) -> Any:
     """Code of both operations."""
     width = len(signature.args[5])
     target = _row_of(context, builder, signature, args, 0, width)
     source = _row_of(context, builder, signature, args, 3, width)
     factor = context.cast(builder, args[2], signature.args[2], types.float64)
-    value = builder.fmul(_repeated(builder, factor, width), builder.load(source, align=8))
+    factors, values = _repeated(builder, factor, width), builder.load(source, align=8)
     if accumulate:
-        value = builder.fadd(builder.load(target, align=8), value)
+        value = _multiply_add(builder, factors, values, builder.load(target, align=8))
+    else:
+        value = builder.fmul(factors, values)
     builder.store(value, target, align=8)
     return context.get_dummy_value()
 
@@ -115,7 +124,7 @@ def add_outer_product(_typing: Any, out: Any, a: Any, i: Any, b: Any, j: Any, sp
         for first in range(0, dim, rows):
             target = _row_at(context, builder, signature, args, 0, _INT(first // rows), rows * dim)
             factor = _chosen(builder, left, [first + d for d in range(rows) for _ in range(dim)])
-            value = builder.fadd(builder.load(target, align=8), builder.fmul(factor, right))
+            value = _multiply_add(builder, factor, right, builder.load(target, align=8))
             builder.store(value, target, align=8)
         return context.get_dummy_value()
 
@@ -135,6 +144,20 @@ def divide(_typing: Any, out: Any, number: Any, spacing: Any) -> Any:
         return context.get_dummy_value()
 
     return types.void(out, number, spacing), codegen
+
+
+@intrinsic
+def copy_matrix(_typing: Any, out: Any, i: Any, other: Any, j: Any, spacing: Any) -> Any:
+    """``out[i] = other[j]`` of matrices (n, dim, dim) in one operation; one matrix (dim, dim) has index 0."""
+    _check(out, other)
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        size = len(signature.args[4]) ** 2
+        target, source = (_row_of(context, builder, signature, args, k, size) for k in (0, 2))
+        builder.store(builder.load(source, align=8), target, align=8)
+        return context.get_dummy_value()
+
+    return types.void(out, i, other, j, spacing), codegen
 
 
 @intrinsic
@@ -169,10 +192,17 @@ def multiply_by_hats(_typing: Any, out: Any, factor: Any, at: Any, d: Any, node:
 def multiply(a: Floats, b: Floats, out: Floats, spacing: tuple[float, ...]) -> None:
     """out = a b, all of them (dim, dim)."""
     for d in range(len(spacing)):
-        for e in range(len(spacing)):
-            out[d, e] = 0.0
-        for e in range(len(spacing)):
+        set_scaled_row(out, d, a[d, 0], b, 0, spacing)
+        for e in range(1, len(spacing)):
             add_scaled_row(out, d, a[d, e], b, e, spacing)
+
+
+@device
+def set_to_motion(out: Floats, factor: float, a: Floats, spacing: tuple[float, ...]) -> None:
+    """out = 1 + factor a, both of them (dim, dim)."""
+    for d in range(len(spacing)):
+        for e in range(len(spacing)):
+            out[d, e] = factor * a[d, e] + (1.0 if d == e else 0.0)
 
 
 @device

@@ -10,12 +10,14 @@ from mpmfw.kernels._jit import device, kernel
 from mpmfw.kernels.arithmetic import (
     add_outer_product,
     add_scaled_row,
+    copy_matrix,
     determinant,
     invert,
     multiply,
     set_scaled_row,
+    set_to_motion,
 )
-from mpmfw.kernels.stencil import NodeRange, entries, is_apart, own_entries
+from mpmfw.kernels.stencil import NodeRange, entries, is_apart, node_of, own_entries
 from mpmfw.kernels.types import Floats, Nodes, Points, Table
 
 
@@ -25,13 +27,67 @@ def _velocity_at_origin(
     spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """v[0] = v_p − C_p x_p and columns = C_pᵀ, so that v_p + C_p (x − x_p) = v[0] + Σ_e x_e columns[e]."""
-    dim = len(spacing)
-    for d in range(dim):
+    for d in range(len(spacing)):
         v[0, d] = points.velocity[p, d]
         if affine is not None:
-            for e in range(dim):
+            for e in range(len(spacing)):
                 columns[e, d] = affine[p, d, e]
                 v[0, d] -= columns[e, d] * position[p, e]
+
+
+@device
+def _traction(
+    points: Points, thickness: Floats | None, p: int, out: Floats, spacing: tuple[float, ...]
+) -> None:
+    """out = −V_p σ_pᵀ, so that the force on a node is Σ_e ∂φ/∂x_e out[e]."""
+    volume = points.volume[p]
+    if thickness is not None:
+        volume *= thickness[p]
+    for d in range(len(spacing)):
+        for e in range(len(spacing)):
+            out[e, d] = -volume * points.stress[p, d, e]
+
+
+@device
+def _add_force(k: int, table: Table, traction: Floats, force: Floats, spacing: tuple[float, ...]) -> None:
+    """f_i += Σ_e ∂φ/∂x_e traction[e] of entry k."""
+    f = scratch.matrix((0.0,), spacing)
+    set_scaled_row(f, 0, table.gradient[k, 0], traction, 0, spacing)
+    for e in range(1, len(spacing)):
+        add_scaled_row(f, 0, table.gradient[k, e], traction, e, spacing)
+    add_scaled_row(force, node_of(table.nodes, k), 1.0, f, 0, spacing)
+
+
+@device
+def _project(
+    points: Points, position: Floats, affine: Floats | None, thickness: Floats | None, table: Table,
+    grid: Nodes, mass: Floats | None, force: Floats | None, spacing: tuple[float, ...],
+    own_nodes: NodeRange | None,
+) -> None:  # fmt: skip
+    """Add to momentum, ``mass`` and ``force`` of the nodes in one pass over the table."""
+    v, v_i = scratch.matrix((0.0,), spacing), scratch.matrix((0.0,), spacing)
+    columns, x_i = scratch.matrix(spacing, spacing), scratch.matrix((0.0,), spacing)
+    traction = scratch.matrix(spacing, spacing)
+    for p in range(len(points.mass)):
+        if own_nodes is not None and is_apart(table.row, table.nodes, p, own_nodes):
+            continue
+        m = points.mass[p]
+        _velocity_at_origin(points, position, affine, p, v, columns, spacing)
+        if force is not None:
+            _traction(points, thickness, p, traction, spacing)
+        for k in own_entries(table.row, table.nodes, p, own_nodes):
+            i = node_of(table.nodes, k)
+            phi_m = table.weight[k] * m
+            set_scaled_row(v_i, 0, 1.0, v, 0, spacing)
+            if affine is not None:
+                set_scaled_row(x_i, 0, 1.0, grid.position, i, spacing)
+                for e in range(len(spacing)):
+                    add_scaled_row(v_i, 0, x_i[0, e], columns, e, spacing)
+            if mass is not None:
+                mass[i] += phi_m
+            add_scaled_row(grid.momentum, i, phi_m, v_i, 0, spacing)
+            if force is not None:
+                _add_force(k, table, traction, force, spacing)
 
 
 @kernel
@@ -44,24 +100,17 @@ def project(
     ``affine`` is C_p, ``mass`` m_i; either is left out where it is None. ``position`` (n, dim) [m] is that of
     the points which the table belongs to.
     """
-    dim = len(spacing)
-    v, v_i = scratch.matrix((0.0,), spacing), scratch.matrix((0.0,), spacing)
-    columns = scratch.matrix(spacing, spacing)
-    for p in range(len(points.mass)):
-        if own_nodes is not None and is_apart(table.row, table.nodes, p, own_nodes):
-            continue
-        m = points.mass[p]
-        _velocity_at_origin(points, position, affine, p, v, columns, spacing)
-        for k in own_entries(table.row, table.nodes, p, own_nodes):
-            i = table.nodes[k]
-            phi_m = table.weight[k] * m
-            set_scaled_row(v_i, 0, 1.0, v, 0, spacing)
-            if affine is not None:
-                for e in range(dim):
-                    add_scaled_row(v_i, 0, grid.position[i, e], columns, e, spacing)
-            if mass is not None:
-                mass[i] += phi_m
-            add_scaled_row(grid.momentum, i, phi_m, v_i, 0, spacing)
+    _project(points, position, affine, None, table, grid, mass, None, spacing, own_nodes)
+
+
+@kernel
+def project_with_force(
+    points: Points, affine: Floats | None, thickness: Floats | None, table: Table, grid: Nodes,
+    spacing: tuple[float, ...], own_nodes: NodeRange | None = None,
+) -> None:  # fmt: skip
+    """:func:`project` and :func:`add_internal_force` at once, which reads the table once."""
+    mass, force = grid.mass, grid.force
+    _project(points, points.position, affine, thickness, table, grid, mass, force, spacing, own_nodes)
 
 
 @kernel
@@ -70,22 +119,13 @@ def add_internal_force(
     own_nodes: NodeRange | None = None,
 ) -> None:  # fmt: skip
     """f_i −= Σ_p V_p σ_p · ∇φ_ip, with V_p times ``thickness`` (n,) [m] unless that is None."""
-    dim = len(spacing)
-    columns, force = scratch.matrix(spacing, spacing), scratch.matrix((0.0,), spacing)
+    traction = scratch.matrix(spacing, spacing)
     for p in range(len(points.volume)):
         if own_nodes is not None and is_apart(table.row, table.nodes, p, own_nodes):
             continue
-        volume = points.volume[p]
-        if thickness is not None:
-            volume *= thickness[p]
-        for d in range(dim):
-            for e in range(dim):
-                columns[e, d] = -volume * points.stress[p, d, e]
+        _traction(points, thickness, p, traction, spacing)
         for k in own_entries(table.row, table.nodes, p, own_nodes):
-            set_scaled_row(force, 0, table.gradient[k, 0], columns, 0, spacing)
-            for e in range(1, dim):
-                add_scaled_row(force, 0, table.gradient[k, e], columns, e, spacing)
-            add_scaled_row(grid.force, table.nodes[k], 1.0, force, 0, spacing)
+            _add_force(k, table, traction, grid.force, spacing)
 
 
 @kernel
@@ -98,19 +138,18 @@ def affine_from_moment(
     An axis along which a point sits on its node has no spread; D and B vanish there together and so does C.
     ``position`` (n, dim) [m] is that of the points which the table belongs to.
     """
-    dim = len(spacing)
     x, q = scratch.matrix((0.0,), spacing), scratch.matrix((0.0,), spacing)
     spread, inverse = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
     tiny = 1e-10 * spacing[0] * spacing[0]
     for p in range(len(points.mass)):
-        for d in range(dim):
+        for d in range(len(spacing)):
             x[0, d] = position[p, d]
-            for e in range(dim):
+            for e in range(len(spacing)):
                 spread[d, e] = tiny if d == e else 0.0
         for k in entries(table.row, p):
             set_scaled_row(q, 0, 1.0, grid.position, table.nodes[k], spacing)
             add_scaled_row(q, 0, -1.0, x, 0, spacing)
-            for d in range(dim):
+            for d in range(len(spacing)):
                 add_scaled_row(spread, d, table.weight[k] * q[0, d], q, 0, spacing)
         invert(spread, inverse, spacing)
         multiply(moment[p], inverse, affine[p], spacing)
@@ -121,10 +160,9 @@ def velocity_of_momentum(
     mass: Floats, momentum: Floats, velocity: Floats, spacing: tuple[float, ...]
 ) -> None:
     """v_i = (m v)_i / m_i where there is mass, else 0; a mass of −1 tells that no force moves the node."""
-    dim = len(spacing)
     for i in range(len(mass)):
         inverse = 1.0 / mass[i] if mass[i] != 0.0 else 0.0
-        for d in range(dim):
+        for d in range(len(spacing)):
             velocity[i, d] = momentum[i, d] * inverse
 
 
@@ -133,19 +171,17 @@ def integrate_momentum(
     mass: Floats, momentum: Floats, force: Floats, dt: float, spacing: tuple[float, ...]
 ) -> None:
     """(m v)_i += Δt f_i; nodes without mass stay at rest."""
-    dim = len(spacing)
     for i in range(len(mass)):
         if mass[i] > 0.0:
-            for d in range(dim):
+            for d in range(len(spacing)):
                 momentum[i, d] += dt * force[i, d]
 
 
 @kernel
 def add_body_force(mass: Floats, acceleration: Floats, force: Floats, spacing: tuple[float, ...]) -> None:
     """f_i += m_i b."""
-    dim = len(spacing)
     for i in range(len(mass)):
-        for d in range(dim):
+        for d in range(len(spacing)):
             force[i, d] += mass[i] * acceleration[d]
 
 
@@ -161,20 +197,20 @@ def gather(
     reach v_p. With q = x_i − x_p at the old position, B_p = Σ φ v_i qᵀ and D_p = Σ φ q qᵀ, the affine field
     becomes B_p D_p⁻¹ if ``least_squares``, else B_p; it is left out where ``affine`` is None.
     """
-    dim = len(spacing)
     x, l = scratch.matrix((0.0,), spacing), scratch.matrix(spacing, spacing)
     phi_v, phi_q = scratch.matrix((0.0,), spacing), scratch.matrix((0.0,), spacing)
-    q = scratch.matrix((0.0,), spacing)
+    q, v = scratch.matrix((0.0,), spacing), scratch.matrix((0.0,), spacing)
     new, start = scratch.matrix((0.0,), spacing), scratch.matrix((0.0,), spacing)
     moment, spread = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
     for p in range(len(points.mass)):
-        for d in range(dim):
-            x[0, d] = points.position[p, d]
+        set_scaled_row(x, 0, 1.0, points.position, p, spacing)
+        set_scaled_row(v, 0, 1.0, points.velocity, p, spacing)
+        for d in range(len(spacing)):
             new[0, d] = start[0, d] = 0.0
-            for e in range(dim):
+            for e in range(len(spacing)):
                 l[d, e] = moment[d, e] = spread[d, e] = 0.0
         for k in entries(table.row, p):
-            i = table.nodes[k]
+            i = node_of(table.nodes, k)
             phi = table.weight[k]
             set_scaled_row(phi_v, 0, phi, grid.velocity, i, spacing)
             add_scaled_row(new, 0, 1.0, phi_v, 0, spacing)
@@ -186,12 +222,14 @@ def gather(
                 set_scaled_row(phi_q, 0, phi, q, 0, spacing)
                 add_outer_product(moment, phi_v, 0, q, 0, spacing)
                 add_outer_product(spread, phi_q, 0, q, 0, spacing)
-        for d in range(dim):
-            increment = new[0, d] - start[0, d]
-            points.velocity[p, d] = flip * (points.velocity[p, d] + increment) + (1.0 - flip) * new[0, d]
-            points.position[p, d] = x[0, d] + dt * new[0, d]
-            for e in range(dim):
-                points.velocity_gradient[p, d, e] = l[d, e]
+        add_scaled_row(x, 0, dt, new, 0, spacing)
+        add_scaled_row(v, 0, 1.0, new, 0, spacing)
+        add_scaled_row(v, 0, -1.0, start, 0, spacing)
+        set_scaled_row(v, 0, flip, v, 0, spacing)
+        add_scaled_row(v, 0, 1.0 - flip, new, 0, spacing)
+        set_scaled_row(points.position, p, 1.0, x, 0, spacing)
+        set_scaled_row(points.velocity, p, 1.0, v, 0, spacing)
+        copy_matrix(points.velocity_gradient, p, l, 0, spacing)
         if affine is not None:
             _store_affine(moment, spread, least_squares, affine, p, spacing)
 
@@ -201,39 +239,26 @@ def _store_affine(
     moment: Floats, spread: Floats, least_squares: bool, affine: Floats, p: int, spacing: tuple[float, ...]
 ) -> None:
     """affine[p] = B D⁻¹ if ``least_squares``, else B."""
-    dim, inverse = len(spacing), scratch.matrix(spacing, spacing)
+    inverse, product = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
     if least_squares:
         invert(spread, inverse, spacing)
-        multiply(moment, inverse, affine[p], spacing)
-        return
-    for d in range(dim):
-        for e in range(dim):
-            affine[p, d, e] = moment[d, e]
+        multiply(moment, inverse, product, spacing)
+        copy_matrix(affine, p, product, 0, spacing)
+    else:
+        copy_matrix(affine, p, moment, 0, spacing)
 
 
 @kernel
 def gather_velocity_gradient(points: Points, table: Table, grid: Nodes, spacing: tuple[float, ...]) -> None:
     """L_p = Σ_i v_i ∇φ_ipᵀ [1/s] alone, of the grid's ``velocity``: MUSL and USF take the strain from it."""
-    dim = len(spacing)
     l = scratch.matrix(spacing, spacing)
     for p in range(len(points.mass)):
-        for d in range(dim):
-            for e in range(dim):
+        for d in range(len(spacing)):
+            for e in range(len(spacing)):
                 l[d, e] = 0.0
         for k in entries(table.row, p):
             add_outer_product(l, grid.velocity, table.nodes[k], table.gradient, k, spacing)
-        for d in range(dim):
-            for e in range(dim):
-                points.velocity_gradient[p, d, e] = l[d, e]
-
-
-@device
-def _add_identity_scaled(a: Floats, factor: float, out: Floats, spacing: tuple[float, ...]) -> None:
-    """out = 1 + factor a."""
-    dim = len(spacing)
-    for d in range(dim):
-        for e in range(dim):
-            out[d, e] = factor * a[d, e] + (1.0 if d == e else 0.0)
+        copy_matrix(points.velocity_gradient, p, l, 0, spacing)
 
 
 @kernel
@@ -243,15 +268,14 @@ def transport_affine(points: Points, affine: Floats, dt: float, spacing: tuple[f
     A field v(x) = C x carried along x ← (1 + Δt C) x has, at the new positions, the gradient C (1 + Δt C)⁻¹.
     Without it a spinning disc loses angular momentum at second order in Δt every step.
     """
-    dim, c = len(spacing), scratch.matrix(spacing, spacing)
-    motion, inverse = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
+    c, inverse = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
+    motion = scratch.matrix(spacing, spacing)
     for p in range(len(points.mass)):
-        for d in range(dim):
-            for e in range(dim):
-                c[d, e] = affine[p, d, e]
-        _add_identity_scaled(c, dt, motion, spacing)
+        copy_matrix(c, 0, affine, p, spacing)
+        set_to_motion(motion, dt, c, spacing)
         invert(motion, inverse, spacing)
-        multiply(c, inverse, affine[p], spacing)
+        multiply(c, inverse, motion, spacing)
+        copy_matrix(affine, p, motion, 0, spacing)
 
 
 @kernel
@@ -260,19 +284,15 @@ def update_deformation(points: Points, dt: float, spacing: tuple[float, ...]) ->
 
     Return the first one whose det F is not positive (NaN included), or −1.
     """
-    dim, f = len(spacing), scratch.matrix(spacing, spacing)
+    f = scratch.matrix(spacing, spacing)
     motion, l = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
     bad = -1
     for p in range(len(points.volume)):
-        for d in range(dim):
-            for e in range(dim):
-                f[d, e] = points.deformation_gradient[p, d, e]
-                l[d, e] = points.velocity_gradient[p, d, e]
-        _add_identity_scaled(l, dt, motion, spacing)
+        copy_matrix(f, 0, points.deformation_gradient, p, spacing)
+        copy_matrix(l, 0, points.velocity_gradient, p, spacing)
+        set_to_motion(motion, dt, l, spacing)
         multiply(motion, f, l, spacing)
-        for d in range(dim):
-            for e in range(dim):
-                points.deformation_gradient[p, d, e] = l[d, e]
+        copy_matrix(points.deformation_gradient, p, l, 0, spacing)
         jacobian = determinant(l, spacing)
         points.volume[p] = jacobian * points.initial_volume[p]
         if bad < 0 and not jacobian > 0.0:

@@ -24,6 +24,12 @@ def entries(row: Ints, p: int) -> range:
 
 
 @device
+def node_of(nodes: Indices, k: int) -> np.uint64:
+    """Node of entry ``k``: unsigned, as in :func:`entries`."""
+    return np.uint64(nodes[k])
+
+
+@device
 def is_apart(row: Ints, nodes: Indices, p: int, own_nodes: NodeRange) -> bool:
     """Return True if no node of point ``p`` is among ``own_nodes``; the nodes of a row ascend."""
     begin, end = np.uint64(row[p]), np.uint64(row[p + 1])
@@ -55,6 +61,10 @@ def read_window(grid: Nodes, f: int, origin: Floats, shape: Ints, spacing: tuple
         shape[d] = grid.window_shape[f, d]
 
 
+#: Most nodes along an axis in a tensor product; with a bound the compiler unrolls the loops over them.
+WIDEST = 8
+
+
 @device
 def fill_tensor_product(
     k: int, width: int, base: Floats, weight: Floats, slope: Floats, shape: Ints, offset: int, table: Table,
@@ -71,16 +81,14 @@ def fill_tensor_product(
     for d in range(len(spacing)):
         node = node * shape[d] + int(base[d])
     node += offset
+    width = min(width, WIDEST)
     if len(spacing) == 2:
         for a in range(width):
             for b in range(width):
                 entry = np.uint64(k + a * width + b)
                 nodes[entry] = node + a * shape[1] + b
                 values[entry] = weight[0, a] * weight[1, b]
-        if len(gradients) > 0:
-            for a in range(width):
-                for b in range(width):
-                    entry = np.uint64(k + a * width + b)
+                if len(gradients) > 0:
                     gradients[entry, 0] = slope[0, a] * weight[1, b]
                     gradients[entry, 1] = weight[0, a] * slope[1, b]
     else:
@@ -109,7 +117,7 @@ def linear_weights(xi: Float, inverse_h: Float, d: int, base: Floats, weight: Fl
     A point exactly on a grid line keeps a share of 1e-13 in the next node: its gradient acts there, and a
     node at the edge of a body would otherwise have a gradient but neither mass nor velocity, which reads as
     strain in free flight."""
-    base[d] = math.floor(xi)
+    base[d] = np.floor(xi)
     fraction = max(xi - base[d], LEAST_SHARE)
     weight[d, 0] = 1.0 - fraction
     weight[d, 1] = fraction
@@ -151,6 +159,9 @@ def fill_linear(position: Floats, first: Ints, grid: Nodes, table: Table, spacin
 #: As long as the corners of a domain in three dimensions: the size of scratch arrays with a row for each.
 CORNERS = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
+#: As long as the row that a corner adds to an entry, φ and ∇φ; in two dimensions the last number is 0.
+ENTRY = (0.0, 0.0, 0.0, 0.0)
+
 #: What :func:`fill_domain` returns where a corner lies outside the window, and where the table is too short.
 OUTSIDE, FULL = -1, -2
 
@@ -170,46 +181,84 @@ def fill_domain(
     lies outside the window of ``shape`` nodes or is NaN, ``FULL`` if the row would not end before ``end``;
     then nothing is written."""
     dim = len(spacing)
-    low = scratch.integers(spacing)
-    extent = scratch.integers(spacing)
-    entries = 1
+    lowest, highest = scratch.vector(spacing), scratch.vector(spacing)
+    at, terms = scratch.matrix(spacing, CORNERS), scratch.matrix(CORNERS, ENTRY)
     for d in range(dim):
-        first = last = corner[0, d]
+        lowest[d] = highest[d] = corner[0, d]
         for c in range(1, 1 << dim):
-            first, last = min(first, corner[c, d]), max(last, corner[c, d])
-        if not (first >= 0.0 and last + 1.0 < shape[d]):
-            return OUTSIDE
-        low[d] = int(first)
-        extent[d] = math.ceil(last) - low[d] + 1
-        entries *= extent[d]
-    if k + entries > end:
-        return FULL
-    _write_box(k, corner, share, slope, low, extent, shape, offset, table, spacing)
-    return k + entries
+            lowest[d], highest[d] = min(lowest[d], corner[c, d]), max(highest[d], corner[c, d])
+    for c in range(1 << dim):
+        terms[c, 0], terms[c, 3] = share[c], 0.0
+        for d in range(dim):
+            at[d, c], terms[c, 1 + d] = corner[c, d], slope[c, d]
+    return fill_box(k, end, lowest, highest, at, terms, shape, offset, table, spacing)
 
 
 @device
-def _write_box(
-    k: int, corner: Floats, share: Floats, slope: Floats, low: Ints, extent: Ints, shape: Ints, offset: int,
-    table: Table, spacing: tuple[float, ...],
-) -> None:  # fmt: skip
-    """Write the entries of :func:`fill_domain`, those of the box of ``extent`` nodes from ``low`` on.
+def fill_parallelepiped(
+    k: int, end: int, centre: Floats, half_edges: Floats, inverse: Floats, across: Floats | None, shape: Ints,
+    offset: int, table: Table, spacing: tuple[float, ...],
+) -> int:  # fmt: skip
+    """:func:`fill_domain` of corners x_c = centre + R s_c, s_c,e = ±1, with equal shares and slopes
+    2^−dim R^−T s_c.
 
-    φ_i and ∇φ_i are one row, to which every corner adds its part.
-    """
-    nodes, values, gradients = table.nodes, table.weight, table.gradient
-    dim = len(spacing)
-    n_corners = 1 << dim
-    entry_like = (0.0, *spacing)
-    at = scratch.matrix(spacing, CORNERS)  # axis by axis: the corners' weights are worked out side by side
-    terms = scratch.matrix(CORNERS, entry_like)
-    total = scratch.matrix((0.0,), entry_like)
-    edge, n, one = scratch.vector(CORNERS), scratch.vector(CORNERS), scratch.vector(CORNERS)
-    for c in range(n_corners):
-        one[c], terms[c, 0] = 1.0, share[c]
+    ``half_edges`` is R (dim, dim) [cells], ``inverse`` its inverse [1/m]. With ``across`` (2,) the slopes
+    have s_c,e + s_c,0 s_c,1 across_e in place of s_c,e. All corners are worked out side by side."""
+    dim, share = len(spacing), 1.0 / (1 << len(spacing))
+    lowest, highest = scratch.vector(spacing), scratch.vector(spacing)
+    at, terms = scratch.matrix(spacing, CORNERS), scratch.matrix(CORNERS, ENTRY)
+    one, sign = scratch.matrix((0.0,), CORNERS), scratch.matrix(spacing, CORNERS)
+    mean, edge = scratch.matrix((0.0,), ENTRY), scratch.matrix(spacing, ENTRY)
+    for c in range(len(CORNERS)):
+        one[0, c] = 1.0
+        for e in range(dim):
+            sign[e, c] = 1.0 if (c >> e) & 1 else -1.0
+    for d in range(dim):
+        reach = 0.0
+        set_scaled_row(at, d, centre[d], one, 0, CORNERS)
+        for e in range(dim):
+            reach += abs(half_edges[d, e])
+            add_scaled_row(at, d, half_edges[d, e], sign, e, CORNERS)
+        lowest[d], highest[d] = centre[d] - reach, centre[d] + reach
+    mean[0, 0], mean[0, 1], mean[0, 2], mean[0, 3] = share, 0.0, 0.0, 0.0
+    for e in range(dim):
+        edge[e, 0] = edge[e, 3] = 0.0
         for d in range(dim):
-            at[d, c] = corner[c, d]
-            terms[c, 1 + d] = slope[c, d]
+            edge[e, 1 + d] = share * inverse[e, d]
+    for c in range(1 << dim):
+        set_scaled_row(terms, c, 1.0, mean, 0, ENTRY)
+        for e in range(dim):
+            add_scaled_row(terms, c, sign[e, c], edge, e, ENTRY)
+            if across is not None:
+                add_scaled_row(terms, c, sign[0, c] * sign[1, c] * across[e], edge, e, ENTRY)
+    return fill_box(k, end, lowest, highest, at, terms, shape, offset, table, spacing)
+
+
+@device
+def fill_box(
+    k: int, end: int, lowest: Floats, highest: Floats, at: Floats, terms: Floats, shape: Ints, offset: int,
+    table: Table, spacing: tuple[float, ...],
+) -> int:  # fmt: skip
+    """Write (φ_i, ∇φ_i) = Σ_c N_i(x_c) terms_c of the nodes round the corners, as :func:`fill_domain`.
+
+    ``at`` (dim, 8) are the corners, axis by axis, ``lowest`` and ``highest`` their bounds, and ``terms``
+    (8, 4) share and slope."""
+    dim = len(spacing)
+    low, extent = scratch.integers(spacing), scratch.integers(spacing)
+    entries = 1
+    for d in range(dim):
+        if not (lowest[d] >= 0.0 and highest[d] + 1.0 < shape[d]):
+            return OUTSIDE
+        low[d] = int(lowest[d])
+        extent[d] = math.ceil(highest[d]) - low[d] + 1
+        entries *= extent[d]
+    if k + entries > end:
+        return FULL
+    nodes, values, gradients = table.nodes, table.weight, table.gradient
+    total = scratch.matrix((0.0,), ENTRY)
+    edge, n, one = scratch.vector(CORNERS), scratch.vector(CORNERS), scratch.vector(CORNERS)
+    for c in range(1 << dim):
+        one[c] = 1.0
     entry = np.uint64(k)
     for plane in range(extent[0] if dim == 3 else 1):
         for j in range(low[dim - 2], low[dim - 2] + extent[dim - 2]):
@@ -221,11 +270,12 @@ def _write_box(
                 multiply_by_hats(edge, edge, at, 0, i, spacing)
             for l in range(low[dim - 1], low[dim - 1] + extent[dim - 1]):
                 multiply_by_hats(n, edge, at, dim - 1, l, spacing)
-                set_scaled_row(total, 0, n[0], terms, 0, entry_like)
-                for c in range(1, n_corners):
-                    add_scaled_row(total, 0, n[c], terms, c, entry_like)
+                set_scaled_row(total, 0, n[0], terms, 0, ENTRY)
+                for c in range(1, 1 << dim):
+                    add_scaled_row(total, 0, n[c], terms, c, ENTRY)
                 nodes[entry] = first + l
                 values[entry] = total[0, 0]
                 for d in range(dim):
                     gradients[entry, d] = total[0, 1 + d]
                 entry += np.uint64(1)
+    return k + entries

@@ -28,7 +28,7 @@ def usl(state: State, hook: Any, transfer: Transfer, clock: Clock, length: Lengt
     6. F ← (1 + Δt L) F, domains, σ(F)
     """
     p, g = state.particles, state.grid
-    phi, dt = begin(state, hook, clock, length)  # 1, 2
+    phi, dt = begin(state, hook, clock, length)  # 1, 2, and −Σ V σ·∇φ
 
     clock("force")
     add_forces(state, hook, phi, dt)  # 3, 4
@@ -59,7 +59,7 @@ def musl(state: State, hook: Any, transfer: Transfer, clock: Clock, length: Leng
     7. F ← (1 + Δt L) F, σ(F)
     """
     p, g = state.particles, state.grid
-    phi, dt = begin(state, hook, clock, length)  # 1, 2
+    phi, dt = begin(state, hook, clock, length)  # 1, 2, and −Σ V σ·∇φ
 
     clock("force")
     add_forces(state, hook, phi, dt)  # 3, 4
@@ -98,7 +98,7 @@ def usf(state: State, hook: Any, transfer: Transfer, clock: Clock, length: Lengt
     6. v_p, x_p, C_p from the grid; surface nodes move with the same velocity; domains
     """
     p, g = state.particles, state.grid
-    phi, dt = begin(state, hook, clock, length)  # 1, 2
+    phi, dt = begin(state, hook, clock, length, force=False)  # 1, 2
     hook.constrain_momentum(grid=g, time=state.time)
     velocity_of_momentum(g.mass, g.momentum, g.velocity, g.spacing)
 
@@ -109,6 +109,7 @@ def usf(state: State, hook: Any, transfer: Transfer, clock: Clock, length: Lengt
     hook.update_stress(particles=p.in_space, dt=dt)
 
     clock("force")
+    add_internal_force(p, phi, g)
     add_forces(state, hook, phi, dt)  # 4, 5
 
     clock("gather")
@@ -123,13 +124,13 @@ def usf(state: State, hook: Any, transfer: Transfer, clock: Clock, length: Lengt
 SCHEMES = {"usl": usl, "musl": musl, "usf": usf}
 
 
-def begin(state: State, hook: Any, clock: Clock, length: Length) -> tuple[Stencil, float]:
-    """Fill the tables, project, detect contacts; return φ and Δt."""
+def begin(state: State, hook: Any, clock: Clock, length: Length, force: bool = True) -> tuple[Stencil, float]:
+    """Fill the tables, project, with internal ``force`` or without, detect contacts; return φ and Δt."""
     p, g = state.particles, state.grid
     clock("shape")
     phi = interpolate(state, hook, clock)
     clock("projection")
-    project(p, phi, g)
+    project(p, phi, g, force=force)
     hook.detect(grid=g, phi=phi, particles=p)
     dt = length()
     hook.after_momentum_projection(grid=g, phi=phi, particles=p, dt=dt)
@@ -210,12 +211,16 @@ def _over_nodes(p: Particles, kernel: Callable[..., Any], *given: Any) -> None:
         p.threads.over_nodes(kernel, p, *given)
 
 
-def project(p: Particles, phi: Stencil, g: Grid) -> None:
-    """m_i, (m v)_i and v_i⁰; forces become zero."""
+def project(p: Particles, phi: Stencil, g: Grid, *, force: bool = False) -> None:
+    """m_i, (m v)_i and v_i⁰; forces become −Σ V σ·∇φ, or zero without ``force``."""
     for array in (g.mass, g.momentum, g.force):
         array.fill(0.0)
     _apply_moment(p, phi, g, p.position)
-    _over_nodes(p, particle_grid.project, p.position, p.affine, phi, g, g.mass, g.spacing)
+    if force:
+        _over_nodes(p, particle_grid.project_with_force, p.affine, p.thickness, phi, g, g.spacing)
+        _add_hoop_force(p, phi, g)
+    else:
+        _over_nodes(p, particle_grid.project, p.position, p.affine, phi, g, g.mass, g.spacing)
     velocity_of_momentum(g.mass, g.momentum, g.start_velocity, g.spacing)
 
 
@@ -235,14 +240,17 @@ def _apply_moment(p: Particles, phi: Stencil, g: Grid, position: FloatArray) -> 
 def add_internal_force(p: Particles, phi: Stencil, g: Grid) -> None:
     """f_i −= Σ V σ·∇φ, and of bodies of revolution Σ V σ_θθ φ / r."""
     _over_nodes(p, particle_grid.add_internal_force, p.thickness, phi, g, g.spacing)
+    _add_hoop_force(p, phi, g)
+
+
+def _add_hoop_force(p: Particles, phi: Stencil, g: Grid) -> None:
     if p.space is not None:
         p.space.add_hoop_force(p, phi, g, _over_nodes)
 
 
 def add_forces(state: State, hook: Any, phi: Stencil, dt: float) -> None:
-    """All forces, (m v)_i += Δt f_i, its corrections, and v_i."""
+    """All forces but the internal ones, which g has, (m v)_i += Δt f_i, its corrections, and v_i."""
     p, g = state.particles, state.grid
-    add_internal_force(p, phi, g)
     hook.add_nodal_force(grid=g, state=state, phi=phi, dt=dt)
     integrate_momentum(g.mass, g.momentum, g.force, dt, g.spacing)
     hook.after_momentum_update(grid=g, phi=phi, particles=p, dt=dt)

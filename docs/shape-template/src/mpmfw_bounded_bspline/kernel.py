@@ -7,8 +7,7 @@ Python calls, which keeps it compiled on disk.
 
 from __future__ import annotations
 
-import math
-
+import numpy as np
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.stencil import fill_tensor_product, fits, read_window
 from mpmfw.kernels.types import Float, Floats, Ints, Nodes, Table
@@ -26,7 +25,7 @@ def quadratic_weights(
 
     With t = ξ − ``base[d]``, ½ ≤ t ≤ 3/2, they are ½(3/2 − t)², ¾ − (t − 1)² and ½(t − ½)², for the node
     ``base[d]`` and the two after it."""
-    base[d] = math.floor(xi - 0.5)
+    base[d] = np.floor(xi - 0.5)
     t = xi - base[d]
     weight[d, 0] = 0.5 * (1.5 - t) ** 2
     weight[d, 1] = 0.75 - (t - 1.0) ** 2
