@@ -85,6 +85,8 @@ class Calculix(Code):
                 )
             if body.angular_velocity:
                 yield f"bodies.{name}.angular_velocity", "a spin at the start is not written"
+            if scene.settle and not body.sides and type(body.geometry).__name__ == "Disc":
+                yield "settle", f"'{name}' can roll away, which a static step does not survive"
             if scene.settle and np.any(body.velocity or 0.0):
                 yield f"bodies.{name}.velocity", "a velocity after a static step is not written"
             for side in body.sides:

@@ -329,7 +329,8 @@ def _gravity(scene: Scene, wait: float) -> list[str]:
     for axis, (level, g) in enumerate(zip(rest, after, strict=True)):
         text = _text(g)
         if level != g:
-            text = f"{_text(0.5 * (level + g))}+{_text(0.5 * (g - level))}*sgn(t-{_text(wait)})"
+            sign = "+" if g > level else "-"
+            text = f"{_text(0.5 * (level + g))}{sign}{_text(0.5 * abs(g - level))}*sgn(t-{_text(wait)})"
         lines.append(f"<GridBody{'XYZ'[axis]}Force>{text}</GridBody{'XYZ'[axis]}Force>")
     return ["<Gravity>", *lines, "</Gravity>"]
 

@@ -1,5 +1,6 @@
 """The arena: its scenes, their closed forms and its records."""
 
+import importlib.util
 from pathlib import Path
 
 import numpy as np
@@ -7,9 +8,11 @@ import pytest
 
 from mpmfw.campaigns.measures import exact_of, measure_of
 from mpmfw.plugin.measure import About
+from mpmfw.report.records import _problem, read_records
 from mpmfw.results.analysis import rolling_solution
-from mpmfw.results.references import declared
+from mpmfw.results.references import declared, scene_of
 from mpmfw.scene import load_scene
+from mpmfw.scene.loading import shipped_scenes
 
 ARENA = Path(__file__).resolve().parents[2] / "docs" / "arena"
 SCENES = sorted((ARENA / "scenes").glob("*.toml"))
@@ -51,3 +54,24 @@ def test_a_block_stops_where_its_energy_is_spent():
     assert exact.at(np.zeros(1))[0] == pytest.approx(0.8**2 / (2.0 * 0.3 * 10.0))
     assert exact_of(measure_of("end-displacement"), scene, About(axis="y")) is None
     assert exact_of(measure_of("spin"), scene, About()) is None
+
+
+def test_records_are_of_scenes_that_exist():
+    """The schema is checked as they are read; the hash says that the problem has not changed since."""
+    records = read_records(ARENA / "records")
+    known = set()
+    for source in (*shipped_scenes(), *SCENES):
+        scene = load_scene(source)
+        known.add((_problem(scene, scene_of({"scene": scene.text})["materials"]), scene.title))
+    assert {(record.problem, record.scene) for record in records} <= known
+    assert len({record.problem for record in records}) >= 12
+    codes = {record.code.split()[0] for record in records}
+    assert codes == {"mpmfw", "Newton", "NairnMPM", "CalculiX"}
+
+
+def test_the_page_has_the_table_of_its_records():
+    spec = importlib.util.spec_from_file_location("make_arena", ARENA.parent / "make_arena.py")
+    made = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(made)
+    page = (ARENA.parent / "arena.md").read_text(encoding="utf-8")
+    assert made.rows(read_records(ARENA / "records")) in page, "python docs/make_arena.py"

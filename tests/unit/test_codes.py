@@ -316,6 +316,13 @@ REFUSED_BY_CALCULIX = {
 }
 
 
+def test_a_disc_that_can_roll_away_is_not_settled_by_calculix():
+    (problem,) = Calculix().problems(load_scene("rolling-cylinder-slip"))
+    assert problem.key == "settle"
+    assert "'cylinder' can roll away" in problem.message
+    assert not Calculix().problems(load_scene("rolling-cylinder-slip", set={"settle": None}))
+
+
 @pytest.mark.parametrize("key", REFUSED_BY_CALCULIX)
 def test_what_calculix_cannot_do_is_refused_by_its_key(key):
     name, changes = REFUSED_BY_CALCULIX[key]

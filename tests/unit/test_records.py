@@ -11,7 +11,8 @@ import mpmfw
 from command_line import called
 from mpmfw.api import Boundary
 from mpmfw.errors import SceneError
-from mpmfw.report.records import Record, _problem, ranked, read_records, write_records
+from mpmfw.plots.records import dots
+from mpmfw.report.records import Record, _problem, dots_of, ranked, read_records, write_records
 from mpmfw.scene import load_scene
 from msh_files import write_msh
 from scenes_for_tests import SOFT, block, one_body, two_blocks, with_changes
@@ -197,13 +198,54 @@ def test_a_share_is_compared_with_per_cent():
     assert [row["method"] for row in rows] == ["5 %", "10 %", "20 %"]
 
 
+def test_a_figure_has_the_errors_and_the_cost_of_each_record():
+    cells = {"settings": {"grid.cell_size": 0.4}}
+    records = [
+        record(
+            "fine",
+            2.0,
+            displacement_error=-3.0,
+            force_error_100us=0.1,
+            spin_error=-20.0,
+            settings={"grid.cell_size": 0.2},
+        ),
+        record("fine", 1.0, displacement_error=-4.0, spin_error=0.0, **cells),
+        record("failed", 1.0, "suspect: energy grew", displacement_error=1.0, **cells),
+        record("bare", 3.0, **cells),
+    ]
+    found = dots_of(records)
+    assert [dot[:3] for dot in found] == [("s", 0.4, "bare"), ("s", 0.4, "fine"), ("s", 0.2, "fine")]
+    assert found[1][3:] == ("c", 4.0, 0.0, 1.0)
+    assert found[2][3:] == ("c", pytest.approx(10.0), 20.0, 2.0)
+    assert np.isnan(found[0][4:6]).all()
+    figure = dots(found)
+    motion, spin, cost = (
+        [line.get_xdata()[0] for line in axes.lines if line.get_marker() == "o"] for axes in figure.axes
+    )
+    assert motion[1:] == pytest.approx([4.0, 10.0])
+    assert spin[1:] == pytest.approx([0.01, 20.0])  # at the edge, as a logarithm has no zero
+    assert cost == [3.0, 1.0, 2.0]
+    assert [tick.get_text() for tick in figure.axes[0].get_yticklabels()] == [
+        "s, h\u00a0=\u00a00.4\u00a0m",
+        "h\u00a0=\u00a00.2\u00a0m",
+    ]
+
+
+def test_rank_draws_records(folder, tmp_path):
+    given = ["rank", "--records", folder, "-o", tmp_path / "x.png"]
+    called(*given)
+    assert (tmp_path / "x.png").read_bytes()[1:4] == b"PNG"
+    assert "x.png" in called(*given, status=2).stderr
+    called(*given, "--force")
+
+
 def test_rank_prints_records_or_says_what_it_needs(folder):
     done = called("rank", "--records", folder, "--format", "json")
     assert {row["method"] for row in json.loads(done.stdout)} == {"penalty"}
     called("rank", status=2)
     given = ["--by", "contact", "--levels", "1%", "--force", "-o", "x.png", "--body", "a"]
     refused = called("rank", "--records", folder, *given, status=2)
-    said = "--by, --levels, --body, --output, --force: has no effect with --records"
+    said = "--by, --levels, --body: has no effect with --records"
     assert said in " ".join(refused.stderr.split())
 
 

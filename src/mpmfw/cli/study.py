@@ -211,17 +211,19 @@ def rank(
     """Rank the methods of studies by the problems that they solve, and by their cost.
 
     Of every method the cheapest run counts that reaches a level. With --output a figure (PNG, PDF or SVG):
-    the share of problems and levels that each method solves within a cost.
+    the share of problems and levels that each method solves within a cost; of records, errors and costs.
     """
     if (records is None) != bool(results):
         raise SceneError("RESULTS: expected files of mpmfw study, or --records FOLDER")
     if records is not None:
         default = context.get_parameter_source("results")  # they are not given
-        others = ("by", "levels", "body", "pair", "axis", "output", "force")
+        others = ("by", "levels", "body", "pair", "axis")
         given = [f"--{name}" for name in others if context.get_parameter_source(name) != default]
         if given:
             raise SceneError(f"{', '.join(given)}: has no effect with --records; leave it out")
-        _print_records(records, form)
+        _show_records(
+            records, form, None if output is None else args.new_path(args.figure_path(output), force)
+        )
         return
     assert results is not None
     from mpmfw.studies import ranking
@@ -257,15 +259,23 @@ def rank(
         typer.echo(str(output), err=form is not Format.table)
 
 
-def _print_records(folder: Path, form: Format) -> None:
-    from mpmfw.report.records import ranked, read_records
+def _show_records(folder: Path, form: Format, output: Path | None) -> None:
+    """Print records, and draw their figure."""
+    from mpmfw.report.records import dots_of, ranked, read_records
 
-    scenes = ranked(read_records(folder))
+    records = read_records(folder)
+    scenes = ranked(records)
     if form is not Format.table:
         write_rows([{"scene": scene} | row for scene, rows in scenes.items() for row in rows], form)
-        return
-    for scene, rows in scenes.items():
-        heads = {
-            name: name.replace("_", "\n") for name in dict.fromkeys(name for row in rows for name in row)
-        }
-        print_table(rows, heads, labels=("method", "shape"), words=("code", "status", "machine"), title=scene)
+    else:
+        words = ("code", "status", "machine")
+        for scene, rows in scenes.items():
+            names = dict.fromkeys(name for row in rows for name in row)
+            heads = {name: name.replace("_", "\n") for name in names}
+            print_table(rows, heads, labels=("method", "shape"), words=words, title=scene)
+    if output is not None:
+        from mpmfw.plots import write_figure
+        from mpmfw.plots.records import dots
+
+        write_figure(dots(dots_of(records)), output)
+        typer.echo(str(output), err=form is not Format.table)

@@ -140,12 +140,34 @@ def ranked(records: Sequence[Record]) -> dict[str, list[dict[str, Any]]]:
     return {f"{same[0].scene} ({problem})": _rows(same) for problem, same in problems.items()}
 
 
+def dots_of(records: Sequence[Record]) -> list[tuple[str, float, str, str, float, float, float]]:
+    """Return scene, cell size [m], method, code, errors of motion and spin [%] and CPU time [s], if ok."""
+
+    def order(one: Record) -> tuple[str, float, bool, str]:
+        return one.scene, -float(one.settings["grid.cell_size"]), not one.code.startswith("mpmfw"), one.method
+
+    found = []
+    for record in sorted((one for one in records if one.status == "ok"), key=order):
+        errors, cost = _errors(record), record.figures.get("cpu_time", math.nan)
+        spin, motion = errors.pop("spin_error", math.nan), max(errors.values(), default=math.nan)
+        cell, code = float(record.settings["grid.cell_size"]), record.code.split()[0]
+        found.append((record.scene, cell, record.method, code, motion, spin, cost))
+    return found
+
+
+def _errors(record: Record) -> dict[str, float]:
+    """Return the sizes of a record's errors [%]."""
+    names = (name for name in record.figures if "_error" in name)
+    return {
+        name: abs((100.0 if column_of(name).unit == "1" else 1.0) * record.figures[name]) for name in names
+    }
+
+
 def _rows(records: Sequence[Record]) -> list[dict[str, Any]]:
-    names = {name for record in records for name in record.figures if "_error" in name}
-    scales = {name: 100.0 if column_of(name).unit == "1" else 1.0 for name in names}  # to per cent
+    names = {name for record in records for name in _errors(record)}
 
     def order(record: Record) -> tuple[bool, float, float]:
-        errors = [abs(scale * record.figures.get(name, math.inf)) for name, scale in scales.items()]
+        errors = [_errors(record).get(name, math.inf) for name in names]
         return record.status != "ok", max(errors, default=math.inf), record.figures.get("cpu_time", math.inf)
 
     return [
