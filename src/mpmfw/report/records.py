@@ -149,7 +149,8 @@ def dots_of(records: Sequence[Record]) -> list[tuple[str, float, str, str, float
     found = []
     for record in sorted((one for one in records if one.status == "ok"), key=order):
         errors, cost = _errors(record), record.figures.get("cpu_time", math.nan)
-        spin, motion = errors.pop("spin_error", math.nan), max(errors.values(), default=math.nan)
+        spin = errors.pop("spin_error", math.nan)
+        motion = max((each for name, each in errors.items() if "force" not in name), default=math.nan)
         cell, code = float(record.settings["grid.cell_size"]), record.code.split()[0]
         found.append((record.scene, cell, record.method, code, motion, spin, cost))
     return found
