@@ -12,7 +12,7 @@ from command_line import called
 from mpmfw.api import Boundary
 from mpmfw.errors import SceneError
 from mpmfw.plots.records import dots
-from mpmfw.report.records import Record, _problem, dots_of, ranked, read_records, write_records
+from mpmfw.report.records import Record, _given, _problem, dots_of, ranked, read_records, write_records
 from mpmfw.scene import load_scene
 from msh_files import write_msh
 from scenes_for_tests import SOFT, block, one_body, two_blocks, with_changes
@@ -116,6 +116,13 @@ def test_a_mesh_counts_by_its_content(tmp_path):
         return _problem(load_scene(scene), {})
 
     assert hashed("a.msh", 1.0) == hashed("b.msh", 1.0) != hashed("a.msh", 1.25)
+
+
+def test_keys_of_later_versions_that_are_off_leave_the_problem():
+    tables = {"a": 0.0, "b": {"c": [0, 0], "d": True}}
+    later = {**tables, "b": {**tables["b"], "new": None, "switch": False}, "table": {"inner": {}}, "list": []}
+    assert _given(later) == tables
+    assert _given({**later, "b": {**later["b"], "switch": True}}) != tables
 
 
 def test_the_problem_is_the_same_for_all_methods_and_cells():

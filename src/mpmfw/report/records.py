@@ -186,7 +186,8 @@ def _cleaned(value: Any) -> Any:
 
 
 def _problem(scene: Scene, materials: Mapping[str, Any]) -> str:
-    """Return a hash of the scene's meaning without methods and names; materials of code count as written."""
+    """Return a hash of the scene's meaning without methods, names and what is off, so that keys of later
+    versions do not change it; materials of code count as written."""
     tables, meshes = meaning_of(scene, {}).values()
     for name, body in tables["bodies"].items():
         own = {"material": tables["materials"].get(body["material"])}
@@ -199,7 +200,15 @@ def _problem(scene: Scene, materials: Mapping[str, Any]) -> str:
     tables["settle"] = scene.settle and [tables["settle"]["gravity"]]
     for group in ("loads", "boundaries"):
         tables[group] = sorted(json.dumps(one, sort_keys=True) for one in tables[group].values())
-    return _hash([{key: tables[key] for key in tables if key not in _METHODS}, meshes])
+    return _hash([_given({key: tables[key] for key in tables if key not in _METHODS}), meshes])
+
+
+def _given(value: Any) -> Any:
+    """Return tables without keys that are None, false or empty."""
+    if not isinstance(value, Mapping):
+        return value
+    tables = {key: _given(one) for key, one in value.items()}
+    return {key: one for key, one in tables.items() if one is not False and one not in (None, {}, [], ())}
 
 
 def _hash(content: Any) -> str:
