@@ -9,7 +9,7 @@ import re
 from sphinx.application import Sphinx
 
 #: Pages below a page, as a pattern from the page's own folder.
-BELOW = {"docs/decisions/README": "0*", "validation/README": "*/README", "validation/hard/README": "*/README"}
+BELOW = {"validation/README": "*/README", "validation/hard/README": "*/README"}
 
 #: A link to an example's script, or to the gallery's list, leads to what was built of it.
 SCRIPT = re.compile(r"\]\(((?:\.\./)?)gallery/(\w+)\.(?:py|txt)\)")
