@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from mpmfw.paraview import export
     from mpmfw.plots import animate
     from mpmfw.results import open
-    from mpmfw.results.notebook import field, gap, history, pareto, table
+    from mpmfw.results.fields import field
+    from mpmfw.results.notebook import gap, history, pareto, table
     from mpmfw.results.selection import difference, select
     from mpmfw.runs.run import resume, run
     from mpmfw.runs.simulation import Simulation
@@ -40,7 +41,7 @@ _MODULES = {
     "compare": "mpmfw.campaigns.campaign",
     "difference": "mpmfw.results.selection",
     "export": "mpmfw.paraview",
-    "field": "mpmfw.results.notebook",
+    "field": "mpmfw.results.fields",
     "gap": "mpmfw.results.notebook",
     "history": "mpmfw.results.notebook",
     "load_scene": "mpmfw.scene",

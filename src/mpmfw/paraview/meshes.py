@@ -12,6 +12,7 @@ import xarray as xr
 
 from mpmfw.errors import SceneError
 from mpmfw.results.domains import Corners, facets_of, loops, surfaces_of
+from mpmfw.results.fields import carried_areas
 from mpmfw.results.selection import frame_of
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 
@@ -131,20 +132,15 @@ def contact_fields(
 ) -> dict[str, xr.DataArray]:
     """Split the contact forces on the nodes of a surface in space into pressure and friction.
 
-    ``pressure`` is −f·n/A (s,) [Pa], with A n the sum of thirds of the area vectors of a node's triangles.
+    ``pressure`` is −f·n/A (s,) [Pa], as :func:`.carried_areas` gives A and n.
     ``friction_share`` is |f − (f·m) m|/(−f·m), NaN where nothing presses; a node slips where it reaches μ.
     There m is n, and inside another body, at a negative ``gap`` (s,) [m], the mean of n and of that body's
     normal ``other`` (s, 3). Nothing in the plane, without forces or without another surface.
     """
     if facets.shape[1] != 3 or "force" not in frame or other is None:
         return {}
-    force, corners = np.asarray(frame["force"].values, dtype=float), position[facets]
-    third = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 6.0
-    area = np.zeros_like(position)
-    for corner in facets.T:
-        np.add.at(area, corner, third)
-    size = np.linalg.norm(area, axis=1)
-    normal = area / size[:, np.newaxis]
+    force = np.asarray(frame["force"].values, dtype=float)
+    size, normal = carried_areas(force, position, facets)
     pressing = -(force * normal).sum(axis=1)
     mean = normal - np.where(gap < 0.0, 1.0, 0.0)[:, np.newaxis] * other
     mean /= np.maximum(np.linalg.norm(mean, axis=1, keepdims=True), 1e-12)

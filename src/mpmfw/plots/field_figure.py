@@ -15,6 +15,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from mpmfw.errors import SceneError
+from mpmfw.plots.contact_figure import contact_figure
 from mpmfw.plots.field_panel import Box, FieldPanel, Scales
 from mpmfw.plots.plane_cut import plane_cut
 from mpmfw.plots.space import SpacePanel
@@ -28,6 +29,7 @@ from mpmfw.plots.style import (
     readable,
     with_prefix,
 )
+from mpmfw.results.point_fields import CONTACT_FIELDS
 from mpmfw.results.selection import Results, frame_at, opened, opened_run, runs_of
 from mpmfw.state.fields import FloatArray
 
@@ -57,13 +59,14 @@ def field(
     results
         A run or a comparison, or the name of its file.
     name
-        ``von_mises``, ``velocity`` (its size), ``velocity_x``, ``stress_xy``, ``volume_ratio`` …
+        ``von_mises``, ``velocity`` (its size), ``velocity_x``, ``stress_xy``, ``volume_ratio`` …; or
+        ``contact_pressure``, ``contact_traction`` …, along the surfaces that touch, in 3D on them
     time
         [s]; the nearest output is drawn, the last one by default.
     bodies
         Only these bodies.
     limits
-        Ends of the colour scale [SI]; the least and the largest value by default.
+        Ends of the scale [SI]; the least and the largest value by default.
     arrows
         Draw the contact force on every surface node (2D).
     plane
@@ -79,7 +82,10 @@ def field(
     with labelled(results, against=against, name=name) as trees:
         drawn = name if against is None else f"{name}_difference"
         tree = trees.get("")
-        if tree is None or tree.sizes.get("axis") != 3:
+        on_nodes = name.startswith(CONTACT_FIELDS)
+        if on_nodes and plane is not None:
+            raise SceneError(f"plane: has no effect on {name}")
+        if on_nodes or tree is None or tree.sizes.get("axis") != 3:
             if plane is not None and tree is None:
                 raise SceneError("plane: has no effect on a comparison; mpmfw.select gives one run of it")
             if plane is not None:
@@ -102,6 +108,10 @@ def side_by_side(
 ) -> Figure:
     """Draw a field of several runs under one colour scale; the rest is as of :func:`field`."""
     with labelled(results) as trees:
+        if name.startswith(CONTACT_FIELDS):
+            if arrows:
+                raise SceneError(f"arrows: have no effect on {name}")
+            return contact_figure(trees, name, time, bodies, limits)
         frames = {label: [frame_at(tree, time)] for label, tree in trees.items()}
         drawing = Drawing(trees, name, frames, bodies, limits, arrows=arrows)
         for label in trees:

@@ -7,21 +7,13 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Concatenate, ParamSpec, TypeVar
 
 import xarray as xr
 
 from mpmfw.errors import SceneError
-from mpmfw.results.point_fields import point_field
-from mpmfw.results.selection import (
-    Results,
-    bodies_of,
-    checked_name,
-    frame_at,
-    frame_of,
-    opened_run,
-    series_of,
-)
+from mpmfw.results.fields import field
+from mpmfw.results.selection import Results, checked_name, series_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -74,45 +66,6 @@ def gap(results: Results, pair: str | None = None) -> xr.DataArray:
     was not recorded, or there is no such pair.
     """
     return history(results, "min_gap", pair=pair)
-
-
-def field(
-    results: Results, name: str = "von_mises", *, time: float | None = None, body: str | None = None
-) -> xr.DataArray:
-    """Return a scalar field on the material points of a run at one output.
-
-    Parameters
-    ----------
-    results
-        A tree or a file.
-    name
-        ``von_mises``, ``velocity`` (its size), ``velocity_x``, ``stress_xy`` …
-    time
-        [s]; the nearest output, the last one by default.
-    body
-        All bodies by default.
-
-    Returns
-    -------
-    xarray.DataArray
-        Over ``particle``, with the coordinates ``x``, ``y`` (and ``z``) [m], ``body`` and ``time``.
-
-    Raises
-    ------
-    SceneError
-        There is no such field, body or time, or the run keeps no material points.
-    """
-    with opened_run(results) as tree:
-        index, parts = frame_at(tree, time), []
-        for one in bodies_of(tree, body):
-            frame = frame_of(tree, f"particles/{one}", index)
-            position = frame["position"].values.astype(float)
-            coords: dict[str, Any] = {
-                axis: ("particle", x, {"units": "m"}) for axis, x in zip("xyz", position.T, strict=False)
-            }
-            names = ("particle", [one] * len(position))
-            parts.append(point_field(frame, name).assign_coords(body=names, time=frame["time"], **coords))
-    return xr.concat(parts, "particle")
 
 
 def table(comparison: Results) -> pd.DataFrame:

@@ -12,6 +12,8 @@ from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import did_you_mean
 from mpmfw.state.fields import FloatArray
 
+#: Fields of surface nodes that follow from contact forces, see :mod:`mpmfw.results.fields`.
+CONTACT_FIELDS = ("contact_pressure", "contact_traction")
 #: Labels of fields that are not their names with spaces.
 _WORDS = {"von_mises": "von Mises stress"}
 
@@ -33,7 +35,10 @@ def point_field(points: xr.Dataset, name: str) -> xr.DataArray:
     """
     parts = point_fields(points)
     if name not in parts:
-        raise SceneError(f"no field '{name}'; {did_you_mean(name, list(parts))}")
+        if name in CONTACT_FIELDS:
+            why = "is on surface nodes; mpmfw.field and the command plot give it of runs"
+            raise SceneError(f"field '{name}' {why}; expected a field of material points")
+        raise SceneError(f"no field '{name}'; {did_you_mean(name, {*parts, *CONTACT_FIELDS})}")
     part = parts[name]
     stored = points[part.array]
     values = part.of(stored.values.astype(float))

@@ -86,7 +86,7 @@ class PressedBlocks:
 Reference = RollingReference | SlidingReference | RingsReference | PressedBlocks
 
 
-def scene_of(attributes: Mapping[str, Any]) -> dict[str, Any]:
+def scene_of(attributes: Mapping[Any, Any]) -> dict[str, Any]:
     """Parse the scene of a result; empty if there is none."""
     text = attributes.get("scene")
     if not isinstance(text, str):
