@@ -3,29 +3,35 @@
 import base64
 import html
 import re
+import sys
 
 import numpy as np
 import pytest
 
 import mpmfw
+from mpmfw.errors import SceneError
 from mpmfw.report import write_report
 from mpmfw.report.differences import Difference
 from mpmfw.report.summary import of_comparison
-from scenes_for_tests import ball_on_a_box
+from scenes_for_tests import ball_on_a_box, two_blocks
+
+
+EVIL = "<script>alert(1)</script><img src=x onerror=alert(1)> {{ 7*6 }}"
 
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
     path = tmp_path_factory.mktemp("looking") / "run.nc"
-    mpmfw.run(ball_on_a_box() | {"title": "<script>alert(1)</script>"}, output=path)
+    mpmfw.run(ball_on_a_box() | {"title": EVIL}, output=path)
     return path
 
 
 def test_the_page_of_a_run_has_pictures_before_its_scene_and_is_escaped(run, tmp_path):
     write_report(run, tmp_path / "run.html")
     page = (tmp_path / "run.html").read_text(encoding="utf-8")
-    assert html.escape("<script>alert(1)</script>") in page
+    assert html.escape(EVIL) in page
     assert "<script>alert(1)" not in page
+    assert "<img src=x" not in page
     pictures = re.search(r"slides=(\[.*?\]),part", page)
     shown = [base64.b64decode(text) for text in re.findall(r'"([^"]+)"', pictures[1])]
     assert len(shown) == 3
@@ -56,7 +62,7 @@ def test_a_film_in_space_moves(run, tmp_path):
         assert np.abs(first - np.asarray(film.convert("RGB"), dtype=int)).max() > 50
 
 
-def test_a_view_follows_its_controls_and_is_served_to_this_computer_alone(run, monkeypatch):
+def test_a_view_follows_its_controls_and_is_served_to_this_computer_alone(run, monkeypatch, capsys):
     pytest.importorskip("trame")
     from mpmfw.plots import viewer
 
@@ -72,10 +78,54 @@ def test_a_view_follows_its_controls_and_is_served_to_this_computer_alone(run, m
     tree = mpmfw.open(run)
     viewer.view(tree, "velocity_x", open_browser=False)
     assert served["host"] == "127.0.0.1"
+    assert served["timeout"] == 0  # else it ends minutes after its last page is closed
+    assert served["show_connection_info"] is False
     page = pages[0]
+    page.server.controller.on_server_ready()
+    assert capsys.readouterr().out == f"http://127.0.0.1:{page.server.port}/ shows the run until Ctrl-C\n"
     last = tree["surface/ball"]["position"].values[-1]
     np.testing.assert_allclose(page.view.meshes["ball"].points, last)
     start = tree["surface/ball"]["position"].values[0]
     page.view.show("velocity_x", 2, (-1.0, 1.0), deformation=10.0, largest_force=1.0)
     np.testing.assert_allclose(page.view.meshes["ball"].points, start + 10.0 * (last - start), atol=1e-5)
     assert "forces" in page.view.plotter.actors
+
+
+def test_a_view_shows_texts_of_the_file_as_text(run):
+    pytest.importorskip("trame")
+    from mpmfw.plots.viewer import Viewer
+
+    tree, field = mpmfw.open(run), EVIL.replace("/", "")
+    for points in tree["particles"].children.values():
+        points[field] = points["von_mises"].assign_attrs(units=EVIL)
+    state = Viewer(tree, field).server.state
+    assert state.title == EVIL
+    assert field in state.fields
+    assert field in state.caption
+    assert EVIL in state.caption
+    template = state.trame__template_main
+    assert "{{ title }}" in template
+    assert "alert" not in template
+    assert "7*6" not in template
+
+
+@pytest.mark.parametrize("library", ["pyvista", "trame.app"])
+def test_a_view_names_the_one_extra_that_it_needs(run, monkeypatch, library):
+    from mpmfw.plots.viewer import view
+
+    monkeypatch.setitem(sys.modules, library, None)
+    with pytest.raises(SceneError, match=rf"{library} is missing: pip install 'mpmfw\[view\]'"):
+        view(run)
+
+
+def test_a_view_of_another_file_says_what_the_file_is(tmp_path):
+    pytest.importorskip("trame")
+    from mpmfw.plots.viewer import view
+
+    scene = two_blocks("penalty", time={"end": 1e-3, "output_interval": 1e-3})
+    mpmfw.compare(scene, ["none", "penalty"], ["linear"], output=tmp_path / "two.nc")
+    with pytest.raises(SceneError, match=r"two\.nc: expected results of one run, not of kind 'compare'; .*select"):
+        view(tmp_path / "two.nc")
+    mpmfw.run(scene | {"output": {"particles": False}}, output=tmp_path / "bare.nc")
+    with pytest.raises(SceneError, match=r"bare\.nc: the run stored no material points"):
+        view(tmp_path / "bare.nc")

@@ -29,9 +29,10 @@ class Viewer:
         self.server = app.get_server("mpmfw", client_type="vue3")
         state = self.server.state
         state.update({"frame": len(self._frames) - 1, "field": field, "deformation": 1.0, "arrows": False})
+        state.title = str(tree.attrs.get("title") or "mpmfw")  # as text: a template would run what is in it
         state.fields, state.caption = list(self._labels), ""
         with page(self.server) as layout:
-            layout.title.set_text(str(tree.attrs.get("title") or "mpmfw"))
+            layout.title.set_text("{{ title }}")
             with layout.toolbar:
                 plain = {"hide_details": True, "density": "compact", "style": "max-width: 14em"}
                 widgets.VSelect(v_model=("field",), items=("fields",), **plain)
@@ -71,20 +72,24 @@ class Viewer:
 def view(
     results: Results, field: str = "von_mises", *, every: int = 1, port: int = 0, open_browser: bool = True
 ) -> None:
-    """Serve a page with a run at the loopback address until it is interrupted.
+    """Serve a page with a run at the loopback address until it is interrupted; print the address.
 
     It begins with ``field`` and has each ``every``-th output; port 0 takes a free one. A SceneError names the
     library that is missing, or the fields if there is no such field.
     """
     with opened_run(results) as tree:
-        viewer = Viewer(tree, field, every)
-        viewer.server.start(host="127.0.0.1", port=port, open_browser=open_browser)
+        server = Viewer(tree, field, every).server
+        server.controller.on_server_ready.once(
+            lambda **_: print(f"http://127.0.0.1:{server.port}/ shows the run until Ctrl-C", flush=True)
+        )
+        options = {"timeout": 0, "show_connection_info": False}
+        server.start(host="127.0.0.1", port=port, open_browser=open_browser, **options)
 
 
 def _libraries() -> tuple[Any, ...]:
-    names = ("trame.app", "trame.widgets.vuetify3", "trame.widgets.vtk", "trame.ui.vuetify3")
+    names = ("pyvista", "trame.app", "trame.widgets.vuetify3", "trame.widgets.vtk", "trame.ui.vuetify3")
     try:
-        app, widgets, vtk, page = map(importlib.import_module, names)
+        _, app, widgets, vtk, page = map(importlib.import_module, names)
     except ImportError as error:
         raise SceneError(f"view: {error.name} is missing: pip install 'mpmfw[view]'") from error
     return app, widgets, vtk, page.SinglePageLayout

@@ -95,6 +95,7 @@ def read(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree | x
         dataset.close()
         raise MpmfwError(f"cannot read '{name}': {error}{_how_to_go_on(name)}") from error
     results = tree if tree.children or tree.attrs.get("kind") == "run" else tree.to_dataset()
+    results.encoding["source"] = name  # as xarray does
     if lazy:
         _OPEN.add(dataset)
 

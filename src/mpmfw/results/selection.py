@@ -45,10 +45,15 @@ def opened_run(results: Results) -> Iterator[xr.DataTree]:
     """Context with the tree of one run."""
     with opened(results) as found:
         if not isinstance(found, xr.DataTree):
-            where = f"{os.fspath(results)}: " if isinstance(results, str | os.PathLike) else ""
             kind = str(found.attrs.get("kind", "")) or "unknown"
-            raise SceneError(f"{where}results of kind '{kind}' keep no frames; expected those of a run")
+            how = "; mpmfw.select takes one run of a comparison" if kind == "compare" else ""
+            raise SceneError(f"{_source(found)}expected results of one run, not of kind '{kind}'{how}")
         yield found
+
+
+def _source(results: xr.DataTree | xr.Dataset) -> str:
+    """Return the name of the file with a colon, or nothing."""
+    return f"{results.encoding['source']}: " if "source" in results.encoding else ""
 
 
 def points_of(dataset: xr.Dataset, dims: Iterable[Hashable]) -> Iterator[tuple[dict[str, Any], xr.Dataset]]:
@@ -81,7 +86,7 @@ def bodies_of(tree: xr.DataTree, selection: str | Sequence[str] | None = None) -
     present = [str(name) for name in order if name in groups and groups[name].data_vars]
     if not present:
         why = "the run stored no material points; run it with output.particles = true"
-        raise SceneError(str(tree.attrs.get("fields", why)))
+        raise SceneError(f"{_source(tree)}{tree.attrs.get('fields', why)}")
     if selection is None:
         return present
     names = [selection] if isinstance(selection, str) else list(selection)
