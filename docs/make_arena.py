@@ -6,8 +6,8 @@ import math
 import statistics
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
 
+from mpmfw.plots.records import Dot
 from mpmfw.report.records import Record, dots_of, read_records
 
 RECORDS = Path(__file__).parent / "arena" / "records"
@@ -18,31 +18,31 @@ HEAD = """| method | runs | motion [%] | spin [%] | noise [%] | gap [% of h] | l
 
 def rows(records: Sequence[Record]) -> str:
     """Return a row for each method: medians, and the worst error in brackets."""
-    dots: dict[str, list[Any]] = {}
+    dots: dict[str, list[Dot]] = {}
     figures: dict[str, list[dict[str, float]]] = {}
     for dot in dots_of(records):
-        dots.setdefault(dot[2], []).append(dot)
+        dots.setdefault(dot.method, []).append(dot)
     for record in records:
         if record.status == "ok":
             figures.setdefault(record.method, []).append(record.figures)
-    base = {dot[:2]: dot[6] for dot in dots["penalty"]}
+    base = {dot.row: dot.cpu_time for dot in dots.get("penalty", []) if dot.cpu_time > 0.0}
     lines = [HEAD]
-    for method in sorted(dots, key=lambda name: (dots[name][0][3] != "mpmfw", name)):
+    for method in sorted(dots, key=lambda name: (dots[name][0].code != "mpmfw", name)):
         own, seen = dots[method], figures[method]
         cells = [method.replace(", ", ",<br>"), str(len(own))]
-        for k in (4, 5):
-            values = [dot[k] for dot in own if not math.isnan(dot[k])]
+        for errors in ([dot.motion for dot in own], [dot.spin for dot in own]):
+            values = [error for error in errors if not math.isnan(error)]
             cells.append(f"{statistics.median(values):.3g} ({max(values):.3g})" if values else "–")
         for name, scale in (("force_noise", 1.0), ("gap", 100.0), ("dissipation", 1.0)):
             cells.append(_median(scale * one[name] for one in seen if name in one))
-        cells.append(_median(dot[6] / base[dot[:2]] for dot in own if dot[:2] in base))
+        cells.append(_median(dot.cpu_time / base[dot.row] for dot in own if dot.row in base))
         lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines)
 
 
 def _median(values: Iterable[float]) -> str:
     known = [value for value in values if not math.isnan(value)]
-    return f"{statistics.median(known):.2f}" if known else "–"
+    return f"{round(statistics.median(known), 2) + 0.0:.2f}" if known else "–"  # no -0.00
 
 
 if __name__ == "__main__":

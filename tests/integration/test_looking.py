@@ -15,7 +15,6 @@ from mpmfw.report.differences import Difference
 from mpmfw.report.summary import of_comparison
 from scenes_for_tests import ball_on_a_box, two_blocks
 
-
 EVIL = "<script>alert(1)</script><img src=x onerror=alert(1)> {{ 7*6 }}"
 
 
@@ -124,7 +123,9 @@ def test_a_view_of_another_file_says_what_the_file_is(tmp_path):
 
     scene = two_blocks("penalty", time={"end": 1e-3, "output_interval": 1e-3})
     mpmfw.compare(scene, ["none", "penalty"], ["linear"], output=tmp_path / "two.nc")
-    with pytest.raises(SceneError, match=r"two\.nc: expected results of one run, not of kind 'compare'; .*select"):
+    with pytest.raises(
+        SceneError, match=r"two\.nc: expected results of one run, not of kind 'compare'; .*select"
+    ):
         view(tmp_path / "two.nc")
     mpmfw.run(scene | {"output": {"particles": False}}, output=tmp_path / "bare.nc")
     with pytest.raises(SceneError, match=r"bare\.nc: the run stored no material points"):

@@ -1,6 +1,5 @@
 """The arena: its scenes, their closed forms and its records."""
 
-import importlib.util
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +12,7 @@ from mpmfw.results.analysis import rolling_solution
 from mpmfw.results.references import declared
 from mpmfw.scene import load_scene
 from mpmfw.scene.loading import shipped_scenes
+from python_files import module_of
 
 ARENA = Path(__file__).resolve().parents[2] / "docs" / "arena"
 SCENES = sorted((ARENA / "scenes").glob("*.toml"))
@@ -68,8 +68,6 @@ def test_records_are_of_scenes_as_they_are():
 
 
 def test_the_page_has_the_table_of_its_records():
-    spec = importlib.util.spec_from_file_location("make_arena", ARENA.parent / "make_arena.py")
-    made = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(made)
     page = (ARENA.parent / "arena.md").read_text(encoding="utf-8")
-    assert made.rows(read_records(ARENA / "records")) in page, "python docs/make_arena.py"
+    table = module_of(ARENA.parent / "make_arena.py").rows(read_records(ARENA / "records"))
+    assert table in page, "python docs/make_arena.py"

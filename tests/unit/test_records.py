@@ -1,7 +1,9 @@
 """Records of comparisons: written, read, refused and ranked."""
 
 import json
+import math
 import os
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,12 +13,16 @@ import mpmfw
 from command_line import called
 from mpmfw.api import Boundary
 from mpmfw.errors import SceneError
+from mpmfw.plots import write_figure
 from mpmfw.plots.records import dots
 from mpmfw.report.records import Record, _given, _problem, dots_of, ranked, read_records, write_records
 from mpmfw.scene import load_scene
 from msh_files import write_msh
+from python_files import module_of
 from scenes_for_tests import SOFT, block, one_body, two_blocks, with_changes
 
+ARENA_TABLE = module_of(Path(__file__).resolve().parents[2] / "docs" / "make_arena.py")
+CELL = {"grid.cell_size": 0.4}
 SLIP = "rolling-cylinder-slip-rigid"
 
 
@@ -145,14 +151,22 @@ def test_the_problem_is_the_same_for_all_methods_and_cells():
         ({"figures": {"steps": "many"}}, "'figures.steps': "),
         (None, ": Invalid JSON"),
         ({"more\nlines": 1}, r"'more\nlines': Extra"),
-        ({"settings": {"cpu_time": "x"}}, "'cpu_time' does not name one of the settings"),
-        ({"settings": {"method": "best"}}, "'method' does not name one of the settings"),
-        ({"settings": {"style": "red"}}, "'style' does not name one of the settings"),
+        ({"settings": CELL | {"cpu_time": "x"}}, "'cpu_time' does not name one of the settings"),
+        ({"settings": CELL | {"method": "best"}}, "'method' does not name one of the settings"),
+        ({"settings": CELL | {"style": "red"}}, "'style' does not name one of the settings"),
         ({"figures": {"style": 1.0}}, "'style' does not name one of the figures"),
         ({"figures": {"foo_error": 1.0}}, "'foo_error' does not name one of the figures"),
         ({"code": "\x1b[31mred"}, "'code': String should match pattern"),
-        ({"settings": {"a\x1b[31m": 1.0}}, "String should match pattern"),
+        ({"settings": CELL | {"a\x1b[31m": 1.0}}, "String should match pattern"),
         ({"machine": "x" * 1000}, "'machine': String should have at most"),
+        ({"settings": {}}, "expected a positive number [m], not None"),
+        *(
+            ({"settings": {"grid.cell_size": size}}, f"expected a positive number [m], not {size!r}")
+            for size in ("abc", -1, 0.0, True, math.inf, math.nan)
+        ),
+        ({"code": ""}, "'code': Value error, expected a name, not ''"),
+        ({"method": " "}, "'method': Value error, expected a name, not ' '"),
+        ({"figures": {"cpu_time": -1}}, "'figures': Value error, cpu_time: expected 0 or more, not -1"),
     ],
 )
 def test_a_file_that_is_no_record_gives_one_line(folder, change, said):
@@ -176,11 +190,12 @@ def test_links_pipes_and_large_files_are_refused(folder, tmp_path):
         read_records(tmp_path / "none")
 
 
-def record(method, cost, status="ok", settings=None, **figures):
+def record(method, cost, status="ok", settings=None, machine="m", problem=16 * "0", **figures):
     """A record of a made-up problem."""
-    facts = {"scene": "s", "problem": 16 * "0", "tables": 16 * "0", "shape": "x", "code": "c", "machine": "m"}
+    facts = {"scene": "s", "problem": problem, "tables": 16 * "0", "shape": "x", "code": "c"}
+    facts |= {"machine": machine, "settings": CELL | (settings or {})}
     figures |= {"cpu_time": cost}
-    return Record(**facts, method=method, status=status, settings=settings or {}, figures=figures)
+    return Record(**facts, method=method, status=status, figures=figures)
 
 
 def test_the_largest_error_ranks_then_the_cost():
@@ -206,7 +221,6 @@ def test_a_share_is_compared_with_per_cent():
 
 
 def test_a_figure_has_the_errors_and_the_cost_of_each_record():
-    cells = {"settings": {"grid.cell_size": 0.4}}
     records = [
         record(
             "fine",
@@ -217,15 +231,15 @@ def test_a_figure_has_the_errors_and_the_cost_of_each_record():
             spin_error=-20.0,
             settings={"grid.cell_size": 0.2},
         ),
-        record("fine", 1.0, displacement_error=-4.0, spin_error=0.0, **cells),
-        record("failed", 1.0, "suspect: energy grew", displacement_error=1.0, **cells),
-        record("bare", 3.0, **cells),
+        record("fine", 1.0, displacement_error=-4.0, spin_error=0.0),
+        record("failed", 1.0, "suspect: energy grew", displacement_error=1.0),
+        record("bare", 3.0),
     ]
     found = dots_of(records)
-    assert [dot[:3] for dot in found] == [("s", 0.4, "bare"), ("s", 0.4, "fine"), ("s", 0.2, "fine")]
-    assert found[1][3:] == ("c", 4.0, 0.0, 1.0)
-    assert found[2][3:] == ("c", pytest.approx(10.0), 20.0, 2.0)
-    assert np.isnan(found[0][4:6]).all()
+    assert [(dot.row[2], dot.method) for dot in found] == [(0.4, "bare"), (0.4, "fine"), (0.2, "fine")]
+    assert found[1][2:] == ("c", 4.0, 0.0, 1.0)
+    assert found[2][2:] == ("c", pytest.approx(10.0), 20.0, 2.0)
+    assert np.isnan([found[0].motion, found[0].spin]).all()
     figure = dots(found)
     motion, spin, cost = (
         [line.get_xdata()[0] for line in axes.lines if line.get_marker() == "o"] for axes in figure.axes
@@ -237,6 +251,37 @@ def test_a_figure_has_the_errors_and_the_cost_of_each_record():
         "s, h\u00a0=\u00a00.4\u00a0m",
         "h\u00a0=\u00a00.2\u00a0m",
     ]
+
+
+def test_machines_and_problems_do_not_mix():
+    other = {"machine": "n"}
+    records = [record(name, cost) for name, cost in (("penalty", 1.0), ("lcp", 2.0))]
+    records += [record(name, cost, **other) for name, cost in (("penalty", 10.0), ("lcp", 40.0))]
+    records += [record("lcp", 1.0, **other, problem=16 * "1"), record("none", 1.0, machine="third")]
+    labels = [tick.get_text() for tick in dots(dots_of(records)).axes[0].get_yticklabels()]
+    labels = [" ".join(label.split()) for label in labels]
+    assert labels == [
+        "s (0000000000000000), h = 0.4 m, m",
+        "h = 0.4 m, n",
+        "h = 0.4 m, third",
+        "s (1111111111111111), h = 0.4 m, n",
+    ]
+    table = {line.split(" | ")[0]: line.split(" | ")[-1] for line in ARENA_TABLE.rows(records).splitlines()}
+    assert table["| penalty"] == "1.00 |"
+    assert table["| lcp"] == "3.00 |"  # of 2 and 4, each on its machine
+    assert table["| none"] == "– |"
+
+
+@pytest.mark.parametrize("figures", [{"cpu_time": 0.0}, {}, {"cpu_time": 1.0, "displacement_error": 1e300}])
+def test_every_valid_record_has_a_figure(tmp_path, figures):
+    records = [record("penalty", 1.0).model_copy(update={"figures": figures}), record("lcp", 1.0)]
+    write_figure(dots(dots_of(records)), tmp_path / "x.png")
+    assert "| lcp |" in ARENA_TABLE.rows(records)
+
+
+def test_records_of_failed_runs_alone_have_no_figure():
+    with pytest.raises(SceneError, match="no record is ok"):
+        dots(dots_of([record("penalty", 1.0, "failed")]))
 
 
 def test_rank_draws_records(folder, tmp_path):

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import textwrap
+from collections import Counter
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from mpmfw.errors import SceneError
 from mpmfw.plots.style import Look, dress, entry, journal_style, legend_below, new_figure
 
 #: Least error that is drawn in its place [%].
@@ -17,15 +20,28 @@ LEAST = 0.01
 
 _MARKERS = "osD^vPX"
 
-#: Scene, cell size [m], method, code, and its errors of motion and spin [%] and CPU time [s], or NaN.
-Dot = tuple[str, float, str, str, float, float, float]
+#: Hash of the problem, title of its scene, cell size [m] and processor.
+Row = tuple[str, str, float, str]
+
+
+class Dot(NamedTuple):
+    """Errors and cost of one record; NaN where it lacks one."""
+
+    row: Row
+    method: str
+    code: str
+    motion: float  #: error [%]
+    spin: float  #: error [%]
+    cpu_time: float  #: [s]
 
 
 @journal_style()
 def dots(found: Sequence[Dot]) -> Figure:
-    """Draw a dot for each record: scenes downwards, a colour for each method, a marker for each code."""
-    rows = list(dict.fromkeys(dot[:2] for dot in found))
-    code_of = {dot[2]: dot[3] for dot in found}
+    """Draw a dot for each record: rows downwards, a colour for each method, a marker for each code."""
+    if not found:
+        raise SceneError("no record is ok: there is nothing to draw")
+    rows = list(dict.fromkeys(dot.row for dot in found))
+    code_of = {dot.method: dot.code for dot in found}
     methods, codes = list(code_of), list(dict.fromkeys(code_of.values()))
     colours = Look(xr.Dataset(coords={"contact": methods})).colours
     markers = dict(zip(codes, _MARKERS * len(codes), strict=False))
@@ -33,10 +49,10 @@ def dots(found: Sequence[Dot]) -> Figure:
     panels = figure.subplots(1, 3, sharey=True)
     labels = ("error of the motion [%]", "error of the spin [%]", "CPU time [s]")
     for k, (axes, label) in enumerate(zip(panels, labels, strict=True)):
-        for scene, cell, method, code, *values in found:
+        for row, method, code, *values in found:
             beside = 0.7 * (methods.index(method) / max(len(methods) - 1, 1) - 0.5)
             value = max(values[k], LEAST) if k < 2 else values[k]
-            axes.plot(value, rows.index((scene, cell)) + beside, markers[code], color=colours[method], ms=4.0)
+            axes.plot(value, rows.index(row) + beside, markers[code], color=colours[method], ms=4.0)
         axes.set_xscale("log")
         axes.xaxis.set_major_locator(LogLocator(numticks=6))
         axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
@@ -55,11 +71,16 @@ def dots(found: Sequence[Dot]) -> Figure:
     return figure
 
 
-def _names(rows: Sequence[tuple[str, float]]) -> list[str]:
-    """Return each scene with its cell size; where scenes repeat, the cell size alone."""
-    names, before = [], ""
-    for scene, cell in rows:
-        size = f"h\u00a0=\u00a0{cell:g}\u00a0m"
-        names.append(size if scene == before else textwrap.fill(f"{scene}, {size}", 36))
-        before = scene
+def _names(rows: Sequence[Row]) -> list[str]:
+    """Return each scene with its cell size, where they repeat the cell size alone; processors if several.
+
+    Problems with the title of another have their hash.
+    """
+    names, before, machines = [], "", {row[3] for row in rows}
+    alike = Counter(scene for _, scene in {row[:2] for row in rows})
+    for problem, scene, cell, machine in rows:
+        size = f"h\u00a0=\u00a0{cell:g}\u00a0m" + (f", {machine}" if len(machines) > 1 else "")
+        title = f"{scene} ({problem})" if alike[scene] > 1 else scene
+        names.append(textwrap.fill(size if problem == before else f"{title}, {size}", 36))
+        before = problem
     return names

@@ -11,12 +11,13 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import xarray as xr
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, field_validator
 
 from mpmfw.campaigns.keys import is_numerical
 from mpmfw.campaigns.measures import names_of_measures
 from mpmfw.errors import SceneError
-from mpmfw.report.table import CHOICES, COLUMNS, column_of, method_dims, table
+from mpmfw.plots.records import Dot
+from mpmfw.report.table import CHOICES, COLUMNS, COSTS, column_of, method_dims, table
 from mpmfw.results.references import own_attributes, scene_of, scene_of_results
 from mpmfw.results.replacing import replace_bytes
 from mpmfw.results.selection import points_of
@@ -35,6 +36,15 @@ Text = Annotated[str, Field(max_length=LONGEST, pattern=r"^[^\p{C}\p{Zl}\p{Zp}]*
 Hash = Annotated[str, Field(pattern="^[0-9a-f]{16}$")]
 
 
+def _not_blank(name: str) -> str:
+    if not name.strip():
+        raise ValueError(f"expected a name, not {name!r}")
+    return name
+
+
+Name = Annotated[Text, AfterValidator(_not_blank)]
+
+
 class Record(BaseModel):
     """One result: what was computed, by which method and code, where, and with which figures."""
 
@@ -44,9 +54,9 @@ class Record(BaseModel):
     scene: Text = Field(description="title of the scene")
     problem: Hash = Field(description="hash of what is computed, methods left out")
     tables: Hash = Field(description="hash of the scene's tables, methods included")
-    method: Text = Field(description="contact, or another code with its settings")
+    method: Name = Field(description="contact, or another code with its settings")
     shape: Text
-    code: Text = Field(description="version, float width and processor of another code; or mpmfw's version")
+    code: Name = Field(description="version, float width and processor of another code; or mpmfw's version")
     settings: dict[Text, Text | float] = Field(description="keys that were set or varied, and the cell size")
     machine: Text = Field(description="model of the processor")
     status: Text
@@ -62,6 +72,27 @@ class Record(BaseModel):
         if wrong:
             raise ValueError(f"'{min(wrong)}' does not name one of the {info.field_name}")
         return given
+
+    @field_validator("settings", mode="before")
+    @classmethod
+    def _has_a_cell_size(cls, settings: Any) -> Any:
+        size = settings.get("grid.cell_size") if isinstance(settings, dict) else None
+        if not isinstance(size, int | float) or isinstance(size, bool) or not 0.0 < size < math.inf:
+            raise ValueError(f"grid.cell_size: expected a positive number [m], not {size!r}")
+        return settings
+
+    @field_validator("figures")
+    @classmethod
+    def _costs_something(cls, figures: dict[str, float]) -> dict[str, float]:
+        for name in COSTS:
+            if figures.get(name, 0.0) < 0.0:
+                raise ValueError(f"{name}: expected 0 or more, not {figures[name]:g}")
+        return figures
+
+    @property
+    def cell_size(self) -> float:
+        """Size of a cell [m]."""
+        return float(self.settings["grid.cell_size"])
 
 
 def records_of(dataset: xr.Dataset) -> list[Record]:
@@ -140,19 +171,20 @@ def ranked(records: Sequence[Record]) -> dict[str, list[dict[str, Any]]]:
     return {f"{same[0].scene} ({problem})": _rows(same) for problem, same in problems.items()}
 
 
-def dots_of(records: Sequence[Record]) -> list[tuple[str, float, str, str, float, float, float]]:
-    """Return scene, cell size [m], method, code, errors of motion and spin [%] and CPU time [s], if ok."""
+def dots_of(records: Sequence[Record]) -> list[Dot]:
+    """Return a dot of each record that is ok, in order of their rows, mpmfw's methods first."""
 
-    def order(one: Record) -> tuple[str, float, bool, str]:
-        return one.scene, -float(one.settings["grid.cell_size"]), not one.code.startswith("mpmfw"), one.method
+    def order(one: Record) -> tuple[str, str, float, str, bool, str]:
+        code = not one.code.startswith("mpmfw")
+        return one.scene, one.problem, -one.cell_size, one.machine, code, one.method
 
     found = []
     for record in sorted((one for one in records if one.status == "ok"), key=order):
         errors, cost = _errors(record), record.figures.get("cpu_time", math.nan)
         spin = errors.pop("spin_error", math.nan)
         motion = max((each for name, each in errors.items() if "force" not in name), default=math.nan)
-        cell, code = float(record.settings["grid.cell_size"]), record.code.split()[0]
-        found.append((record.scene, cell, record.method, code, motion, spin, cost))
+        row = record.problem, record.scene, record.cell_size, record.machine
+        found.append(Dot(row, record.method, record.code.split()[0], motion, spin, cost))
     return found
 
 
