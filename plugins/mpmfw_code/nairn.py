@@ -67,7 +67,7 @@ class NairnOptions(OptionsModel):
 
 
 class Nairn(Code):
-    """NairnMPM, explicit MPM: bodies are materials with velocities of their own at nodes.
+    """NairnMPM, explicit MPM: each body is a material with a separate velocity at nodes.
 
     A rigid body at rest is one of its rigid materials. Points are squares. Rest before the motion is a time
     with level gravity and damping, both of which end at once when the motion starts."""
