@@ -42,16 +42,16 @@ def page() -> str:
 
 
 def _summary() -> str:
-    rows = [f"| [`{name}`](#{name}) | {' | '.join(_when_and_what(name))} |" for name in HOOKS]
-    return "\n".join(["| hook | when | what |", "| --- | --- | --- |", *rows, ""])
+    rows = [f"| [`{name}`](#{name}) | {_when(name)} |" for name in HOOKS]
+    return "\n".join(["| hook | when |", "| --- | --- |", *rows, ""])
 
 
-def _when_and_what(name: str) -> tuple[str, str]:
-    """First sentence of the first line, which is ``when: what``; the colons of a role are none."""
+def _when(name: str) -> str:
+    """Return the part before the colon of the first line, which is ``when: what``."""
     when, _, what = _markdown(_lines(name)[0]).partition(": ")
     if not what:
         raise SystemExit(f"the first line of the hook '{name}' is not 'when: what'")
-    return when, re.split(r"\.(?=$| [A-Z])", what)[0]
+    return when
 
 
 def _section(name: str) -> str:
