@@ -22,7 +22,8 @@ NO_OPTIONS = {
 
 #: Keys that a rigid body refuses by name.
 REFUSED_BY_RIGID = {
-    f"RigidBody.{key}" for key in ("material", "particles", "rotation", "volumetric", "sides")
+    f"RigidBody.{key}"
+    for key in ("material", "particles", "rotation", "volumetric", "sides", "initial_stress")
 }
 
 

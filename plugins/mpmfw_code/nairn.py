@@ -91,6 +91,8 @@ class Nairn(Code):
             yield "contact.pairs", "is run with one friction for all pairs"
         for name, body in scene.bodies.items():
             if body.prescribed:
+                if body.geometry.type == "half_space":
+                    yield f"bodies.{name}.geometry", "a half_space is not written"
                 continue
             model = scene.materials[body.material].model
             if model not in ("neo_hookean", "linear_elastic"):

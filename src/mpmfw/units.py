@@ -189,6 +189,15 @@ class TimeTable:
             return np.asarray(self.values[0])
         return np.array([np.interp(time, self.times, column) for column in self.values.T])
 
+    def mean(self, time: float, dt: float) -> npt.NDArray[np.float64]:
+        """Mean of the values (n,) from ``time`` over ``dt`` [s]."""
+        if len(self.times) == 1 or dt == 0.0:
+            return self.at(time)
+        within = self.times[(self.times > time) & (self.times < time + dt)]
+        times = np.array([time, *within, time + dt])
+        values = np.array([self.at(each) for each in times])
+        return np.asarray(np.diff(times) @ (0.5 * (values[1:] + values[:-1])) / (times[-1] - times[0]))
+
 
 def number_in_time(quantity: Any) -> Any:
     """Return the annotation of a ``quantity`` that is constant, or rows (t, value)."""

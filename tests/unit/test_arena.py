@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from mpmfw.campaigns.measures import exact_of, measure_of
+from mpmfw.errors import SceneError
 from mpmfw.plugin.measure import About
 from mpmfw.report.records import _problem, read_records
 from mpmfw.results.analysis import rolling_solution
@@ -48,12 +49,55 @@ def test_a_turned_plane_has_the_motion_of_a_level_one(kind, tilt, friction):
         np.testing.assert_allclose(scene.bodies[name].geometry.centroid, place, atol=1e-8)
 
 
+def stopping(**changes):
+    """Closed form of the way of the stopping block, with keys changed."""
+    scene = load_scene(ARENA / "scenes" / "stopping-block.toml", set=changes)
+    return exact_of(measure_of("end-displacement"), scene, About()).at(np.zeros(1))[0]
+
+
 def test_a_block_stops_where_its_energy_is_spent():
-    scene = load_scene(ARENA / "scenes" / "stopping-block.toml", set={"bodies.block.velocity": [0.8, 0.0]})
-    exact = exact_of(measure_of("end-displacement"), scene, About())
-    assert exact.at(np.zeros(1))[0] == pytest.approx(0.8**2 / (2.0 * 0.3 * 10.0))
+    scene = load_scene(ARENA / "scenes" / "stopping-block.toml")
+    way = 0.8**2 / (2.0 * 0.3 * 10.0)
+    assert stopping(**{"bodies.block.velocity": [0.8, 0.0]}) == pytest.approx(way)
+    assert stopping(**{"bodies.block.velocity": [-0.8, 0.0]}) == pytest.approx(-way)
+    early = {"bodies.block.velocity": [0.8, 0.0], "time.end": 0.1, "time.output_interval": 0.05}
+    assert stopping(**early) == pytest.approx(0.8 * 0.1 - 0.5 * 3.0 * 0.1**2)
     assert exact_of(measure_of("end-displacement"), scene, About(axis="y")) is None
     assert exact_of(measure_of("spin"), scene, About()) is None
+
+
+@pytest.mark.parametrize(
+    ("file", "changes"),
+    [
+        ("stopping-block", {"contact.friction": 0.0}),
+        ("stopping-block", {"bodies.block.velocity": [0.0, 0.0]}),
+        ("stopping-block", {"gravity.vector": [1.0, -10.0]}),
+        ("stopping-block", {"bodies.block.sides": [{"side": "left", "fixed": True}]}),
+        ("cylinder-slip-turned", {"bodies.cylinder.velocity": [1.0, 0.0]}),
+        (
+            "cylinder-slip-turned",
+            {"bodies.plane.geometry": {"type": "half_space", "point": [0.0, -3.0], "normal": [0.5, 1.0]}},
+        ),
+    ],
+    ids=str,
+)
+def test_a_scene_of_another_kind_is_refused(file, changes):
+    scene = load_scene(ARENA / "scenes" / f"{file}.toml", set=changes)
+    with pytest.raises(SceneError, match="does not apply"):
+        exact_of(measure_of("end-displacement"), scene, About())
+
+
+def test_a_cylinder_that_goes_to_the_left_slips_as_to_the_right():
+    path = ARENA / "scenes" / "cylinder-slip-turned.toml"
+    scene = load_scene(path)
+    gravity, turn = np.array(scene.gravity.at(0.0)), scene.bodies["plane"].geometry.angle
+    along = np.array([np.cos(turn), np.sin(turn)])
+    mirrored = load_scene(path, set={"gravity.vector": (gravity - 2.0 * (gravity @ along) * along).tolist()})
+    for name in ("end-displacement", "acceleration", "spin"):
+        one, other = (
+            exact_of(measure_of(name), each, About()).at(np.zeros(1))[0] for each in (scene, mirrored)
+        )
+        assert one == pytest.approx(-other)
 
 
 def test_records_are_of_scenes_as_they_are():

@@ -66,7 +66,12 @@ def rows_at(place, mass, **constants):
     whole = {name: np.zeros(20, dtype=np.int64) for name in ("row", "side")}
     real = {name: np.zeros(20) for name in ("target", "compliance", "c", "distance")}
     table = side_rows.SideTable(
-        nodes=np.zeros(60, dtype=np.int64), weights=np.zeros(60), impulse=np.zeros((1, 2)), **whole, **real
+        nodes=np.zeros(60, dtype=np.int64),
+        weights=np.zeros(60),
+        impulse=np.zeros((1, 2)),
+        applied=np.zeros((0, 2)),
+        **whole,
+        **real,
     )
     side = upper_side(place)
     count = interpreted(list_rows, **constants)(1, side, position, np.array(mass), table, (1.0, 1.0))

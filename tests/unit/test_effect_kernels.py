@@ -64,6 +64,7 @@ def side_table(rows, entries):
         nodes=np.zeros(entries, dtype=np.int64),
         weights=np.zeros(entries),
         impulse=np.zeros((rows, 3)),
+        applied=np.zeros((0, 3)),
         **whole,
         **real,
     )

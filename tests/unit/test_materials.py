@@ -38,7 +38,7 @@ def stress_of(material, f):
     points = SimpleNamespace(
         deformation_gradient=np.ascontiguousarray(f), stress=np.zeros((n, dim, dim)), threads=None
     )
-    material.setup(SimpleNamespace(state=SimpleNamespace(grid=SimpleNamespace(spacing=(1.0,) * dim))))
+    material.setup(SimpleNamespace(state=SimpleNamespace(grid=SimpleNamespace(tensor_spacing=(1.0,) * dim))))
     material.slices = (slice(0, n // 2), slice(n // 2, n))
     material.update_stress(points)
     return points.stress

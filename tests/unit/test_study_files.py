@@ -94,6 +94,10 @@ def test_shipped_studies_are_valid_and_their_scenes_have_the_error_that_they_ask
     [
         ({"contact.friction": 0.9}, "the friction holds the block"),
         ({"bodies.block.velocity": [1.0, 0.0]}, "'block' moves at the start"),
+        (
+            {"loads.pull": {"model": "body_force", "bodies": ["block"], "force": [1.0, 0.0]}},
+            "'block' has loads",
+        ),
         ({"gravity": {"vector": [-1.0, -9.0]}}, r"expected gravity towards \+x and -y"),
         ({"gravity": {"table": [[0.0, 5.0, -8.0], [1.0, 5.0, -9.0]]}}, "expected constant gravity"),
         (
@@ -105,6 +109,16 @@ def test_shipped_studies_are_valid_and_their_scenes_have_the_error_that_they_ask
 def test_a_closed_form_that_does_not_apply_is_refused_with_the_reason(change, reason):
     with pytest.raises(SceneError, match=f"reference.kind: 'sliding-block' does not apply: {reason}"):
         declared(load_scene("sliding-block", set=change))
+
+
+@pytest.mark.parametrize("key", ["force", "torque", "held", "inertia"])
+def test_a_rigid_body_that_more_than_gravity_moves_has_no_closed_form(key):
+    rigid = {"force": {"force": [1.0, 0.0]}, "torque": {"torque": 1.0}, "held": {"held": ["rotation"]}}
+    rigid = {"density": 1e3, **rigid.get(key, {})} if key != "inertia" else {"mass": 1.0, "inertia": 9.0}
+    geometry = {"type": "disc", "centre": [4.0, 2.4], "radius": 1.6}
+    changes = {"bodies.cylinder": {"geometry": geometry, "rigid": rigid}}
+    with pytest.raises(SceneError, match=f"'cylinder' has {key}"):
+        declared(load_scene("rolling-cylinder-slip", set=changes))
 
 
 def test_gravity_as_a_vector_and_another_order_of_bodies_keep_the_closed_form():

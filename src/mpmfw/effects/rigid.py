@@ -21,7 +21,6 @@ from mpmfw.effects.rigid_kinematics import (
     in_axes,
     mass_of,
     matrix_of,
-    mean_of,
     moments_of,
     rotations,
     simplex,
@@ -253,7 +252,7 @@ class RigidBodies:
         if self.settles or not self.moves:
             return
         for k in np.flatnonzero(self.prescribed):
-            velocity, omega, belt = (mean_of(table, self.state.time, dt) for table in self.motion[k])
+            velocity, omega, belt = (table.mean(self.state.time, dt) for table in self.motion[k])
             self.velocity[k], self.spin[k], self.belt[k] = velocity, matrix_of(omega, self.dim), belt
         self.restored()
         self._write_momentum(grid)

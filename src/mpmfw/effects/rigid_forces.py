@@ -50,11 +50,11 @@ class RigidForces:
 
     @hookimpl
     def add_nodal_force(self, grid: Grid, state: State, dt: float) -> None:
-        """Add the forces at the beginning of the step."""
+        """Add the means of the forces over the step."""
         rigid, dim = self.rigid, grid.dim
         own = rigid.own(grid.force)
         for k, (forces, torques) in self.tables.items():
-            force, torque = forces.at(state.time), torques.at(state.time)
+            force, torque = forces.mean(state.time, dt), torques.mean(state.time, dt)
             own[k] += force / (dim + 1)
             spread = (dim + 1) * rigid.radii[k] ** 2
             axes = rigid.turn[k : k + 1]

@@ -90,13 +90,3 @@ def tables_of(model: RigidBody, dim: int) -> tuple[TimeTable, TimeTable, TimeTab
         for each, length in zip(given, lengths, strict=True)
     )
     return v, omega, surface
-
-
-def mean_of(table: TimeTable, time: float, dt: float) -> FloatArray:
-    """Return the mean of a table from ``time`` over ``dt`` [s]."""
-    if len(table.times) == 1 or dt == 0.0:
-        return table.at(time)
-    within = table.times[(table.times > time) & (table.times < time + dt)]
-    times = np.array([time, *within, time + dt])
-    values = np.array([table.at(each) for each in times])
-    return np.asarray(np.diff(times) @ (0.5 * (values[1:] + values[:-1])) / (times[-1] - times[0]))

@@ -216,6 +216,9 @@ def _on_incline(
     _one(planes, "rectangle or box along the axes, held by fixed sides or rigid")
     _need(len(scene.bodies) == 2, "expected two bodies")
     _need(at_rest(scene.bodies[body]), f"'{body}' moves at the start")
+    rigid, loaded = getattr(scene.bodies[body], "rigid", None), scene.loads or scene.boundaries
+    given = [key for key in ("force", "torque", "held", "inertia") if getattr(rigid, key, None)]
+    _need(not given and not loaded, f"'{body}' has {given[0] if given else 'loads or boundaries'}")
     _need(
         scene.contact is not None and scene.has_coulomb_friction, "expected a contact with Coulomb's friction"
     )
