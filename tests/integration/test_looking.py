@@ -10,9 +10,11 @@ import pytest
 
 import mpmfw
 from mpmfw.errors import SceneError
-from mpmfw.report import write_report
+from mpmfw.plots.animation import Movie
+from mpmfw.report import pictures, write_report
 from mpmfw.report.differences import Difference
 from mpmfw.report.summary import of_comparison
+from mpmfw.results.selection import runs_of
 from scenes_for_tests import ball_on_a_box, two_blocks
 
 EVIL = "<script>alert(1)</script><img src=x onerror=alert(1)> {{ 7*6 }}"
@@ -38,6 +40,66 @@ def test_the_page_of_a_run_has_pictures_before_its_scene_and_is_escaped(run, tmp
     assert shown[0] != shown[-1]
     assert page.index("<figure") < page.index("<h2>Scene")
     assert not re.search(r'(src|href)="(?!data:|#)', page)
+
+
+@pytest.fixture(scope="module")
+def several():
+    """Eight runs of 14 outputs that keep their points."""
+    scene = two_blocks("penalty", time={"end": 1.3e-2, "output_interval": 1e-3})
+    keep, varied = {"output.particles": True}, {"contact.friction": [0.0, 0.1, 0.2, 0.3]}
+    return mpmfw.compare(scene, ["penalty", "none"], ["linear"], varied, set=keep)
+
+
+def test_the_slider_ends_with_the_last_output_and_says_what_it_leaves_out(several, monkeypatch):
+    movies = []
+    monkeypatch.setattr(pictures, "Movie", lambda *a, **k: movies.append(Movie(*a, **k)) or movies[-1])
+    shown = pictures.slides(several)
+    (movie,) = movies
+    assert len(shown["slides"]) == len(movie.times) == 12
+    assert movie.times[-1] == several["particle_time"].values[-1] == pytest.approx(1.3e-2)
+    assert len(movie.frames) == 6
+    assert "12 of 14 outputs, the last among them" in shown["slides_say"]
+    assert "2 of 8 runs are left out: none, linear, 0.2; none, linear, 0.3." in shown["slides_say"]
+    few = pictures.slides(several.isel(particle_time=slice(3), friction=[0]))
+    assert "through all outputs." in few["slides_say"]
+    assert "left out" not in few["slides_say"]
+
+
+def test_a_few_large_values_do_not_stretch_the_colours(several):
+    times = several["particle_time"].values
+    low, high = pictures._limits(runs_of(several), times)
+    values = several["particle_von_mises"].values
+    assert low == values.min()
+    assert np.mean(values <= high) == pytest.approx(0.98, abs=1e-3)
+    spoilt = several.copy(deep=True)
+    spoilt["particle_von_mises"][{"particle_time": -1, "particle": 0}] = 1e12
+    assert pictures._limits(runs_of(spoilt), times)[1] == pytest.approx(high, rel=0.1)
+    assert pictures._limits(runs_of(several.isel(particle_time=[0])), times[:1]) is None  # all are zero
+
+
+def test_the_difference_is_that_from_the_first_contact(several):
+    figure, caption = pictures.field_differences(several)["difference"]
+    assert "from that with penalty" in caption
+    assert "Each point is drawn where the run named before “less” has it." in caption
+    titles = [axes.get_title(loc="left").replace("\n", " ") for axes in figure.axes]
+    titles = [title.split(", t =")[0] for title in titles if title]
+    assert titles == [f"none, linear, {friction} less penalty" for friction in (0.0, 0.1, 0.2, 0.3)]
+
+
+def test_a_page_in_space_says_why_it_has_no_pictures(run, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyvista", None)
+    write_report(run, tmp_path / "run.html")
+    page = html.unescape((tmp_path / "run.html").read_text(encoding="utf-8"))
+    assert "<img" not in page.replace(EVIL, "")
+    assert "There are no pictures of the stress: this needs pyvista: pip install 'mpmfw[render]'." in page
+
+
+def test_a_picture_in_space_says_where_bodies_are_dots(run):
+    pytest.importorskip("pyvista")
+    tree = mpmfw.open(run)
+    assert "dots" not in pictures.slides(tree)["slides_say"]
+    del tree["surface"]
+    assert "drawn as dots" in pictures.slides(tree)["slides_say"]
 
 
 def test_the_first_paragraph_names_the_largest_difference():

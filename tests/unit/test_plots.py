@@ -190,7 +190,7 @@ def pixels(movie):
 
 
 def test_each_frame_shows_the_data_of_its_time(a, gif):
-    movie = Movie({"": a})
+    movie = Movie({"": a}, times=a["time"].values)
     movie.figure.set_dpi(150)
     for k in range(len(gif)):
         movie.show(k)
@@ -213,8 +213,7 @@ def test_each_frame_shows_the_data_of_its_time(a, gif):
 
 def test_runs_stand_side_by_side_at_the_same_times(a):
     short = mpmfw.run({**drop_scene("gimp"), "time": {"end": 0.004, "output_interval": 0.001}})
-    movie = Movie({"long": a, "short": short}, "velocity", every=2)
-    assert movie.times == a["time"].values[::2].tolist()
+    movie = Movie({"long": a, "short": short}, "velocity", times=a["time"].values[::2])
     assert movie.frames == {"long": [0, 2, 4], "short": [0, 4, 4]}
     movie.show(1)
     titles = [axes.get_title(loc="left") for axes in movie.figure.axes[:2]]

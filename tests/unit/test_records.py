@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import re
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,11 @@ from mpmfw.api import Boundary
 from mpmfw.errors import SceneError
 from mpmfw.plots import write_figure
 from mpmfw.plots.records import dots
+from mpmfw.report import write_report
 from mpmfw.report.records import Record, _given, _problem, dots_of, ranked, read_records, write_records
+from mpmfw.report.table import meaning_of
+from mpmfw.results.analysis import rolling_solution
+from mpmfw.results.references import RollingReference
 from mpmfw.scene import load_scene
 from msh_files import write_msh
 from python_files import module_of
@@ -51,6 +56,24 @@ def test_every_row_has_a_record_of_its_own(dataset, folder):
     assert "displacement_error" not in one.figures  # it did not reach 10 m
     write_records(dataset, folder)
     assert len(list(folder.iterdir())) == 2
+
+
+def test_a_page_takes_body_and_distance_from_the_reference(dataset, tmp_path):
+    wheel = (
+        dataset.isel(safety=[0])
+        .drop_vars("outline")
+        .assign_coords(body=["wheel" if body == "cylinder" else body for body in dataset["body"].values])
+    )
+    wheel.attrs["scene"] = re.sub("(?<!-)cylinder", "wheel", wheel.attrs["scene"])  # not the reference's kind
+    write_report(wheel, tmp_path / "page.html")
+    page = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert "Displacement, velocity and spin of wheel," in page
+    assert "when the closed form has moved by 10 m<" in page
+    ball = RollingReference("ball", rolling_solution(1.0, 0.3, 10.0, 1.6, 0.5), 0.325, 0.3, "")
+    assert (
+        meaning_of("displacement_error", ball) == "along the plane, when the closed form has moved by 0.325 m"
+    )
+    assert meaning_of("spin_error", ball).endswith("against that of a rigid ball")
 
 
 def test_other_settings_have_a_record_of_their_own(dataset, folder):

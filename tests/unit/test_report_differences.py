@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from mpmfw.report import table, write_report
+from mpmfw.plots.scene import gap_history
+from mpmfw.report import COLUMNS, shown, table, write_report
 from mpmfw.report.differences import differences
 
 SCENE = "[grid]\ncell_size = 0.1\n[bodies.floor]\n[bodies.block]\n[bodies.stone]\n"
@@ -86,6 +87,23 @@ def test_gap_and_depth_are_of_the_nearest_pair_and_noise_of_the_one_that_pushes_
     swapped = dataset.assign_coords(pair=list(reversed(PAIRS))).sel(pair=PAIRS)
     assert repr(table(swapped)) == repr(table(dataset))  # noise of three outputs is NaN
     assert table(dataset)[1]["largest_penetration"] == pytest.approx(0.5)
+
+
+def test_gaps_within_round_off_are_zero():
+    dataset = with_costs(comparison().sel(cell_size=[0.1]))
+    dataset["min_gap"][{"contact": 1}] = -0.9e-6  # 0.9e-5 cells
+    found = {one.quantity: one for one in differences(dataset)}
+    assert found["floor-block: largest penetration"].values.ravel().tolist() == [0.0, 0.0]
+    gap = table(dataset)[1]["gap"]
+    for value in (gap, -gap, 0.0):
+        assert shown(value, COLUMNS["gap"]) == shown(value, COLUMNS["penetration"]) == "0"
+    assert shown(-1.1e-5, COLUMNS["gap"]) == "-1e-05"
+    drawn = gap_history(dataset.sel(pair=["floor-block"]))
+    lines = [line.get_ydata() for axes in drawn.axes for line in axes.lines if len(line.get_xdata()) == 3]
+    assert min(np.min(line) for line in lines) == 0.0
+    dataset["min_gap"][{"contact": 1}] = -1.1e-6
+    found = {one.quantity: one for one in differences(dataset)}
+    assert found["floor-block: largest penetration"].spread == pytest.approx(1.1e-5)
 
 
 def test_the_page_escapes_every_text_and_needs_no_network(tmp_path):

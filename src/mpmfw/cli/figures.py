@@ -42,7 +42,7 @@ def plot(
     With --field, a field on the material points of a run, in 3D on a plane, or of the runs of a comparison
     side by side; contact_pressure and contact_traction along the surfaces that touch. With --series, series
     over time. Several FILEs stand side by side under one colour scale. Without either, several comparisons of
-    a rolling cylinder make one figure, a row each.
+    a rolling body make one figure, a row each.
     """
     args.check_files(file)
     if field is not None and series:

@@ -18,6 +18,7 @@ from mpmfw.errors import SceneError
 from mpmfw.plots.field_figure import Drawing, labelled
 from mpmfw.results.replacing import replacement
 from mpmfw.results.selection import Results, chosen_frames, frame_at, times_of
+from mpmfw.state.fields import FloatArray
 
 #: Pixels an inch: a column of 85 mm is 502 wide.
 _DPI = 150
@@ -31,18 +32,14 @@ class Movie:
         trees: Mapping[str, xr.DataTree],
         name: str = "von_mises",
         *,
-        every: int = 1,
+        times: FloatArray,
         bodies: Sequence[str] | None = None,
         limits: tuple[float, float] | None = None,
         arrows: bool = False,
     ) -> None:
-        first = next(iter(trees.values()))
-        #: Times of the first run's outputs that are shown [s].
-        self.times = times_of(first)[list(chosen_frames(first, every))].tolist()
-        self.frames = {
-            label: [frame_at(tree, np.clip(time, *times_of(tree)[[0, -1]])) for time in self.times]
-            for label, tree in trees.items()
-        }
+        #: Times that are shown [s].
+        self.times = times.tolist()
+        self.frames = {label: frames_at(tree, times) for label, tree in trees.items()}
         self._drawing = Drawing(trees, name, self.frames, bodies, limits, arrows=arrows)
         self.figure = self._drawing.figure
         self.show(0)
@@ -56,6 +53,11 @@ class Movie:
         """Draw every run at ``times[index]``, or at its last output before."""
         for label, frames in self.frames.items():
             self._drawing.show(label, frames[index])
+
+
+def frames_at(tree: xr.DataTree, times: FloatArray) -> list[int]:
+    """Return the outputs of a run that are nearest to some times [s]."""
+    return [frame_at(tree, np.clip(time, *times_of(tree)[[0, -1]])) for time in times]
 
 
 def animate(
@@ -100,7 +102,9 @@ def animate(
         raise SceneError(f"fps {fps}: expected 1 or more")
     ffmpeg = check_movie(target)
     with labelled(results, contact=contact) as trees, mpl.rc_context():
-        movie = Movie(trees, field, every=every, bodies=bodies, limits=limits, arrows=arrows)
+        first = next(iter(trees.values()))
+        times = times_of(first)[list(chosen_frames(first, every))]
+        movie = Movie(trees, field, times=times, bodies=bodies, limits=limits, arrows=arrows)
         writer: AbstractMovieWriter = PillowWriter(fps)
         if ffmpeg is not None:
             mpl.rcParams["animation.ffmpeg_path"] = ffmpeg

@@ -50,10 +50,10 @@ def figures_of(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
 def _figures(dataset: xr.Dataset) -> Iterator[tuple[str, Callable[[xr.Dataset], Figure], str]]:
     """Yield name, function and caption of each figure that a comparison has."""
     reference, names = drawn_reference(dataset), set(dataset.data_vars)
-    rolls = isinstance(reference, RollingReference)
+    rolls = reference.body if isinstance(reference, RollingReference) else ""
     collide = isinstance(reference, RingsReference) and "contact_force" in names
     if rolls:
-        text = "Displacement, velocity and spin of the cylinder, and displacement less the closed form."
+        text = f"Displacement, velocity and spin of {rolls}, and displacement less the closed form."
         yield "motion", lambda one: motion([one]), text
     if collide:
         text = "Contact force on the right ring: as stored (noisy), averaged over 100 µs, and its impulse."
@@ -120,11 +120,11 @@ def plot_file(
 
 
 def plot_files(paths: Sequence[str | os.PathLike[str]], output: str | os.PathLike[str]) -> Path:
-    """Draw the motions of comparisons of a rolling cylinder, one row each."""
+    """Draw the motions of comparisons of rolling bodies, one row each."""
     datasets = [series_of(open_results(path)) for path in paths]
     for path, dataset in zip(paths, datasets, strict=True):
         if "status" not in dataset or not isinstance(drawn_reference(dataset), RollingReference):
-            text = f"'{os.fspath(path)}' is not a comparison of a rolling cylinder"
+            text = f"'{os.fspath(path)}' is not a comparison of a rolling body"
             raise SceneError(f"{text}; plot other files one by one, or with --field or --series")
     return write_figure(motion(datasets), Path(output))
 

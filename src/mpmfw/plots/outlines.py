@@ -23,7 +23,7 @@ from mpmfw.plots.style import (
     new_figure,
     time_scale,
 )
-from mpmfw.results.analysis import ROUND_OFF
+from mpmfw.results.analysis import GAP_ROUND_OFF
 from mpmfw.results.references import RollingReference, cell_size, own_attributes, scene_of_results
 
 #: Bodies by colour, in the scene's order; those that stand still are grey.
@@ -102,7 +102,7 @@ def _gap_text(run: xr.Dataset) -> str:
     if len(known) == 0:
         return ""
     h = cell_size(run)
-    if abs(float(known[-1])) < ROUND_OFF * h:
+    if abs(float(known[-1])) < GAP_ROUND_OFF * h:
         return ", gap 0"
     size, what = abs(float(known[-1])), "gap" if known[-1] > 0.0 else "penetration"
     cells = f" = {size / h:.2g} cells" if h > 0.0 else ""

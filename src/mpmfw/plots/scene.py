@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from mpmfw.plots.histories import Beside, beside_reference, history
 from mpmfw.plots.style import at_last, drawn_reference, drawn_values
 from mpmfw.results import analysis
-from mpmfw.results.analysis import energy_sums
+from mpmfw.results.analysis import GAP_ROUND_OFF, energy_sums
 from mpmfw.results.references import RingsReference, RollingReference, cell_size, rings_table
 from mpmfw.state.fields import FloatArray
 
@@ -75,7 +75,10 @@ def gap_history(dataset: xr.Dataset) -> Figure:
     h = cell_size(at_last(dataset))
     known = h > 0.0
     shown = dataset.sel(pair=near_pairs(dataset)[:MOST] or dataset["pair"].values[:1])
-    gap = (shown["min_gap"] / (h if known else 1.0)).assign_attrs(units="cells" if known else "m")
+    gap = shown["min_gap"] / (h if known else 1.0)
+    if known:
+        gap = gap.where(~(abs(gap) < GAP_ROUND_OFF), 0.0)  # NaN stays
+    gap = gap.assign_attrs(units="cells" if known else "m")
     figure = history(shown.assign(gap=gap), "gap")
     for axes in figure.axes:
         axes.axhline(0.0, color="black", linewidth=0.6)
@@ -102,12 +105,12 @@ WINDOW = 100e-6
 
 
 def motion(datasets: Sequence[xr.Dataset]) -> Figure:
-    """Draw motion and error of rolling cylinders, the error of those that move; else a ValueError."""
+    """Draw motion and error of rolling bodies, the error of those that move; else a ValueError."""
     comparisons = []
     for dataset in datasets:
         reference = drawn_reference(dataset)
         if not isinstance(reference, RollingReference):
-            raise ValueError("not a comparison of a rolling cylinder")
+            raise ValueError("not a comparison of a rolling body")
         solution, time = reference.solution, dataset["time"].values
         run = dataset.sel(body=reference.body)
         x = run["centre_of_mass"].sel(axis="x")

@@ -10,7 +10,7 @@ import xarray as xr
 
 from mpmfw.errors import is_complete
 from mpmfw.plots.style import at_last
-from mpmfw.results.analysis import energy_sums, without_round_off
+from mpmfw.results.analysis import GAP_ROUND_OFF, energy_sums, without_round_off
 from mpmfw.results.references import cell_size
 from mpmfw.results.selection import points_of
 from mpmfw.state.fields import FloatArray
@@ -57,10 +57,9 @@ def _quantities(runs: xr.Dataset) -> Iterator[Difference]:
         end = impulse.where(_ended(runs))
         yield from _each("impulse", f"N s{per_metre}", impulse, end, "largest impulse of any pair")
     if "min_gap" in runs:
-        depth = (
-            (-runs["min_gap"]).clip(min=0.0).fillna(0.0).max("time").where(_ended(runs) & ~_of_codes(runs))
-        )
-        yield from _each("largest penetration", "m", cell_size(runs), depth, "a cell")
+        h, depth = cell_size(runs), (-runs["min_gap"]).clip(min=0.0).fillna(0.0).max("time")
+        depth = depth.where(depth >= GAP_ROUND_OFF * h, 0.0).where(_ended(runs) & ~_of_codes(runs))
+        yield from _each("largest penetration", "m", h, depth, "a cell")
 
 
 def _each(

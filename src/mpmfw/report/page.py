@@ -17,11 +17,11 @@ from matplotlib.figure import Figure
 
 from mpmfw.errors import SceneError
 from mpmfw.plots import figures_of
-from mpmfw.plots.style import journal_style
+from mpmfw.plots.style import drawn_reference, journal_style
 from mpmfw.report import summary
 from mpmfw.report.differences import differences
 from mpmfw.report.pictures import field_differences, slides
-from mpmfw.report.table import CHOICES, COLUMNS, COSTS, column_of, method_dims, shown, table
+from mpmfw.report.table import CHOICES, COLUMNS, COSTS, column_of, meaning_of, method_dims, shown, table
 from mpmfw.results.references import described
 from mpmfw.results.replacing import replace_bytes
 from mpmfw.results.selection import Results, opened, series_of
@@ -68,7 +68,7 @@ def _run(tree: xr.DataTree, series: xr.Dataset) -> Mapping[str, Any]:
     notes = json.loads(tree.attrs.get("notes", "[]"))
     return {
         "summary": summary.of_run(series, tree.attrs),
-        "slides": slides(tree),
+        **slides(tree),
         "figures": figures_of(series),
         "notes": {"run": notes} if notes else {},
     }
@@ -85,7 +85,7 @@ def _comparison(dataset: xr.Dataset) -> Mapping[str, Any]:
     found, force = differences(dataset), dataset.get("contact_force")
     return {
         "summary": summary.of_comparison(rows, labels, methods, found),
-        "slides": slides(dataset),
+        **slides(dataset),
         "reference": described(dataset),
         "compared": True,
         "untouched": force is not None and not np.nan_to_num(force.values).any(),
@@ -95,6 +95,8 @@ def _comparison(dataset: xr.Dataset) -> Mapping[str, Any]:
         "accuracy": [name for name in columns if name not in COSTS],
         "costs": COSTS,
         "column_of": column_of,
+        "meaning_of": meaning_of,
+        "judged": drawn_reference(dataset),
         "shown": shown,
         "nan": np.nan,
         "methods": methods,

@@ -5,39 +5,90 @@ from __future__ import annotations
 import base64
 import contextlib
 import io
+from collections.abc import Mapping
+from typing import Any
 
+import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
 from mpmfw.errors import SceneError
-from mpmfw.plots.animation import Movie
+from mpmfw.plots.animation import Movie, frames_at
 from mpmfw.plots.field_figure import field, labelled
 from mpmfw.plots.style import journal_style
-from mpmfw.results.selection import Results, times_of
+from mpmfw.results.domains import surfaces_of
+from mpmfw.results.point_fields import point_field
+from mpmfw.results.selection import bodies_of, frame_at, frame_of, points_of, times_of
+from mpmfw.state.fields import FloatArray
 
 #: Most pictures of a slider, and most runs side by side.
 _PICTURES, _RUNS = 12, 6
 _FIELD = "von_mises"
 
+#: Share of the points, over all pictures, whose values lie within the colours.
+_WITHIN = 0.98
 
-def slides(results: Results) -> list[str]:
-    """Return pictures of a field over time as PNG in base64; none where no material points are kept."""
-    with contextlib.suppress(SceneError), labelled(results) as trees:  # or no pyvista for a run in space
-        outputs = len(times_of(next(iter(trees.values()))))
-        movie = Movie(dict(list(trees.items())[:_RUNS]), _FIELD, every=-(-outputs // _PICTURES))
-        pictures = []
-        for index in range(len(movie)):
-            movie.show(index)
-            pictures.append(_png(movie.figure))
-        return pictures
-    return []
+
+def slides(results: xr.DataTree | xr.Dataset) -> dict[str, Any]:
+    """Return ``slides``, pictures of a field over time as PNG in base64, and ``slides_say``, their caption.
+
+    Without pictures, the caption says why.
+    """
+    try:
+        with labelled(results) as trees:
+            shown = dict(list(trees.items())[:_RUNS])
+            pictures, outputs = _pictures(shown)
+    except SceneError as error:  # no points are kept, or no pyvista is there for a run in space
+        why = str(error).removeprefix(f"{results.encoding.get('source')}: ")
+        return {"slides_say": f"There are no pictures of the stress: {why}."}
+    text = "Von Mises stress, with the value that 98 % of the points do not exceed as the end of the colours."
+    if len(pictures) > 1:
+        all_shown = len(pictures) == outputs
+        count = "all outputs" if all_shown else f"{len(pictures)} of {outputs} outputs, the last among them"
+        text += f" The slider goes through {count}."
+    spaces = [tree for tree in shown.values() if tree.sizes.get("axis") == 3]
+    if any(set(bodies_of(tree)) - {*surfaces_of(tree)} for tree in spaces):
+        text += " Bodies are drawn as dots at their material points where no surface is stored."
+    if isinstance(results, xr.Dataset):
+        runs = [", ".join(map(str, one.values())) for one, _ in points_of(results, results["status"].dims)]
+        left = [run for run in runs if run not in shown]
+        text += f" {len(left)} of {len(runs)} runs are left out: {'; '.join(left)}." if left else ""
+    return {"slides": pictures, "slides_say": text}
+
+
+def _pictures(trees: Mapping[str, xr.DataTree]) -> tuple[list[str], int]:
+    """Return the pictures, and the number of outputs of the run that lasts longest."""
+    longest = max(trees.values(), key=lambda tree: times_of(tree)[frame_at(tree)])
+    times = times_of(longest)
+    chosen = times[np.unique(np.linspace(0, len(times) - 1, _PICTURES).round().astype(int))]
+    movie = Movie(trees, _FIELD, times=chosen, limits=_limits(trees, chosen))
+    pictures = []
+    for index in range(len(movie)):
+        movie.show(index)
+        pictures.append(_png(movie.figure))
+    return pictures, len(times)
+
+
+def _limits(trees: Mapping[str, xr.DataTree], times: FloatArray) -> tuple[float, float] | None:
+    """Return ends of the colours that a few large values do not stretch; None if all values are equal."""
+    values = [
+        point_field(frame_of(tree, f"particles/{body}", frame), _FIELD).values
+        for tree in trees.values()
+        for frame in frames_at(tree, times)
+        for body in bodies_of(tree)
+    ]
+    low, high = np.nanquantile(np.concatenate(values), [0.0, _WITHIN])
+    return (float(low), float(high)) if low < high else None
 
 
 def field_differences(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
     """Return a figure of how the field of every other contact differs from that of the first."""
     first = str(dataset["contact"].values[0])
     with contextlib.suppress(SceneError):
-        caption = f"Difference of the von Mises stress from that with {first}, at the last output."
+        caption = (
+            f"Difference of the von Mises stress from that with {first}, at the last output. "
+            "Each point is drawn where the run named before “less” has it."
+        )
         return {"difference": (field(dataset, _FIELD, against=first), caption)}
     return {}
 

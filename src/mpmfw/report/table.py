@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from mpmfw.results import analysis, references
-from mpmfw.results.analysis import ROUND_OFF
+from mpmfw.results.analysis import GAP_ROUND_OFF, ROUND_OFF
 from mpmfw.results.conservation import dissipation
 from mpmfw.results.references import RingsReference, RollingReference, cell_size, own_attributes, rings_table
 from mpmfw.results.selection import points_of
@@ -24,19 +24,23 @@ class Column:
     heading: str  #: on a page
     short: str  #: on a terminal
     unit: str  #: ``1`` for a plain number
-    meaning: str
+    meaning: str  #: in which {body} and {distance} are those of a rolling reference
     signed: bool = False  #: whether it is shown with its sign
 
 
 COLUMNS: dict[str, Column] = {
     "displacement_error": Column(
-        "Displacement error", "disp.", "%", "along the plane, when the closed form has moved by 10 m", True
+        "Displacement error",
+        "disp.",
+        "%",
+        "along the plane, when the closed form has moved by {distance:g} m",
+        True,
     ),
     "acceleration_error": Column(
         "Acceleration error", "accel.", "%", "fit of a parabola over the last 80 % of that time", True
     ),
     "spin_error": Column(
-        "Spin error", "spin", "%", "Σ m r × v / Σ m r² at that time, against the rigid cylinder's", True
+        "Spin error", "spin", "%", "Σ m r × v / Σ m r² at that time, against that of a rigid {body}", True
     ),
     "impulse_error": Column(
         "Impulse error", "impulse", "%", "total impulse on the second body, once the bodies have parted", True
@@ -79,6 +83,9 @@ COLUMNS: dict[str, Column] = {
 #: Columns of words, which ``auto`` leaves to the shape function.
 CHOICES = ("scheme", "transfer", "code")
 
+#: Least size by unit; a smaller one is shown as 0.
+_LEAST = {"1": ROUND_OFF, "%": ROUND_OFF, "h": GAP_ROUND_OFF}
+
 #: Columns of the table of costs.
 COSTS = ("cpu_time", "cpu_time_spread", "settle_time", "cost", "steps", "material_points")
 
@@ -89,6 +96,14 @@ def column_of(name: str) -> Column:
         return COLUMNS[name]
     words = name.replace("_", " ")
     return Column(words.capitalize(), words.removesuffix(" error").replace(" ", "\n"), "%", "")
+
+
+def meaning_of(name: str, reference: references.Reference | None) -> str:
+    """Return how a measure was taken, with the body and the distance of a rolling ``reference``."""
+    facts = {"body": "body", "distance": float("nan")}
+    if isinstance(reference, RollingReference):
+        facts = {"body": reference.body, "distance": reference.distance}
+    return column_of(name).meaning.format(**facts)
 
 
 def method_dims(dataset: xr.Dataset) -> list[Hashable]:
@@ -244,7 +259,7 @@ def shown(value: Any, column: Column | None = None) -> str:
     number = float(value)
     if not np.isfinite(number):
         return "–"
-    if column is not None and column.unit in ("1", "%", "h") and abs(number) < ROUND_OFF:
+    if column is not None and abs(number) < _LEAST.get(column.unit, 0.0):
         return "0"
     signed = column is not None and column.signed
     if number == 0.0 or (number == round(number) and not signed and abs(number) < 1e9):

@@ -185,6 +185,9 @@ def energy_kept(run: xr.Dataset) -> FloatArray:
 #: Share of a scene's scale below which a change is the rounding of a run of many steps.
 ROUND_OFF = 1e-10
 
+#: Gap in cells below which bodies touch: rounding of positions that are stored in single precision.
+GAP_ROUND_OFF = 1e-5
+
 
 def without_round_off(series: xr.Dataset) -> xr.Dataset:
     """Return the series over time with values below round-off set to zero.
