@@ -46,7 +46,7 @@ _STYLES: tuple[tuple[Any, str], ...] = (
     (":", "s"),
 )
 #: Of methods with options, and of those that are more than the looks.
-_SPARE = ("#E69F00", "#17BECF", "#F781BF", "#332288")
+_SPARE = ("#E69F00", "#17BECF", "#F781BF", "#332288", "#000000", "#4DAF4A", "#882255")
 _SPARE_STYLES: tuple[tuple[Any, str], ...] = (((0, (8, 2)), "P"), ((0, (1, 3)), "X"))
 
 
