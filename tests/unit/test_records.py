@@ -8,13 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from pydantic import BaseModel
 
 import mpmfw
 from command_line import called
 from mpmfw.api import Boundary
 from mpmfw.errors import SceneError
-from mpmfw.plots import write_figure
+from mpmfw.plots import figures_of, write_figure
 from mpmfw.plots.records import dots
 from mpmfw.report import write_report
 from mpmfw.report.records import Record, _given, _problem, dots_of, ranked, read_records, write_records
@@ -74,6 +75,14 @@ def test_a_page_takes_body_and_distance_from_the_reference(dataset, tmp_path):
         meaning_of("displacement_error", ball) == "along the plane, when the closed form has moved by 0.325 m"
     )
     assert meaning_of("spin_error", ball).endswith("against that of a rigid ball")
+
+
+def test_outlines_say_which_shape_they_show(dataset):
+    one = dataset.isel(safety=[0])
+    both = xr.concat([one, one.assign_coords(shape=["gimp"])], "shape", data_vars="minimal")
+    both["status"] = one["status"].isel(shape=0, drop=True).expand_dims(shape=2, axis=1)
+    assert "only the run with gimp is shown" in figures_of(both)["positions"][1]
+    assert "only" not in figures_of(one)["positions"][1]
 
 
 def test_other_settings_have_a_record_of_their_own(dataset, folder):

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.plots import scene
 from mpmfw.plots.histories import history
-from mpmfw.plots.outlines import positions
+from mpmfw.plots.outlines import only_shape, positions
 from mpmfw.plots.scene import contact_force, motion
 from mpmfw.plots.stability import stability_figures
 from mpmfw.plots.study import cost_bars, study_figures
@@ -60,14 +60,19 @@ def _figures(dataset: xr.Dataset) -> Iterator[tuple[str, Callable[[xr.Dataset], 
         yield "force", contact_force, text
     elif "outline" in names and np.isfinite(at_last(dataset)["outline"].values).any():
         text = "Outlines at the first output (dashed) and at the last; bodies that stand still are grey."
+        if dataset.sizes["shape"] > 1 and (only := only_shape(dataset)):
+            text += f" Of each contact, only the run with {only} is shown."
         yield "positions", positions, text
     if not rolls and not collide:
-        if "centre_of_mass" in names and scene.moving_bodies(dataset):
-            yield "motion", scene.body_motion, "Motion of the bodies that do not stand still, furthest first."
-        if "contact_force" in names and scene.touching_pairs(dataset):
-            yield "forces", scene.pair_forces, "Contact force of every pair, across the surface and along it."
-        if "min_gap" in names and scene.near_pairs(dataset):
-            yield "gaps", scene.gap_history, "Gap of every pair that comes near; negative where they overlap."
+        if "centre_of_mass" in names and (found := scene.moving_bodies(dataset)):
+            text = f"Motion of the bodies that do not stand still, furthest first{_most(found)}."
+            yield "motion", scene.body_motion, text
+        if "contact_force" in names and (found := scene.touching_pairs(dataset)):
+            text = f"Contact force of the pairs that touch, across the surface and along it{_most(found)}."
+            yield "forces", scene.pair_forces, text
+        if "min_gap" in names and (found := scene.near_pairs(dataset)):
+            text = f"Gap of the pairs that come near; negative where they overlap{_most(found)}."
+            yield "gaps", scene.gap_history, text
         if {"kinetic_energy", "strain_energy"} <= names:
             yield "energies", scene.energies, "Energies of all bodies, and what contact has dissipated."
     if "min_gap" in names and isinstance(reference, RollingReference | RingsReference):
@@ -75,6 +80,11 @@ def _figures(dataset: xr.Dataset) -> Iterator[tuple[str, Callable[[xr.Dataset], 
         yield "gap", scene.gap_history, text
     if "cpu_stage" in names and np.isfinite(dataset["cpu_stage"].values).any():
         yield "cost", cost_bars, "CPU time per material point and step, by stage of the step."
+
+
+def _most(found: Sequence[str]) -> str:
+    """Return how many bodies or pairs a figure leaves out."""
+    return f"; {scene.MOST} of {len(found)}" if len(found) > scene.MOST else ""
 
 
 def _overview(series: xr.Dataset) -> Figure:

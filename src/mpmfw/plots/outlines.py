@@ -31,18 +31,28 @@ _BODIES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 _DASHED = (0, (3, 3))
 
 
+def _outlined(dataset: xr.Dataset) -> list[tuple[str, str, xr.Dataset]]:
+    """Return contact, shape and data of the runs with outlines."""
+    return [one for one in combinations(dataset) if np.isfinite(one[2]["outline"].values).any()]
+
+
+def only_shape(dataset: xr.Dataset) -> str | None:
+    """Return the shape whose runs alone are drawn of a rolling body; None if all shapes are drawn."""
+    return _outlined(dataset)[-1][1] if isinstance(drawn_reference(dataset), RollingReference) else None
+
+
 @journal_style()
 def positions(dataset: xr.Dataset, shape: str | None = None) -> Figure:
     """First outlines (dashed) and last ones, one panel for each method, all at one scale.
 
     Below a rolling cylinder a part is enlarged. Raise ValueError without an outline.
     """
-    runs = [one for one in combinations(dataset) if np.isfinite(one[2]["outline"].values).any()]
+    runs = _outlined(dataset)
     if not runs:
         raise ValueError("no run of the comparison stored an outline")
     closer = isinstance(drawn_reference(dataset), RollingReference)
     if shape is not None or closer:
-        chosen = shape or runs[-1][1]
+        chosen = shape or only_shape(dataset)
         runs = [one for one in runs if one[1] == chosen]
         if not runs:
             raise ValueError(f"no run with shape '{chosen}' stored an outline")
