@@ -226,7 +226,7 @@ ROWS: dict[str, tuple[dict[str, Any], str, Any, Any]] = {
             pair(bodies__right={"geometry": WALL, "rigid": True}),
             *(f"bodies__right__geometry__{key}", WALL[key], other),
         )
-        for key, other in (("point", [0.0, 1.0]), ("normal", [-1.0, 0.1]), ("extent", 0.1))
+        for key, other in (("point", [0.0, 1.0]), ("normal", [-1.0, 0.1]), ("extent", 99.0))
     },
     "Rigid.motion": (against({"motion": NUDGED}), "bodies__right__rigid__motion__velocity", [-1, 0], [0, 1]),
     "Rigid.density": (
@@ -248,11 +248,14 @@ ROWS: dict[str, tuple[dict[str, Any], str, Any, Any]] = {
             *(one, other),
         )
         for key, one, other in (
-            ("held", [], ["x"]),
             ("force", [-9e5, 0.0], [[0.0, -9e5, 0.0], [3e-3, 0.0, 0.0]]),
             ("torque", 0.0, 9e4),
         )
     },
+    "Rigid.held": (
+        against({"density": 1e3}, velocity=[-1.0, 0.0]),
+        *("bodies__right__rigid__held", [], ["x"]),
+    ),
     **{
         f"Motion.{key}": (against({"motion": NUDGED}), f"bodies__right__rigid__motion__{key}", one, other)
         for key, one, other in (
@@ -416,13 +419,14 @@ CUBE = body(
     gravity={"vector": [-20.0, -100.0, -50.0]},
     **{f"{SOLID}__angular_velocity": [0.0, 0.0, 0.0]},
 )
-#: A rigid block beside it, which falls and turns.
+#: A rigid block beside it, which falls and tumbles.
 FALLS = with_changes(
     CUBE,
     contact={"method": "penalty"},
     bodies__tool={
-        "geometry": {"type": "box", "lower": [1.5, -0.5, -0.5], "upper": [2.5, 0.5, 0.5]},
-        "rigid": {"density": 1e3, "torque": [9.0, 0.0, 0.0]},
+        "geometry": {"type": "box", "lower": [1.5, -0.5, -0.5], "upper": [2.5, 0.5, 0.0]},
+        "rigid": {"density": 1e3},
+        "angular_velocity": [3.0, 2.0, 1.0],
         "segment": 1.0,
     },
 )

@@ -144,6 +144,17 @@ def test_masses_energies_and_pressure_are_of_the_full_ring():
     assert series["linear_momentum"].attrs["units"] == "kg m s-1"
 
 
+@pytest.mark.parametrize(("unit", "changes"), [("J", {}), ("J/m", {"grid__axisymmetric": False})])
+def test_messages_about_energy_name_its_unit(unit, changes):
+    manager = Simulation(hollow(0.33, output__ledger=True, **changes)).manager
+    verdict, guard = manager.get_plugin("verdict"), manager.get_plugin("energy_ledger").guard
+    verdict.grown = 1.0
+    assert f"energy of 1 {unit} without" in verdict.reasons[0]
+    terms = dict.fromkeys(("contact", "inertia", "transfer", "strain"), 3.0)
+    assert f"grew by 2 {unit} without" in str(guard.error(2.0, terms, 0.0))
+    assert f"added 3 {unit}" in str(guard.error(2.0, terms, 0.0))
+
+
 def test_a_ring_swings_with_the_frequency_of_its_waves():
     scene = hollow(
         grid__upper=[3.0, 1.5], bodies__solid__velocity=[0.1, 0.0],
@@ -190,16 +201,17 @@ def test_springs_press_with_the_area_of_their_rings():
     assert rows.area[: rows.count][flat].sum() == pytest.approx(np.pi * (1.33**2 - 0.33**2), rel=1e-3)
 
 
-def test_a_free_rigid_cylinder_has_the_mass_of_its_ring_and_moves_along_the_axis():
+@pytest.mark.parametrize("form", ["density", "mass"])
+def test_a_free_rigid_cylinder_has_the_mass_of_its_ring_and_moves_along_the_axis(form):
     scene = on_plane(gravity={"vector": [0.0, -10.0]}, bodies__solid__sides=[{"side": "top", "fixed": True}])
     scene["bodies"]["plane"] = {
         "geometry": {"type": "rectangle", "lower": [0.2, -0.4], "upper": [0.6, -0.1]},
-        "rigid": {"density": 100.0},
+        "rigid": {form: 100.0},
     }
     del scene["bodies"]["solid"]["velocity"]
     tree = mpmfw.run(scene)
     series = tree["series"].sel(body="plane")
-    mass = 100.0 * np.pi * (0.6**2 - 0.2**2) * 0.3
+    mass = 100.0 * (np.pi * (0.6**2 - 0.2**2) * 0.3 if form == "density" else 1.0)
     assert series["linear_momentum"].values[-1] == pytest.approx([0.0, -10.0 * mass * 0.02], rel=1e-9)
 
 
@@ -272,6 +284,16 @@ def test_a_material_without_hoop_stress_is_refused():
         ({"bodies__solid__velocity": [1.0, 0.0]}, r"solid\.velocity: across the axis"),
         ({"bodies__solid__geometry__lower": [-0.1, 0.0], "grid__lower": [0.0, 0.0]}, r"solid\.geometry"),
         ({"output__contact_moment": "centre_of_mass"}, r"output\.contact_moment: has no meaning"),
+        ({"output__side_moment": [0.0, 0.0]}, r"output\.side_moment: has no meaning"),
+        ({"bodies__plane__rigid": {"density": 1.0}}, r"plane\.geometry: reaches a negative radius"),
+        ({"bodies__plane__rigid": {"density": 1.0, "force": [1.0, 2.0]}}, r"rigid\.force: across the axis"),
+        ({"bodies__plane__rigid": {"density": 1.0, "held": ["rotation"]}}, r"rigid\.held: has no effect"),
+        ({"bodies__plane__rigid": {"density": 1.0, "held": ["y"]}}, r"rigid\.held: holds the whole motion"),
+        ({"bodies__plane__rigid": {"mass": 1.0, "inertia": 1.0}}, r"rigid\.inertia: has no effect"),
+        (
+            {"bodies__solid__sides": [{"side": "left", "velocity": [0.1, "free"]}]},
+            r"sides\[0\]\.velocity: 0.1 m/s along x, but the side lies on the axis",
+        ),
         ({"bodies__plane__rigid": {"motion": {"velocity": [1.0, 0.0]}}}, r"velocity: across the axis"),
         ({"bodies__plane__rigid": {"motion": {"angular_velocity": 1.0}}}, r"plane\.rigid: turns"),
     ],

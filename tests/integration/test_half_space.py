@@ -7,6 +7,7 @@ from test_rigid_control import box
 
 import mpmfw
 from mpmfw.contact.rigid_nodes import RigidSurfaces
+from mpmfw.effects.rigid_kinematics import rotations
 from mpmfw.errors import SceneError
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import with_changes
@@ -30,6 +31,34 @@ def test_a_block_slides_down_a_half_space(method, angle):
     way = (series["centre_of_mass"].values[-1, 0] - series["centre_of_mass"].values[0, 0]) @ along
     assert way == pytest.approx(0.5 * (5.0 - 0.2 * 8.66) * 0.1**2, rel=0.02)
     assert series["centre_of_mass"].values[-1, 1] == pytest.approx(along)
+
+
+@pytest.mark.parametrize(
+    ("point", "normal", "changes"),
+    [
+        ([510.0, -0.5], [0.0, 1.0], {}),
+        ([-300.0, -400.5], [-4.0, 3.0], {}),
+        ([1.0, -0.5], [0.0, 1.0], {"geometry__extent": 0.2}),
+        ([1.0, -0.5], [0.0, 1.0], {"geometry__extent": 4.0, "rigid__motion__velocity": [900.0, 0.0]}),
+        ([9.0, -0.5], [0.0, 1.0], {"geometry__extent": 4.0, "rigid__motion__angular_velocity": 0.5}),
+        ([1.0, 1e4], [0.0, -1.0], {}),
+    ],
+)
+def test_the_face_covers_the_grid_throughout_the_run(point, normal, changes):
+    """Distances over the grid are those of the plane, at the start and when the half-space has moved."""
+    motion = {"rigid": {"motion": {"velocity": [0.0, 0.0]}}}
+    simulation = Simulation(drop(with_changes(wall(point, normal, **motion), **changes), allow_overlap=True))
+    state, bodies = simulation.state, simulation.state.rigid
+    bodies.moves = True
+    x = np.stack(np.meshgrid([-1.0, 1.0, 3.0], [-1.5, 0.0, 2.5]), axis=-1).reshape(-1, 2)
+    end = simulation.scene.time.end
+    for time in (0.0, end):
+        turn = rotations(time * bodies.spin)[0]
+        place = bodies.centre[0] + time * bodies.velocity[0] + bodies.place @ turn.T
+        state.tracked_surface.position[-len(place) :] = place
+        distance, _ = RigidSurfaces(state).measure(x, state.tracked_surface.facets_of(1))
+        across = turn @ normal / np.linalg.norm(normal)
+        assert distance == pytest.approx((x - point - time * bodies.velocity[0]) @ across, abs=1e-8)
 
 
 def test_in_space_a_ball_bounces_off_along_the_normal():
@@ -57,6 +86,14 @@ def test_in_space_a_ball_bounces_off_along_the_normal():
         (wall([1.0, 0.0], [0.0, 0.0, 1.0]), "point has 2 entries, and normal 3"),
         (wall([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]), "'half_space' is 3D, but the grid is 2D"),
         (wall([1.0, 0.0], [0.0, 1.0], rigid={"density": 1.0}), "a half_space has no mass; expected"),
+        *(
+            (wall([1.0, 0.0], [3.0, 4.0], rigid={"motion": motion}), rf"motion\.surface_velocity: {text}")
+            for motion, text in (
+                ({"surface_velocity": [0.0, 1.0]}, "0.8 m/s along the normal of the half_space"),
+                ({"surface_velocity": [[0.0, 4.0, -3.0], [1.0, 1.0, 0.0]]}, "0.6 m/s along the normal"),
+                ({"surface_velocity": [4.0, -3.0], "angular_velocity": 1.0}, "does not go with"),
+            )
+        ),
     ],
 )
 def test_a_half_space_without_a_meaning_is_refused(body, message):

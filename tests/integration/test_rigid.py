@@ -301,7 +301,13 @@ def test_a_rigid_body_counts_as_stiffer_than_any_other():
         ({"rigid": {"held": ["x"], "motion": {"velocity": [1, 0]}}}, "held: has no effect: rigid.motion"),
         ({"rigid": {"density": 1.0, "force": [1, 2, 3]}}, "has 3 entries; expected 2"),
         ({"rigid": {"density": 1.0, "torque": [[0, 1], [0, 2]]}}, "times must increase"),
-        ({"rigid": {"force": [1, 2]}}, "has no key; expected exactly one of"),
+        ({"rigid": {"force": [1, 2]}}, "has force, and no mass; expected density, or mass and inertia"),
+        ({"rigid": {"density": 1.0, "held": ["x"], "force": [1, 2]}}, r"rigid\.force: has no effect along x"),
+        (
+            {"rigid": {"density": 1.0, "held": ["y"], "force": [[0, 0, 0], [1, 0, 2]]}},
+            r"rigid\.force: has no effect along y, which is held",
+        ),
+        ({"rigid": {"density": 1.0, "held": ["rotation"], "torque": 5.0}}, r"rigid\.torque: has no effect"),
         ({"rigid": {"moton": 1}}, "unknown key; did you mean 'motion'"),
         ({"volumetric": "averaged"}, "volumetric: does not apply to a rigid body"),
     ],
@@ -309,6 +315,46 @@ def test_a_rigid_body_counts_as_stiffer_than_any_other():
 def test_what_does_not_apply_is_refused(changes, message):
     with pytest.raises(SceneError, match=message):
         mpmfw.load_scene(drop({**FREE, **changes}))
+
+
+def in_space(inertia):
+    """A plate that falls on a slab of rubber."""
+    plate = {"type": "box", "lower": [-0.3, -0.3, 0.02], "upper": [0.3, 0.3, 0.1]}
+    free = {"rigid": {"mass": 30.0, "inertia": inertia}, "angular_velocity": [3.0, 0.0, 1.0], "segment": 0.3}
+    grid = {"grid__lower": [-0.6, -0.6, -0.6], "grid__upper": [0.6, 0.6, 0.6]}
+    scene = drop({"geometry": plate, **free}, **grid, time={"end": 0.02, "output_interval": 0.02})
+    block = {"type": "box", "lower": [-0.4, -0.4, -0.3], "upper": [0.4, 0.4, 0.0]}
+    scene["bodies"]["block"] |= {"geometry": block, "particles": {"size": 0.1}}
+    return with_changes(scene, bodies__disc__velocity=[0.0, 0.0, -2.0])
+
+
+def test_a_plate_without_thickness_keeps_its_energy_and_meets_others():
+    """Its largest inertia is the sum of the others, so that it has no mass along its normal."""
+    bodies = Simulation(in_space([0.9, 0.9, 1.8])).state.rigid
+    energy, moment = bodies.kinetic_energy.copy(), bodies.moment.copy()
+    assert energy == pytest.approx([0.5 * (30.0 * 4.0 + 0.9 * 9.0 + 1.8 * 1.0)])
+    for _ in range(1_000):
+        bodies._turn(2.0 * np.pi / 1_000)
+    assert bodies.kinetic_energy == pytest.approx(energy, rel=1e-6)
+    assert np.abs(bodies.moment - moment).max() < 1e-6 * np.abs(moment).max()
+    series = series_of(in_space([0.9, 0.9, 1.8]))
+    force, other = (
+        each["reaction"].values[-1, 1] for each in (series, series_of(in_space([0.9, 0.9, 1.799])))
+    )
+    assert force[2] > 100.0
+    assert force == pytest.approx(other, abs=0.02 * force[2])
+    p = series["linear_momentum"].values
+    assert np.abs(p.sum(axis=1) - p[0].sum(axis=0)).max() < 1e-10 * np.abs(p).max()
+
+
+def test_no_body_has_an_inertia_beyond_the_sum_of_the_others():
+    with pytest.raises(SceneError, match=r"rigid\.inertia: 5 kg m\^2 exceeds the other two.*at most 2"):
+        mpmfw.load_scene(in_space([1.0, 5.0, 1.0]))
+
+
+def test_what_counts_as_a_plate_without_thickness():
+    """A share that rounding of the inertia may make, and far below that of a sheet of a hundredth."""
+    assert 1e-14 < rigid.FLAT < 1e-3 * 0.01**2
 
 
 @pytest.mark.parametrize(

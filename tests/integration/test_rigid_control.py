@@ -5,7 +5,7 @@ import pytest
 from test_rigid import drop, series_of
 
 import mpmfw
-from mpmfw.effects import rigid
+from mpmfw.effects import reaction, rigid
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import with_changes
 
@@ -43,8 +43,10 @@ def test_pulses_shorter_than_a_step_act_whole():
 @pytest.mark.parametrize("held", [[], ["x"], ["y", "rotation"], ["x", "y"]])
 def test_a_force_moves_what_is_not_held(held, scheme):
     """F t / m and T t / I; held parts keep the velocity of the start, and their force does its work."""
-    rows = [[0.0, 0.0, 30.0], [0.05, 40.0, -30.0], [0.1, 40.0, -30.0]]
-    own = {"rigid": {"force": rows, "torque": 2.0, "held": held}, "velocity": [1.0, -2.0]}
+    acts = np.array([1.0, *(name not in held for name in "xy")])
+    rows = acts * [[0.0, 0.0, 30.0], [0.05, 40.0, -30.0], [0.1, 40.0, -30.0]]
+    torque = {} if "rotation" in held else {"torque": 2.0}
+    own = {"rigid": {"force": rows.tolist(), **torque, "held": held}, "velocity": [1.0, -2.0]}
     series = series_of(flight({**own, "angular_velocity": 0.5}, stepping={"scheme": scheme}))
     time = series["time"].values
     impulse = np.array([np.where(time < 0.05, 400.0 * time**2, 40.0 * time - 1.0),
@@ -63,13 +65,13 @@ def test_a_force_moves_what_is_not_held(held, scheme):
 
 
 def test_forces_and_what_holds_do_the_work_that_the_verdict_counts():
-    """Of a sledge that goes on at its speed against a force."""
-    own = {"rigid": {"force": [-500.0, 300.0], "held": ["x"]}, "velocity": [2.0, 0.0]}
-    simulation = Simulation(flight(own))
+    """Of a sledge that is lifted, and goes on at its speed against gravity."""
+    own = {"rigid": {"force": [0.0, 300.0], "held": ["x"]}, "velocity": [2.0, 0.0]}
+    simulation = Simulation(flight(own, gravity={"vector": [-500.0 / 80.0, 0.0]}))
     simulation.run()
     bodies, forces = simulation.state.rigid, simulation.setup.plugin("rigid_forces")
     risen = 0.5 * 80.0 * (300.0 / 80.0 * 0.1) ** 2
-    assert forces.work == pytest.approx(-500.0 * 2.0 * 0.1 + risen)
+    assert forces.work == pytest.approx(risen)
     assert bodies.work == pytest.approx(500.0 * 2.0 * 0.1)
 
 
@@ -126,6 +128,21 @@ def test_a_box_on_a_belt_reaches_its_speed(method, angle):
     assert series["external_work"].values[-1] == pytest.approx(80.0 * 0.5**2, rel=0.01)
     assert series["frictional_work"].values[-1, 0] == pytest.approx(40.0 * 0.5**2, rel=0.07)
     assert np.ptp(series["centre_of_mass"].values[:, 1], axis=0).max() == 0.0
+
+
+@pytest.mark.parametrize("method", ["penalty", "lcp", "bardenhagen"])
+def test_a_run_says_that_contact_pushes_along_a_belt(method):
+    def warnings(belt):
+        body = {"geometry": box([-0.8, -0.5], [2.8, 0.0]), "rigid": {"motion": {"surface_velocity": belt}}}
+        scene = drop(body, method, gravity={"vector": [0.0, -10.0]}, time__end=0.02)
+        scene["bodies"]["block"] |= {"geometry": box([0.0, 0.0], [0.4, 0.2]), "velocity": [0.0, -1.0]}
+        simulation = Simulation(scene)
+        simulation.run()
+        return [text for text in simulation.concerns() if "along its surface_velocity" in text]
+
+    assert warnings([0.5, 0.0]) == []
+    assert len(warnings([0.0, 0.5])) == len(warnings([0.5, 0.2])) == 1
+    assert 0.0 < reaction.ALONG < 0.2 / np.hypot(0.5, 0.2)
 
 
 @pytest.mark.parametrize(("method", "within"), [("penalty", 0.01), ("lcp", 0.05)])

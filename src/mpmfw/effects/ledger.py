@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from mpmfw.effects.ledger_works import EnergyGuard, HalfStep, add_change, grid_energy, impulse_work
-from mpmfw.effects.series import StrainEnergies, motion_energy, negligible_energy
+from mpmfw.effects.series import StrainEnergies, energy_unit, motion_energy, negligible_energy
 from mpmfw.plugin.hooks import Observer
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Effect, Setup
@@ -102,7 +102,8 @@ class EnergyLedger(Observer):
         #: None where the scene allows unstable runs.
         self.guard: EnergyGuard | None = None
         if not setup.allow_unstable:
-            self.guard = EnergyGuard(negligible_energy(setup.state), setup.remedies)
+            nothing, unit = negligible_energy(setup.state), energy_unit(setup.state)
+            self.guard = EnergyGuard(nothing, setup.remedies, unit)
         self.motion = self.start = self.lost = 0.0
         self._forget()
 

@@ -147,12 +147,12 @@ class HalfStep:
 
 
 class EnergyGuard:
-    """Bound on the energy of the bodies; ``nothing`` [J/m] counts as none."""
+    """Bound on the energy of the bodies in ``unit``; ``nothing`` counts as none."""
 
     history = ("start", "given", "input", "loaded", "fallen", "depth")
 
-    def __init__(self, nothing: float, remedies: Mapping[str, str]) -> None:
-        self.nothing, self.remedies = nothing, remedies
+    def __init__(self, nothing: float, remedies: Mapping[str, str], unit: str = "J/m") -> None:
+        self.nothing, self.remedies, self.unit = nothing, remedies, unit
         self.restart(0.0)
 
     def restart(self, start: float) -> None:
@@ -200,9 +200,9 @@ class EnergyGuard:
         absent = {"step", "scheme", "contact", "shape"} - self.remedies.keys()
         advice = ", or ".join(self.remedies.get(way, way) for way in ways if way not in absent)
         return SimulationError(
-            f"the energy grew by {self.growth(energy):.4g} J/m without reason, past {GROWTH_LIMIT:g} of the "
-            f"{self.allowed:.4g} J/m that there were and were put in; likely cause: {cause}, which added "
-            f"{amounts[largest]:.4g} J/m",
+            f"the energy grew by {self.growth(energy):.4g} {self.unit} without reason, past {GROWTH_LIMIT:g} "
+            f"of the {self.allowed:.4g} {self.unit} that there were and were put in; likely cause: {cause}, "
+            f"which added {amounts[largest]:.4g} {self.unit}",
             time=time,
             advice=f"{advice}; allow_unstable = true lets the run go on",
         )

@@ -30,6 +30,9 @@ FIELDS = (
     _series("reaction_work", (), "J m-1", "work of contact on the rigid body since time zero", mean=False),
 )
 
+#: Normal force along a belt, over the whole normal force, from which a run warns.
+ALONG = 0.1
+
 
 class Reaction(Observer):
     """Force, moment and work of contact on rigid bodies, observed at the hooks of contact.
@@ -110,6 +113,25 @@ class Reaction(Observer):
             name: np.concatenate([np.full((soft, *values.shape[1:]), np.nan), values])
             for name, values in found.items()
         }
+
+    @hookimpl
+    def concerns(self) -> list[str]:
+        """Return belts against whose velocity contact pushes: each law makes another motion of that."""
+        rigid, arrays, warnings = self.rigid, self.rigid.state.arrays, list[str]()
+        whole, tangential = (f"{self.contact.name}/{name}" for name in ("impulse", "friction_impulse"))
+        if whole not in arrays or tangential not in arrays:
+            return warnings
+        pushes, bodies = arrays[whole] - arrays[tangential], rigid.state.pair_bodies
+        for body, (*_, belt) in zip(rigid.bodies, rigid.motion, strict=True):
+            push = pushes[(bodies == body.index).any(axis=1)]
+            along = np.abs(push @ belt.values.T)
+            size = np.linalg.norm(push, axis=1)[:, None] * np.linalg.norm(belt.values, axis=1)
+            if (along > ALONG * size).any():
+                warnings.append(
+                    f"{body.name}: contact pushes along its surface_velocity, and what comes of that differs "
+                    "from law to law; expected a belt along the faces that touch"
+                )
+        return warnings
 
 
 def _work(impulse: FloatArray, moment: FloatArray, velocity: FloatArray, spin: FloatArray) -> FloatArray:

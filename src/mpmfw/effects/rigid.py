@@ -43,6 +43,9 @@ ITERATIONS = 50
 #: body's mass alone, where they see an inertia else.
 FAR = 1e2
 
+#: Second moment of mass over the largest below which a body counts as a plate without thickness.
+FLAT = 1e-9
+
 
 class RigidBodies:
     """All rigid bodies of a scene: places, turns and motion, and what they do in a step."""
@@ -82,6 +85,8 @@ class RigidBodies:
         self.place = np.concatenate(places)  #: (n_s, dim) surface nodes in the bodies' own axes [m]
         self.owner = np.repeat(np.arange(count), [len(each) for each in places])
         self.weight: FloatArray = np.concatenate(weights).ravel()
+        self.sums = self.spread[:, :, None] + self.spread[:, None, :]  #: s_d + s_e (n, dim, dim)
+        self.sums[self.sums == 0.0] = np.inf  # no spin is of one axis
         self.points = simplex(dim) * self.radii[:, None]  #: of mass, in the body's own axes (n, dim + 1, dim)
         self.share = np.where(self.prescribed, -1.0, self.mass / (dim + 1))[:, None, None]  #: of each point
         self.motion = [tables_of(model, dim) for model in models]
@@ -106,9 +111,13 @@ class RigidBodies:
             self.offset[k] = centroid - self.centre[k]
         elif not body.prescribed:
             thickness = 2.0 * np.pi * centroid[0] if self.state.grid.axisymmetric else body.thickness
-            self.mass[k], second = mass_of(model, volume, second, thickness)
-            self.spread[k], self.turn[k] = np.linalg.eigh(second)
-            self.radii[k] = np.sqrt(self.spread[k] / self.mass[k]) * (FAR if self.held_spin[k] else 1.0)
+            self.mass[k], own = mass_of(model, volume, second, thickness)
+            spread, self.turn[k] = np.linalg.eigh(own)
+            flat = spread < FLAT * spread.max()
+            self.spread[k] = np.where(flat, 0.0, spread)
+            shape = np.diag(self.turn[k].T @ second @ self.turn[k]) / volume
+            squares = np.where(flat, shape, self.spread[k] / self.mass[k])  # a flat one's are of its shape
+            self.radii[k] = np.sqrt(squares) * (FAR if self.held_spin[k] else 1.0)
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
@@ -296,9 +305,8 @@ class RigidBodies:
 
     def spin_of(self, moment: FloatArray, free: Any) -> FloatArray:
         """W of L, (n, dim, dim), of ``free`` bodies."""
-        spread = self.spread[free]
         own = in_axes(moment, np.swapaxes(self.turn[free], 1, 2))
-        return in_axes(own / (spread[:, :, None] + spread[:, None, :]), self.turn[free])
+        return in_axes(own / self.sums[free], self.turn[free])
 
     @property
     def inverse_mass(self) -> FloatArray:
@@ -347,10 +355,10 @@ class RigidBodies:
         moment = self.moment[free]
         turned = np.einsum("nda,nae->nde", rotations(dt * self.spin), self.turn)
         if free.any() and self.dim == 3:
-            turn, spread = self.turn[free], self.spread[free]
+            turn, sums = self.turn[free], self.sums[free]
             begin = middle = in_axes(moment, np.swapaxes(turn, 1, 2))
             for _ in range(ITERATIONS):
-                by = rotations(dt * middle / (spread[:, :, None] + spread[:, None, :]))
+                by = rotations(dt * middle / sums)
                 last, middle = middle, 0.5 * (begin + in_axes(begin, np.swapaxes(by, 1, 2)))
                 if np.abs(middle - last).max() <= 1e-15 * np.abs(middle).max():
                     break

@@ -72,6 +72,8 @@ def mass_of(
     if rigid.density is not None:
         density = rigid.density * thickness
         return density * volume, density * second
+    if rigid.inertia is None:  # of a body of revolution, which does not turn
+        return rigid.mass, second * rigid.mass / volume
     if len(second) == 2:
         return rigid.mass, second * rigid.inertia / np.trace(second)
     principal = np.array(rigid.inertia)

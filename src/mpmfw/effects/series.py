@@ -55,6 +55,11 @@ def kinetic_energy_of(state: State) -> float:
     return of_points if state.rigid is None else of_points + float(state.rigid.kinetic_energy.sum())
 
 
+def energy_unit(state: State) -> str:
+    """Return the unit of a state's energies, J in space, and of bodies of a thickness or of revolution."""
+    return "J/m" if state.grid.dim == 2 and state.particles.thickness is None else "J"
+
+
 def negligible_energy(state: State) -> float:
     """Return the energy that counts as zero, a share of stiffness [J/m]."""
     volume = state.particles.times_thickness(state.particles.initial_volume)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.effects.series import StrainEnergies, kinetic_energy_of, negligible_energy
+from mpmfw.effects.series import StrainEnergies, energy_unit, kinetic_energy_of, negligible_energy
 from mpmfw.kernels.sides import fastest_approach, find_inside, least_own_gaps, node_normals
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Setup
@@ -181,8 +181,9 @@ class Verdict:
             if cells > TOO_DEEP
         ]
         if self.grown > 0.0:
+            unit = energy_unit(self.state)
             reasons.append(
-                f"energy of {self.grown:.3g} J/m without a source at {self.grown_at:.4g} s, "
+                f"energy of {self.grown:.3g} {unit} without a source at {self.grown_at:.4g} s, "
                 f"{self.grown_share:.2g} of what there was and was put in"
             )
         return reasons

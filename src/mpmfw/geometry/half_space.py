@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -20,7 +20,7 @@ class HalfSpace(BodyGeometry):
     """All that lies behind a plane through ``point`` (dim,) [m] with an outward ``normal`` (dim,).
 
     A square or cube of edge ``extent`` [m] stands for it, with the point in the middle of one face, which is
-    one facet in the plane and four in space."""
+    one facet in the plane and four in space. A run takes a block that covers the grid: :meth:`facing`."""
 
     type: Literal["half_space"] = "half_space"
     point: Annotated[tuple[Length, ...], _VECTOR]
@@ -66,6 +66,18 @@ class HalfSpace(BodyGeometry):
         """Corners of the block's box (2, dim) [m]."""
         nodes = self.surfaces(self.extent)[0][0]
         return np.array([nodes.min(axis=0), nodes.max(axis=0)])
+
+    def facing(self, lower: Any, upper: Any, moves: float) -> HalfSpace:
+        """Return it with its face before the middle of the box from ``lower`` to ``upper`` (dim,) [m].
+
+        Of all points in the box the face is nearest, also when the block has moved by ``moves`` [m]; if need
+        be with a larger extent."""
+        middle, reach = np.add(lower, upper) / 2.0, np.linalg.norm(np.subtract(upper, lower)) / 2.0 + moves
+        away, axes = middle - self.point, self.axes
+        point = self.point + (axes[:-1] @ away) @ axes[:-1]
+        behind = max(reach - axes[-1] @ away, 0.0)
+        extent = max(self.extent, float(2.0 * (reach + behind)))
+        return self.model_copy(update={"point": tuple(point.tolist()), "extent": extent})
 
     def surface_nodes(self, edge: float) -> float:  # noqa: ARG002
         """Return the number of nodes, whatever the ``edge`` [m]."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mpmfw.errors import SceneError
-from mpmfw.geometry import Layout, discretise
+from mpmfw.geometry import HalfSpace, Layout, discretise
 from mpmfw.plugin.checks import described, naming
 from mpmfw.runs.limits import check_box_inside
 from mpmfw.scene.tables import RigidBody
@@ -32,7 +32,7 @@ def lay_out(scene: Scene) -> tuple[Layout, ...]:
         geometry, particles, segment = alike
         try:
             if geometry is None or times[alike] == 1:
-                made.append(discretise(body.geometry, particles, segment))
+                made.append(discretise(_placed(body, scene), particles, segment))
             else:
                 by = np.subtract(body.geometry.centroid, geometry.centroid)
                 made.append(about_the_origin(geometry, particles, segment).moved(by))
@@ -47,6 +47,21 @@ def _alike(body: Any, scene: Scene) -> tuple[Any, Any, float]:
     if centre is not None:  # made anew: a copy would have what the original has worked out
         geometry = type(body.geometry)(**{**dict(body.geometry), "centre": (0.0,) * len(centre)})
     return geometry, body.particles, body.segment_length(scene.grid.cell_size)
+
+
+def _placed(body: Any, scene: Scene) -> Any:
+    """Return the geometry; of a half-space, that which covers the grid throughout the run."""
+    geometry, grid = body.geometry, scene.grid
+    if not isinstance(geometry, HalfSpace):
+        return geometry
+    from mpmfw.effects.rigid_kinematics import tables_of
+
+    velocity, omega, _ = tables_of(body, scene.dim)
+    moves = scene.time.end * float(np.linalg.norm(velocity.values, axis=1).max())
+    if omega.values.any():  # about a point, round which the grid moves as the body sees it
+        about = getattr(body.rigid.motion, "about", None) or geometry.point
+        moves += 2.0 * float(np.linalg.norm(np.add(grid.lower, grid.upper) / 2.0 - about))
+    return geometry.facing(grid.lower, np.add(grid.upper, grid.cell_size), moves)
 
 
 def make_bodies(

@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+import numpy as np
+
 from mpmfw.scene.problem import Path, Problem
+from mpmfw.scene.rigid import acts_along
 from mpmfw.scene.tables import Body, Gravity, RigidBody, Tables
 
 
@@ -24,9 +27,10 @@ def check_axisymmetry(scene: Tables, plugins: Mapping[Path, type[Any]]) -> Itera
         yield Problem(("shape", "method"), message)
     if scene.sleep is not None:
         yield Problem(("sleep",), "does not go with grid.axisymmetric: hoop stress is not kept aside")
-    if scene.output.contact_moment is not None:
-        message = "has no meaning with grid.axisymmetric: moments round a ring cancel"
-        yield Problem(("output", "contact_moment"), message)
+    for key in ("contact_moment", "side_moment"):
+        if getattr(scene.output, key) is not None:
+            message = "has no meaning with grid.axisymmetric: moments round a ring cancel"
+            yield Problem(("output", key), message)
     of_settling = None if scene.settle is None else scene.settle.gravity
     for at, gravity in ((("gravity",), scene.gravity), (("settle", "gravity"), of_settling)):
         if gravity is not None and _pulls_sideways(gravity):
@@ -47,20 +51,45 @@ def _body(body: Body, path: Path) -> Iterator[Problem]:
         (bool(body.angular_velocity), "angular_velocity", "does not go with grid.axisymmetric"),
         (body.rotation in ("spin", "exact"), "rotation", "a body of revolution does not turn; leave it out"),
     ]
+    left = float(body.geometry.bounds[0][0])
+    crosses = left < 0.0 and not body.prescribed
+    refused.append((crosses, "geometry", f"reaches a negative radius, {left:g} m; expected x from 0 on"))
     if isinstance(body, RigidBody):
-        motion = None if isinstance(body.rigid, bool) else body.rigid.motion
-        for at, table in ((path, body), ((*path, "rigid", "motion"), motion)):
-            velocity = getattr(table, "velocity", None)
-            rows = velocity if velocity and isinstance(velocity[0], tuple) else [(0.0, *(velocity or (0.0,)))]
-            if any(row[1] != 0.0 for row in rows):
-                yield Problem((*at, "velocity"), "across the axis; expected x = 0 with grid.axisymmetric")
-        turns = any(
-            getattr(each, key, None) for each, key in ((motion, "angular_velocity"), (body.rigid, "torque"))
-        )
-        refused.append((turns, "rigid", "turns; expected a motion along y with grid.axisymmetric"))
-    else:
-        left = float(body.geometry.bounds[0][0])
-        refused.append((left < 0.0, "geometry", "reaches a negative radius; expected x from 0 on"))
-        moves = left <= 0.0 and body.velocity is not None and body.velocity[0] != 0.0
+        yield from _rigid(body, path)
+    elif left <= 0.0:
+        moves = acts_along(body.velocity, 0)
         refused.append((moves, "velocity", "across the axis, on which the body lies; expected x = 0"))
+        yield from _sides(body, path)
     yield from (Problem((*path, key), message) for wrong, key, message in refused if wrong)
+
+
+def _rigid(body: RigidBody, path: Path) -> Iterator[Problem]:
+    """Yield what of a rigid body's table acts across the axis, or not at all."""
+    at, rigid = (*path, "rigid"), None if isinstance(body.rigid, bool) else body.rigid
+    motion = None if rigid is None else rigid.motion
+    for where, key, table in (
+        (path, "velocity", body), ((*at, "motion"), "velocity", motion), (at, "force", rigid)
+    ):  # fmt: skip
+        if acts_along(getattr(table, key, None), 0):
+            yield Problem((*where, key), "across the axis; expected x = 0 with grid.axisymmetric")
+    if getattr(motion, "angular_velocity", None) or getattr(rigid, "torque", None):
+        yield Problem(at, "turns; expected a motion along y with grid.axisymmetric")
+    if "y" in (held := getattr(rigid, "held", None) or ()):
+        yield Problem((*at, "held"), "holds the whole motion; expected rigid = true, or rigid.motion")
+    elif held:
+        message = "has no effect with grid.axisymmetric: a body moves along y alone; leave it out"
+        yield Problem((*at, "held"), message)
+    if getattr(rigid, "inertia", None) is not None:
+        message = "has no effect with grid.axisymmetric: a body does not turn; leave it out"
+        yield Problem((*at, "inertia"), message)
+
+
+def _sides(body: Body, path: Path) -> Iterator[Problem]:
+    """Refuse to drive the side on the axis of a body that begins there."""
+    if not np.array_equal(body.geometry.axes, np.eye(2)):
+        return
+    for index, side in enumerate(body.sides):
+        if side.side == "left" and side.velocity is not None and side.velocity[0] not in (0.0, "free"):
+            given = f"{side.velocity[0]:g} m/s along x"
+            message = f"{given}, but the side lies on the axis, which does not move; expected 0 or 'free'"
+            yield Problem((*path, "sides", index, "velocity"), message)

@@ -206,7 +206,7 @@ def _body(scene: Tables, path: Path, body: Body) -> Iterator[Problem]:
     if isinstance(body.geometry, SurfaceMesh):
         yield from _surface_mesh(scene, (*path, "geometry"), body.geometry)
     if isinstance(body, RigidBody):
-        yield from check_rigid(body, path, dim)
+        yield from check_rigid(body, path, dim, turns=not scene.grid.axisymmetric)
     elif body.geometry.type == "half_space":
         yield Problem((*path, "geometry", "type"), "a half_space has no points; expected rigid = true")
     elif len(body.particles.offset) > dim:

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
+import numpy as np
 from pydantic import BeforeValidator, Discriminator, Field, Strict, Tag
 
+from mpmfw.geometry import HalfSpace
 from mpmfw.scene.base import Position, SideForce, SpinInTime, Table, TorqueInTime, VelocityInTime
 from mpmfw.scene.problem import Path, Problem, one_form
-from mpmfw.units import Density, Inertia, Mass, axial_form, problems_in_time
+from mpmfw.units import Density, Inertia, Mass, TimeTable, axial_form, problems_in_time
 
 if TYPE_CHECKING:
     from mpmfw.scene.tables import RigidBody
@@ -65,8 +67,8 @@ OF_FREE = {"held", "force", "torque"}
 OfDeformable = Annotated[Any, BeforeValidator(_refuse)]
 
 
-def check_rigid(body: RigidBody, path: Path, dim: int) -> Iterator[Problem]:
-    """Yield the problems of a rigid body's table at ``path``."""
+def check_rigid(body: RigidBody, path: Path, dim: int, *, turns: bool) -> Iterator[Problem]:
+    """Yield the problems of a rigid body's table at ``path``; one that never ``turns`` needs no inertia."""
     at, rigid = (*path, "rigid"), body.rigid
     if body.prescribed:
         for key in ("velocity", "angular_velocity"):
@@ -77,18 +79,57 @@ def check_rigid(body: RigidBody, path: Path, dim: int) -> Iterator[Problem]:
         yield Problem(at, "a half_space has no mass; expected rigid = true, or rigid.motion")
     if isinstance(rigid, bool):
         return
-    forms = ("motion", "density", "mass and inertia", "or rigid = true")
-    yield from one_form(at, rigid.model_fields_set - OF_FREE, *forms)
+    given = rigid.model_fields_set - OF_FREE - (set() if turns else {"inertia"})
+    of_free, mass = sorted(OF_FREE & rigid.model_fields_set), "mass and inertia" if turns else "mass"
+    if of_free and not given:
+        yield Problem(at, f"has {' and '.join(of_free)}, and no mass; expected density, or {mass}")
+    else:
+        yield from one_form(at, given, "motion", "density", mass, "or rigid = true")
+    yield from _free(rigid, at, dim)
     if rigid.motion is not None:
-        for key in sorted(OF_FREE & rigid.model_fields_set):
+        for key in of_free:
             yield Problem((*at, key), "has no effect: rigid.motion says how the body moves")
+        yield from _motion(rigid.motion, (*at, "motion"), dim)
+        if isinstance(body.geometry, HalfSpace) and body.geometry.dim == dim:
+            yield from _belt(rigid.motion, body.geometry, (*at, "motion", "surface_velocity"))
+
+
+def _free(rigid: Rigid, at: Path, dim: int) -> Iterator[Problem]:
+    """Yield the problems of what moves a free body."""
     yield from _held(rigid.held, (*at, "held"), dim)
     for index, message in problems_in_time(rigid.force, dim):
         yield Problem((*at, "force", *index), message)
     yield from _axial(rigid.torque, (*at, "torque"), dim, "N m")
+    for name in rigid.held or ():
+        if name == "rotation" and rigid.torque is not None:
+            yield Problem((*at, "torque"), "has no effect: the rotation is held")
+        elif name != "rotation" and acts_along(rigid.force, "xyz".index(name)):
+            yield Problem((*at, "force"), f"has no effect along {name}, which is held; expected 0 there")
     yield from check_spin(rigid.inertia, (*at, "inertia"), dim, "kg m^2")
-    if rigid.motion is not None:
-        yield from _motion(rigid.motion, (*at, "motion"), dim)
+    if dim == 3 and isinstance(rigid.inertia, tuple):
+        *others, largest = sorted(rigid.inertia)
+        if largest > (1.0 + 1e-9) * sum(others):
+            text = f"{largest:g} kg m^2 exceeds the other two together; expected at most {sum(others):g}"
+            yield Problem((*at, "inertia"), text)
+
+
+def acts_along(given: Any, axis: int) -> bool:
+    """Return True if a vector or rows (t, x, y[, z]) have a component along ``axis`` that is not 0."""
+    rows = [] if not given else given if isinstance(given[0], tuple) else [(0.0, *given)]
+    return any(value != 0.0 for row in rows for value in row[axis + 1 : axis + 2])
+
+
+def _belt(motion: Motion, geometry: HalfSpace, at: Path) -> Iterator[Problem]:
+    """Refuse a belt that is not along the plane at all times."""
+    if motion.surface_velocity is None or any(problems_in_time(motion.surface_velocity, geometry.dim)):
+        return
+    if motion.angular_velocity is not None:
+        yield Problem(at, "does not go with angular_velocity: the belt of a half_space runs along its plane")
+    values = TimeTable.of(motion.surface_velocity).values
+    across = np.abs(values @ geometry.axes[-1])
+    if (across > 1e-6 * np.linalg.norm(values, axis=1)).any():
+        text = f"{across.max():g} m/s along the normal of the half_space; expected a vector along its plane"
+        yield Problem(at, text)
 
 
 def _held(held: tuple[str, ...] | None, at: Path, dim: int) -> Iterator[Problem]:

@@ -52,9 +52,9 @@ _PAA = ("particle", "axis", "axis2")
 PARTICLE_FIELDS: tuple[Field, ...] = (
     Field("position", _PA, "m", "position x_p", output=True),
     Field("velocity", _PA, "m s-1", "velocity v_p", output=True),
-    Field("mass", _P, "kg m-1", "mass m_p (per metre of thickness in 2D)", output=True),
-    Field("initial_volume", _P, "m2", "volume V_p in the reference state (area in 2D)"),
-    Field("volume", _P, "m2", "volume V_p = J V_p0 (area in 2D)", output=True),
+    Field("mass", _P, "kg m-1", "mass m_p (in 2D per metre of thickness, or of the whole body)", output=True),
+    Field("initial_volume", _P, "m2", "volume V_p in the reference state (in 2D the area in the plane)"),
+    Field("volume", _P, "m2", "volume V_p = J V_p0 (in 2D the area in the plane)", output=True),
     Field("deformation_gradient", _PAA, "1", "deformation gradient F_p", output=True),
     Field("velocity_gradient", _PAA, "s-1", "velocity gradient L_p of the last step"),
     Field("stress", _PAA, "Pa", "in-plane Cauchy stress sigma_p", output=True),
