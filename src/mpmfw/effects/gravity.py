@@ -38,9 +38,9 @@ class Gravity:
         return Acts("[gravity]", [cls(table)])
 
     def while_settling(self, asked: Settle | None) -> None:
-        """Take the settling's gravity; the scene's when ``asked`` is None."""
+        """Take the settling's gravity, or the scene's at time zero; the scene's when ``asked`` is None."""
+        constant = self.table.at(0.0) if asked is not None or len(self.table.times) == 1 else None
         gravity = None if asked is None else asked.gravity
-        constant = self.table.values[0] if len(self.table.times) == 1 else None
         self.constant: FloatArray | None = constant if gravity is None else np.array(gravity.at(0.0))
 
     def at(self, time: float) -> FloatArray:

@@ -95,11 +95,11 @@ class Verdict:
         self.moment = _moment(state)
         self.pull = 0.0 * self.pull if self.gravity is None else self.gravity.at(state.time)
 
-    def _add_gravity_work(self, state: State, share: float) -> None:
-        """Add the work of ``share`` of gravity now, and else of then."""
-        moment, pull = _moment(state), self.gravity.at(state.time)
-        self.gravity_work += float((share * pull + (1.0 - share) * self.pull) @ (moment - self.moment))
-        self.moment, self.pull = moment, pull
+    def _add_gravity_work(self, state: State, pull: FloatArray) -> None:
+        """Add the work of gravity, whose mean since the last call is ``pull``."""
+        moment = _moment(state)
+        self.gravity_work += float(pull @ (moment - self.moment))
+        self.moment = moment
 
     def _held(self, state: State) -> float:
         """Energy of the contact springs [J/m]."""
@@ -137,7 +137,9 @@ class Verdict:
     def _judge_energy(self, state: State) -> None:
         self.next_energy = state.steps + ENERGY_EVERY
         if self.gravity is not None:
-            self._add_gravity_work(state, 0.5)
+            now = self.gravity.at(state.time)
+            self._add_gravity_work(state, 0.5 * (now + self.pull))
+            self.pull = now
         if self.loaded is None or not self.start_is_known:
             return
         work = self.gravity_work + sum(plugin.work for plugin in self.working) - self.first_work
@@ -231,7 +233,7 @@ class VerdictOfSteps(Verdict):
         if self.loaded is None:  # the first forces are those of the first positions
             self.loaded = self._held(state)
         if self.gravity is not None and len(self.gravity.table.times) > 1:
-            self._add_gravity_work(state, 1.0)
+            self._add_gravity_work(state, self.gravity.table.mean(state.time, state.dt))
         if self.watched and (state.time >= self.due or state.steps >= self.latest_sides):
             self._judge_sides(state)
 
