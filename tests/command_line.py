@@ -6,7 +6,7 @@ from mpmfw.cli import app
 
 
 def called(*arguments, status=0):
-    """What ``mpmfw`` with ``arguments`` printed; it ends with ``status``."""
+    """Run ``mpmfw`` with ``arguments``, check its ``status``, and return what it printed."""
     done = CliRunner().invoke(app, [str(one) for one in arguments])
     assert done.exit_code == status, done.output
     return done

@@ -136,7 +136,7 @@ def fill_cpdi(
     The domain is x_p + R ξ, ξ in [−1, 1]^dim, R = F R_0 (:func:`deformed_edges`). With the corners x_c at
     signs s_c, φ_i = 2^−dim Σ_c N_i(x_c) and ∇φ_i = 2^−dim Σ_c R^−T s_c N_i(x_c): mean and mean gradient over
     the domain of the function that interpolates N_i linearly between the corners. The mean gradient weighted
-    with the ``radius`` r (n,) [m] has s_c,e (1 + s_c,a R_ra / (3 r)) in place of s_c,e, a the other edge.
+    with the ``radius`` r (n,) [m] has s_c,e (1 + s_c,a R_ra / (3 r)) instead of s_c,e, a the other edge.
     Return the first point outside its window, −1, or −2 if the table is too short.
     """
     dim, inverse_h = len(spacing), 1.0 / spacing[0]

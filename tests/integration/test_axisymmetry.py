@@ -295,6 +295,10 @@ def test_a_material_without_hoop_stress_is_refused():
             r"sides\[0\]\.velocity: 0.1 m/s along x, but the side lies on the axis",
         ),
         ({"bodies__plane__rigid": {"motion": {"velocity": [1.0, 0.0]}}}, r"velocity: across the axis"),
+        (
+            {"bodies__plane__rigid": {"motion": {"surface_velocity": [1.0, 0.0]}}},
+            r"surface_velocity: across the axis",
+        ),
         ({"bodies__plane__rigid": {"motion": {"angular_velocity": 1.0}}}, r"plane\.rigid: turns"),
     ],
 )

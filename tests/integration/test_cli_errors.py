@@ -17,7 +17,7 @@ SCENE = toml_text(drop_scene("linear", "none"))
 
 @pytest.fixture
 def refused(tmp_path, monkeypatch):
-    """What the command line says, in an empty folder, of ``s.toml`` with replacements that it refuses."""
+    """Return the messages for an ``s.toml`` with replacements that the command line refuses."""
     monkeypatch.chdir(tmp_path)
 
     def refused(*arguments, replace=("", "")):

@@ -44,7 +44,7 @@ def layer(**changes):
 
 
 def moved(scene):
-    """How far any point went within the run, over the elastic settlement; and the last stresses."""
+    """Return the largest motion of a point over the elastic settlement, and the last stresses."""
     simulation = Simulation(scene)
     simulation.start()
     p = simulation.state.particles

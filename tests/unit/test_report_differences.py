@@ -56,6 +56,15 @@ def comparison():
     )
 
 
+@pytest.mark.parametrize(("stored", "shown"), [("N m-1", "N s/m"), ("N", "N s")])
+def test_impulses_are_per_metre_where_the_forces_are(stored, shown):
+    """Bodies with a thickness, bodies of revolution and bodies in space have forces in N."""
+    runs = comparison()
+    runs["contact_force"].attrs["units"] = stored
+    found = {one.quantity: one.unit for one in differences(runs)}
+    assert {unit for name, unit in found.items() if "impulse" in name} == {shown}
+
+
 def test_the_largest_difference_comes_first():
     found = {one.quantity: one for one in differences(comparison())}
     spreads = [one.spread for one in differences(comparison())]

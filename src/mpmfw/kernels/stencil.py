@@ -203,7 +203,7 @@ def fill_parallelepiped(
     2^−dim R^−T s_c.
 
     ``half_edges`` is R (dim, dim) [cells], ``inverse`` its inverse [1/m]. With ``across`` (2,) the slopes
-    have s_c,e + s_c,0 s_c,1 across_e in place of s_c,e. All corners are worked out side by side."""
+    have s_c,e + s_c,0 s_c,1 across_e instead of s_c,e. All corners are worked out side by side."""
     dim, share = len(spacing), 1.0 / (1 << len(spacing))
     lowest, highest = scratch.vector(spacing), scratch.vector(spacing)
     at, terms = scratch.matrix(spacing, CORNERS), scratch.matrix(CORNERS, ENTRY)

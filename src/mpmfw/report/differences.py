@@ -39,6 +39,11 @@ def differences(dataset: xr.Dataset) -> list[Difference]:
     return sorted(_quantities(last), key=lambda one: -one.spread)
 
 
+def _unit(whole: str, array: xr.DataArray) -> str:
+    """Return a unit, per metre where the ``array`` is."""
+    return f"{whole}/m" if array.attrs.get("units", "").endswith(" m-1") else whole
+
+
 def _quantities(runs: xr.Dataset) -> Iterator[Difference]:
     if "centre_of_mass" in runs:
         centre, velocity = runs["centre_of_mass"], runs["mean_velocity"]
@@ -48,14 +53,15 @@ def _quantities(runs: xr.Dataset) -> Iterator[Difference]:
         if "angular_velocity" in runs:
             spin = runs["angular_velocity"]
             yield from _each("spin", "rad/s", spin, spin.isel(time=-1), "largest spin of any body")
-    per_metre = "/m" if runs.sizes.get("axis") == 2 else ""
     if "kinetic_energy" in runs and "strain_energy" in runs:
-        yield from _energies(runs, f"J{per_metre}")
+        yield from _energies(runs, _unit("J", runs["kinetic_energy"]))
     if "contact_force" in runs:
         steps = xr.DataArray(np.diff(runs["time"], prepend=runs["time"][:1]), {"time": runs["time"]})
         impulse = (runs["contact_force"].fillna(0.0) * steps).sum("time")
         end = impulse.where(_ended(runs))
-        yield from _each("impulse", f"N s{per_metre}", impulse, end, "largest impulse of any pair")
+        yield from _each(
+            "impulse", _unit("N s", runs["contact_force"]), impulse, end, "largest impulse of any pair"
+        )
     if "min_gap" in runs:
         h, depth = cell_size(runs), (-runs["min_gap"]).clip(min=0.0).fillna(0.0).max("time")
         depth = depth.where(depth >= GAP_ROUND_OFF * h, 0.0).where(_ended(runs) & ~_of_codes(runs))

@@ -1,4 +1,4 @@
-"""What a result says, in a few plain sentences."""
+"""Summarize a result in a few plain sentences."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What cannot be in a scene of bodies of revolution: motion across the axis, and turning."""
+"""Refuse motion across the axis, and turning, in scenes of bodies of revolution."""
 
 from __future__ import annotations
 
@@ -68,7 +68,8 @@ def _rigid(body: RigidBody, path: Path) -> Iterator[Problem]:
     at, rigid = (*path, "rigid"), None if isinstance(body.rigid, bool) else body.rigid
     motion = None if rigid is None else rigid.motion
     for where, key, table in (
-        (path, "velocity", body), ((*at, "motion"), "velocity", motion), (at, "force", rigid)
+        (path, "velocity", body), ((*at, "motion"), "velocity", motion), (at, "force", rigid),
+        ((*at, "motion"), "surface_velocity", motion),
     ):  # fmt: skip
         if acts_along(getattr(table, key, None), 0):
             yield Problem((*where, key), "across the axis; expected x = 0 with grid.axisymmetric")
