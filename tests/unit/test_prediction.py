@@ -59,6 +59,18 @@ def test_the_prediction_holds_all_stages_and_the_most_that_settling_takes():
     assert found.start_time > 0.0
 
 
+J2 = {"model": "j2", "density": 1000, "youngs_modulus": 1e6, "poissons_ratio": 0.3, "yield_stress": 1e4}
+
+
+def test_plastic_flow_has_a_trial_by_itself():
+    """All points flow in it, though none does in the first steps; bodies that cannot flow have none."""
+    mapping = impact(gap=0.5, speed=0.0, slide=0.0)
+    metal = Simulation({**mapping, "materials": dict.fromkeys(mapping["materials"], J2)}, contact="penalty")
+    assert predict(metal, []).flow_time > 0.0
+    assert metal.state.arrays["j2/plastic_strain"].min() > 1.0
+    assert predict(made(), []).flow_time == 0.0
+
+
 CELL = 0.1
 
 

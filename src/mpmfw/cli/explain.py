@@ -144,15 +144,16 @@ def _print_cost(simulation: Simulation, found: Prediction, everything: bool) -> 
     largest = max(found.stages, key=lambda stage: found.stages[stage])
     share = found.stages[largest] / found.cpu_time if found.cpu_time > 0.0 else 0.0
     typer.echo(f"{found.cpu_time:.3g} s of CPU time for the steps, {100.0 * share:.0f} % of it {largest}")
+    if found.flow_time:
+        total = found.cpu_time + found.flow_time
+        typer.echo(f"this is while nothing flows; {total:.3g} s where all material that can flow does")
     typer.echo(f"at most {shown_bytes(most_memory(simulation.scene))} of memory while it is built and runs")
     frames, each, size = results_size(simulation.scene, simulation.header())
     typer.echo(f"{frames:g} frames of {shown_bytes(each)}, and series: {shown_bytes(size)}")
     typer.echo(f"{found.output_time:.3g} s for output, {found.start_time:.3g} s to start")
     if found.settle_steps:
         typer.echo(f"settling: at most {found.settle_steps} steps, {found.settle_time:.3g} s")
-    flows = any(one.dissipates and one.slices for one in simulation.setup.materials.values())
-    missing = "contacts that come later" + (" and plastic flow" if flows else "")
-    typer.echo(f"from a trial of {TIMED} steps, without compilation{', ' if flows else ' and '}{missing}\n")
+    typer.echo(f"from a trial of {TIMED} steps, without compilation and contacts that come later\n")
 
 
 #: Keys of ``[output]`` that an effect records, its name, and the words if it is off.

@@ -1,4 +1,6 @@
-"""The cost of a run, from a trial of its first steps; contacts that come later are not in it."""
+"""The cost of a run, from a trial of its first steps; contacts that come later are not in it.
+
+Plastic flow has a trial by itself, since the first steps are elastic."""
 
 from __future__ import annotations
 
@@ -21,6 +23,8 @@ if TYPE_CHECKING:
 
 #: Steps before those that are timed, which compile and fill caches, and steps that are timed.
 WARM_UP, TIMED = 3, 20
+#: Shear by which materials are made to flow in a trial of its cost.
+FLOW = 0.1
 
 
 @dataclass(frozen=True)
@@ -33,6 +37,7 @@ class Prediction:
     settle_steps: int  #: at most; 0 in a scene that does not settle
     output_time: float  #: CPU time of frames, energy ledger and gap [s], without writing
     start_time: float  #: CPU time of this process up to the trial [s]
+    flow_time: float  #: CPU time that the steps take more where all material flows [s]; 0 if none can
     memory: int  #: of all arrays [bytes]
     limits: tuple[tuple[float, str], ...]  #: stable steps [s] and their owners
 
@@ -74,6 +79,7 @@ def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
         clock.flush()
         frame = clock.cpu["output"] + clock.cpu["gap"]
         length, tables = simulation.stable_step(), _tables(simulation)
+        flow = _time_of_flow(simulation)
     steps, settle_steps = int(steps_of(simulation.scene, length)), 0
     if settle is not None:
         settle_steps = math.ceil(longest_settling(settle, simulation.state.bodies) / length)
@@ -84,9 +90,28 @@ def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
         settle_steps=settle_steps,
         output_time=steps * (times["output"] + times["gap"]) + (outputs_of(simulation.scene) + 1) * frame,
         start_time=before,
+        flow_time=steps * flow,
         memory=sum(arrays) + tables,
         limits=tuple(limits),
     )
+
+
+def _time_of_flow(simulation: Simulation) -> float:
+    """Return the CPU time that stresses take more in a step in which all points flow [s].
+
+    Points are sheared at constant volume, time and again; the simulation is used up."""
+    if not any(one.dissipates and one.slices for one in simulation.setup.materials.values()):
+        return 0.0
+    points, dt = simulation.state.particles.in_space, simulation.state.dt
+    times = []
+    for shear in (0.0, FLOW):
+        for step in range(WARM_UP + TIMED):
+            if step == WARM_UP:
+                begin = clocks.process_time()
+            points.deformation_gradient[:, 0] += shear * points.deformation_gradient[:, 1]
+            simulation.hook.update_stress(particles=points, dt=dt)
+        times.append((clocks.process_time() - begin) / TIMED)
+    return max(times[1] - times[0], 0.0)
 
 
 def _tables(simulation: Simulation) -> int:
