@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,14 +18,12 @@ from mpmfw.api.code import (
     MotionOutputs,
     MovingPoints,
     Scene,
-    elastic_constants,
+    elasticity,
+    gravity_of,
     points_of_body,
     read_arrays,
     read_log,
 )
-
-#: Versions that the adapter was written for and measured with.
-VERSIONS = ("2.20",)
 
 #: Growth of kinetic energy over the work of gravity that is not suspect, in shares of the largest.
 BALANCE = 0.02
@@ -59,7 +56,10 @@ class Calculix(Code):
     name = "calculix"
     title = "CalculiX"
     install = "apt-get install calculix-ccx, or set MPMFW_CODE_CALCULIX to its program"
+    executable = "ccx"
     reads = frozenset({"gravity", "settle"})
+    models = ("neo_hookean",)
+    versions = ("2.20",)
     dimensions = (2,)
     Options = CalculixOptions
     options: CalculixOptions
@@ -75,9 +75,6 @@ class Calculix(Code):
             if body.prescribed:
                 yield f"bodies.{name}.rigid", "rigid bodies are not written"
                 continue
-            material = scene.materials[body.material]
-            if material.model != "neo_hookean":
-                yield f"materials.{body.material}.model", f"'{material.model}' is not written"
             if body.particles.layout != "fitted":
                 yield (
                     f"bodies.{name}.particles.layout",
@@ -105,24 +102,16 @@ class Calculix(Code):
             density = scene.materials[scene.bodies[name].material].density
             meshes[name] = _mesh(f"B{len(meshes) + 1}", layout.corners, count, density)
             count += len(meshes[name].nodes)
-        stiff, waves = 0.0, []
-        for name, mesh in meshes.items():
-            young, poisson = elastic_constants(scene, name)
-            modulus = young * (1 - poisson) / ((1 + poisson) * (1 - 2 * poisson))  # K + 4G/3
-            stiff = max(stiff, self.options.stiffness * modulus / size)
-            waves.append(mesh.shortest / (modulus / mesh.density) ** 0.5)
+        solids = {name: elasticity(scene, name) for name in meshes}
+        stiff = self.options.stiffness * max(one.uniaxial for one in solids.values()) / size
+        through = min(mesh.shortest / solids[name].speed for name, mesh in meshes.items())
         interval = float(scene.time.output_interval)
-        every = math.ceil(0.5 * interval / (self.options.safety * min(waves)) - 1e-9)
+        every = math.ceil(0.5 * interval / (self.options.safety * through) - 1e-9)
         step = interval / (2 * every)
         lines = _lines_of_meshes(meshes, size, count)
         for name, mesh in meshes.items():
-            young, poisson = elastic_constants(scene, name)
-            bulk, shear = young / (3 - 6 * poisson), young / (2 + 2 * poisson)
-            lines += [
-                f"*MATERIAL, NAME=M{mesh.label}",
-                "*HYPERELASTIC, NEO HOOKE",
-                f"{shear / 2:.9g},{2 / bulk:.9g}",
-            ]
+            lines += [f"*MATERIAL, NAME=M{mesh.label}", "*HYPERELASTIC, NEO HOOKE"]
+            lines += [f"{solids[name].shear / 2:.9g},{2 / solids[name].bulk:.9g}"]
             lines += ["*DENSITY", f"{mesh.density:.9g}"]
             lines += [f"*SOLID SECTION, ELSET=E{mesh.label}, MATERIAL=M{mesh.label}"]
             if velocity := scene.bodies[name].velocity:
@@ -136,20 +125,18 @@ class Calculix(Code):
         lines += ["*BOUNDARY", "ALL,3,3", *_supports(scene, meshes, count)]
         if scene.settle is not None:
             lines += ["*STEP, NLGEOM, INC=1000", "*STATIC", "0.25,1."]
-            lines += _weight(meshes, scene.settle.gravity or scene.gravity, "*DLOAD")
+            lines += _weight(meshes, gravity_of(scene, settling=True), "*DLOAD")
             lines += ["*NODE PRINT, NSET=FRONT", "U", "*END STEP"]
         lines += ["*STEP, NLGEOM, INC=10000000", "*DYNAMIC, EXPLICIT"]
         lines += [f"{step:.9g},{float(scene.time.end):.9g},{1e-6 * step:.9g},{step:.9g}"]
-        lines += _weight(meshes, scene.gravity, "*DLOAD, OP=NEW" if scene.settle is not None else "*DLOAD")
+        lines += _weight(
+            meshes, gravity_of(scene), "*DLOAD, OP=NEW" if scene.settle is not None else "*DLOAD"
+        )
         lines += [f"*NODE PRINT, NSET=FRONT, FREQUENCY={every}", "U,V", "*END STEP"]
         (folder / "scene.inp").write_text("\n".join(lines) + "\n", encoding="ascii")
         arrays: dict[str, Any] = {f"{name}_nodes": mesh.nodes for name, mesh in meshes.items()}
         arrays |= {f"{name}_mass": mesh.mass for name, mesh in meshes.items()}
         np.savez(folder / "mesh.npz", step=step, **arrays)
-
-    def program(self) -> str | None:
-        """Return the path of ccx."""
-        return shutil.which("ccx")
 
     def command(self, program: str, folder: Path) -> Sequence[str]:
         """Return the arguments; ccx adds the ending."""
@@ -184,9 +171,7 @@ class Calculix(Code):
             position = mesh[f"{name}_nodes"] + displacement[:, own]
             bodies[name] = MovingPoints(mesh[f"{name}_mass"], position, velocity[:, own])
         grown = _growth(scene, bodies)
-        status = (
-            "ok" if version in VERSIONS else f"suspect: measured with {', '.join(VERSIONS)}, not {version}"
-        )
+        status = self.judged(version)
         if grown > BALANCE:
             status = f"suspect: the kinetic energy grew by {100 * grown:.3g} % of the largest without a cause"
         return MotionOutputs(
@@ -293,11 +278,10 @@ def _supports(scene: Scene, meshes: Mapping[str, _Mesh], count: int) -> list[str
     return [f"{node + layer * count},1,2" for node in sorted(fixed) for layer in (0, 1)]
 
 
-def _weight(meshes: Mapping[str, _Mesh], gravity: Any, card: str) -> list[str]:
+def _weight(meshes: Mapping[str, _Mesh], gravity: FloatArray, card: str) -> list[str]:
     """Return gravity; a weight of zero takes that of an earlier step away."""
-    x, y = (0.0, 0.0) if gravity is None else gravity.at(0.0)
-    size = math.hypot(x, y)
-    along = f"{x / size:.12g},{y / size:.12g}" if size else "0.,-1."
+    size = math.hypot(*gravity)
+    along = f"{gravity[0] / size:.12g},{gravity[1] / size:.12g}" if size else "0.,-1."
     return [card, *(f"E{mesh.label},GRAV,{size:.9g},{along},0." for mesh in meshes.values())]
 
 
@@ -332,8 +316,9 @@ def _at(blocks: Blocks, time: FloatArray) -> FloatArray:
 
 def _growth(scene: Scene, bodies: Mapping[str, MovingPoints]) -> float:
     """Return the growth of kinetic energy over its start and the work of gravity, over the largest."""
-    gravity = np.zeros(2) if scene.gravity is None else np.array(scene.gravity.at(0.0))
     kinetic: Any = sum(0.5 * (one.velocity**2).sum(axis=2) @ one.mass for one in bodies.values())
-    work: Any = sum(((one.position - one.position[0]) @ gravity) @ one.mass for one in bodies.values())
+    work: Any = sum(
+        ((one.position - one.position[0]) @ gravity_of(scene)) @ one.mass for one in bodies.values()
+    )
     grown = float((kinetic - kinetic[0] - work).max())
     return grown / float(kinetic.max()) if kinetic.max() > 0.0 else 0.0

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import shutil
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, ClassVar, Literal
@@ -18,13 +17,12 @@ from mpmfw.api.code import (
     MotionOutputs,
     MovingPoints,
     Scene,
-    elastic_constants,
+    elasticity,
+    gravity_of,
     points_of_body,
     read_log,
+    starting_velocity,
 )
-
-#: Versions that the adapter was written for and measured with.
-VERSIONS = ("19.0",)
 
 #: Cells that the grid has beyond the scene's, as points may not reach its outermost ones.
 BORDER = 2
@@ -76,7 +74,9 @@ class Nairn(Code):
     title = "NairnMPM"
     install = "set MPMFW_CODE_NAIRN to its program (github.com/nairnj/nairn-mpm-fea)"
     best: ClassVar = {"apart": 0.8, "shape": "lCPDI", "points": "scene"}
+    executable = "NairnMPM"
     reads = frozenset({"gravity", "settle"})
+    versions = ("19.0",)
     Options = NairnOptions
     options: NairnOptions
 
@@ -94,9 +94,6 @@ class Nairn(Code):
                 if body.geometry.type == "half_space":
                     yield f"bodies.{name}.geometry", "a half_space is not written"
                 continue
-            model = scene.materials[body.material].model
-            if model not in ("neo_hookean", "linear_elastic"):
-                yield f"materials.{body.material}.model", f"'{model}' is not written"
             if scene.settle and (np.any(body.velocity or 0.0) or np.any(body.angular_velocity or 0.0)):
                 yield f"bodies.{name}.velocity", "a velocity after settling is not written"
             yield from self._sides(scene, name)
@@ -158,19 +155,11 @@ class Nairn(Code):
             layout = body.geometry.lattice(float(body.particles.size), (0.0,) * scene.dim)
         else:
             layout = points_of_body(scene, name)
-        velocity = np.zeros_like(layout.position)
-        if not body.prescribed:
-            velocity += body.velocity or 0.0
-            centre = layout.volume @ layout.position / layout.volume.sum()
-            velocity += _turning(body.angular_velocity or 0.0, layout.position - centre)
+        velocity = 0.0 * layout.position if body.prescribed else starting_velocity(scene, name, layout)
         size = layout.volume ** (1.0 / scene.dim) / cell
         for x, v, s in zip(layout.position, velocity, size, strict=True):
             sizes = " ".join(f'lp{axis}="{s:.12g}"' for axis in "xyz"[: scene.dim])
             yield f'<mp mat="{number}" thick="1" {sizes}>{_vector("pt", x)}{_vector("vel", v)}</mp>'
-
-    def program(self) -> str | None:
-        """Return the path of NairnMPM."""
-        return shutil.which("NairnMPM")
 
     def command(self, program: str, folder: Path) -> Sequence[str]:  # noqa: ARG002
         """Return the arguments: one processor, and paths from the folder of the input."""
@@ -198,7 +187,7 @@ class Nairn(Code):
                 moved, fast = (np.array([each[key] for each in own]) for key in ("position", "velocity"))
                 bodies[name] = MovingPoints(own[0]["mass"].astype(float), moved, fast)
         settling = before / max(before + steps, 1)
-        status = "ok" if version in VERSIONS else f"suspect: measured with {VERSIONS[0]}, not {version}"
+        status = self.judged(version)
         notes = self._notes(scene, step, before)
         for warning, times in re.findall(r"^The warning '(.*)' occurred on ([0-9]+) time steps", log, re.M):
             if warning.startswith("Logistic regression did not converge"):
@@ -230,29 +219,23 @@ class Nairn(Code):
 
 def _step(scene: Scene, safety: float) -> float:
     """Return the step [s]: a whole part of the interval of outputs, below the fastest wave's limit."""
-    longest = safety * float(scene.grid.cell_size) / max(_waves(scene).values())
+    fastest = max(elasticity(scene, name).speed for name in _soft(scene))
+    longest = safety * float(scene.grid.cell_size) / fastest
     interval = float(scene.time.output_interval)
     return interval / math.ceil(interval / longest * (1.0 + 1e-6))
-
-
-def _waves(scene: Scene) -> dict[str, float]:
-    """Return the speed of pressure waves in each body that is not rigid [m/s]."""
-    speeds = {}
-    for name, body in scene.bodies.items():
-        if not body.prescribed:
-            young, poisson = elastic_constants(scene, name)
-            modulus = young * (1 - poisson) / ((1 + poisson) * (1 - 2 * poisson))  # K + 4G/3
-            speeds[name] = math.sqrt(modulus / scene.materials[body.material].density)
-    return speeds
 
 
 def _settling(scene: Scene, step: float) -> float:
     """Return the time before the motion [s], in whole steps."""
     if scene.settle is None:
         return 0.0
-    bounds = {name: np.array(body.geometry.bounds) for name, body in scene.bodies.items()}
-    through = [float(np.ptp(bounds[name], axis=0).min()) / speed for name, speed in _waves(scene).items()]
-    return step * math.ceil(SETTLE * max(through) / step)
+    width = {name: float(np.ptp(scene.bodies[name].geometry.bounds, axis=0).min()) for name in _soft(scene)}
+    through = max(width[name] / elasticity(scene, name).speed for name in width)
+    return step * math.ceil(SETTLE * through / step)
+
+
+def _soft(scene: Scene) -> list[str]:
+    return [name for name, body in scene.bodies.items() if not body.prescribed]
 
 
 def _text(number: float) -> str:
@@ -263,14 +246,6 @@ def _text(number: float) -> str:
 def _vector(tag: str, values: FloatArray) -> str:
     parts = " ".join(f'{axis}="{v:.12g}"' for axis, v in zip("xyz", values, strict=False))
     return f"<{tag} {parts}/>"
-
-
-def _turning(spin: Any, place: FloatArray) -> FloatArray:
-    """Return the velocity of points (n, dim) [m/s] at places from the centre [m]."""
-    whole = np.zeros(3)
-    whole[-np.size(spin) :] = spin
-    padded = np.pad(place, ((0, 0), (0, 3 - place.shape[1])))
-    return np.asarray(np.cross(whole, padded)[:, : place.shape[1]])
 
 
 def _grid(scene: Scene, cell: float) -> list[str]:
@@ -289,15 +264,12 @@ def _material(scene: Scene, name: str, number: int) -> list[str]:
     body: Any = scene.bodies[name]
     if body.prescribed:
         return [f'<Material Type="11" Name="B{number}"><SetDirection>8</SetDirection></Material>']
-    table = scene.materials[body.material]
-    young, poisson = elastic_constants(scene, name)
-    bulk, shear = young / (3 - 6 * poisson), young / (2 + 2 * poisson)
-    kind, moduli = 1, {"E": young, "nu": poisson}
+    table, solid = scene.materials[body.material], elasticity(scene, name)
+    kind, moduli = 1, {"E": solid.young, "nu": solid.poisson}
     if table.model == "neo_hookean":
-        energy = getattr(table.options, "energy", "split")
-        kind, moduli = 8, {"K": bulk, "G1": shear, "UJOption": 0}
-        if energy == "log":
-            kind, moduli = 28, {"Lame": bulk - 2.0 * shear / 3.0, "G": shear, "UJOption": 1}
+        kind, moduli = 8, {"K": solid.bulk, "G1": solid.shear, "UJOption": 0}
+        if getattr(table.options, "energy", "split") == "log":
+            kind, moduli = 28, {"Lame": solid.bulk - 2.0 * solid.shear / 3.0, "G": solid.shear, "UJOption": 1}
     given = "".join(f"<{key}>{value:.12g}</{key}>" for key, value in moduli.items())
     return [f'<Material Type="{kind}" Name="B{number}"><rho>{table.density:.12g}</rho>{given}</Material>']
 
@@ -325,10 +297,8 @@ def _gravity(scene: Scene, wait: float) -> list[str]:
     """Return gravity, that of rest until the motion starts."""
     if scene.gravity is None:
         return []
-    after = scene.gravity.at(0.0)
-    rest = after if scene.settle is None else (scene.settle.gravity or scene.gravity).at(0.0)
     lines = []
-    for axis, (level, g) in enumerate(zip(rest, after, strict=True)):
+    for axis, (level, g) in enumerate(zip(gravity_of(scene, settling=True), gravity_of(scene), strict=True)):
         text = _text(g)
         if level != g:
             sign = "+" if g > level else "-"

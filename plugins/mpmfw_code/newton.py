@@ -15,24 +15,22 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from mpmfw.api import MpmfwError, OptionsModel, SceneError, Time
+from mpmfw.api import FloatArray, MpmfwError, OptionsModel, SceneError, Time
 from mpmfw.api.code import (
     Code,
     MotionOutputs,
     MovingPoints,
     Scene,
-    elastic_constants,
+    elasticity,
+    gravity_of,
     points_of_body,
     read_arrays,
+    spin_of,
+    starting_velocity,
 )
-
-#: Versions that the adapter was written for and measured with.
-VERSIONS = ("1.8",)
 
 #: Cells across a plane scene, which Newton has as a slab that is free on both sides.
 SLAB = 2.0
-
-_MODELS = ("neo_hookean", "linear_elastic")
 
 
 class NewtonOptions(OptionsModel):
@@ -58,6 +56,7 @@ class Newton(Code):
     title = "Newton"
     install = "pip install 'mpmfw[newton]'"
     best: ClassVar = {"collider_basis": "pic27"}
+    versions = ("1.8",)
     reads = frozenset({"gravity", "settle"})
     Options = NewtonOptions
     options: NewtonOptions
@@ -74,9 +73,6 @@ class Newton(Code):
             body: Any = scene.bodies[name]
             if body.sides:
                 yield f"bodies.{name}.sides", "conditions on sides are not written"
-            model = scene.materials[body.material].model
-            if model not in _MODELS:
-                yield f"materials.{body.material}.model", f"'{model}' is not one of {' and '.join(_MODELS)}"
         for name in rigid:
             shape = scene.bodies[name].geometry
             upright = not np.any(getattr(shape, "angle", 0.0)) and not np.any(getattr(shape, "angles", 0.0))
@@ -94,33 +90,27 @@ class Newton(Code):
         (plane,) = (body for body in scene.bodies.values() if body.prescribed)
         body, cell = scene.bodies[name], float(scene.grid.cell_size)
         layout = points_of_body(scene, name)
-        position, volume, layers = layout.position, layout.volume, 1
+        position, volume, velocity = layout.position, layout.volume, starting_velocity(scene, name, layout)
         if scene.dim == 2:
             layers = max(2, round(SLAB * cell / float(body.particles.size)))
             depth = SLAB * cell * (np.arange(layers) + 0.5) / layers
             position = np.column_stack([np.repeat(position, layers, axis=0), np.tile(depth, len(volume))])
             volume = np.repeat(volume * SLAB * cell / layers, layers)
-        velocity, spin = np.zeros_like(position), np.zeros(3)
-        velocity[:, : scene.dim] += body.velocity or 0.0
-        if body.angular_velocity is not None:
-            spin[-np.size(body.angular_velocity) :] = body.angular_velocity
-            velocity += np.cross(spin, position - volume @ position / volume.sum())
-        gradient = np.cross(spin, np.eye(3)).T  # of v = ω × r
-        young, poisson = elastic_constants(scene, name)
-        settle = scene.settle
-        at_rest = None if settle is None else _upright(scene, settle.gravity or scene.gravity)
+            velocity = np.pad(np.repeat(velocity, layers, axis=0), ((0, 0), (0, 1)))
+        gradient = np.cross(spin_of(scene, name), np.eye(3)).T  # of v = ω × r
+        solid, settle = elasticity(scene, name), scene.settle
         interval, end = float(scene.time.output_interval), float(scene.time.end)
         times = np.append(interval * np.arange(math.ceil(end / interval - 1e-9)), end)
         facts = {
             "cell_size": cell,
-            "density": scene.materials[body.material].density,
-            "young_modulus": young,
-            "poisson_ratio": poisson,
+            "density": solid.density,
+            "young_modulus": solid.young,
+            "poisson_ratio": solid.poisson,
             "height": float(plane.geometry.bounds[1][1]),
             "friction": scene.pairs[0][2],
-            "gravity": _upright(scene, scene.gravity),
-            "settle_gravity": at_rest,
-            "settle_tolerance": None if settle is None else settle.tolerance,
+            "gravity": _upright(gravity_of(scene)),
+            "settle_gravity": settle and _upright(gravity_of(scene, settling=True)),
+            "settle_tolerance": settle and settle.tolerance,
             "times": times.tolist(),
             **self.options.model_dump(),
         }
@@ -179,10 +169,6 @@ class Newton(Code):
         if asked["device"] == "cuda":
             notes.append("costs are those of a graphics processor and one core beside it")
         version = str(facts["versions"]["newton"])
-        known = version.rpartition(".")[0] in VERSIONS
-        status = (
-            "ok" if known else f"suspect: the adapter was measured with {', '.join(VERSIONS)}, not {version}"
-        )
         (name,) = (name for name, body in scene.bodies.items() if not body.prescribed)
         points = MovingPoints(mass, position[..., : scene.dim], velocity[..., : scene.dim])
         return MotionOutputs(
@@ -191,7 +177,7 @@ class Newton(Code):
             code=f"Newton {version}, float32, {facts['device']}",
             steps=facts["steps"],
             costs={key: facts[key] for key in ("cpu_time", "wall_time", "settle_time", "compile_time")},
-            status=status,
+            status="ok" if version.rpartition(".")[0] in self.versions else self.judged(version),
             notes=tuple(notes),
             versions={str(key): str(value) for key, value in facts["versions"].items()},
         )
@@ -201,7 +187,6 @@ def _lowest(scene: Scene, name: str) -> float:
     return float(scene.bodies[name].geometry.bounds[0][1])
 
 
-def _upright(scene: Scene, gravity: Any) -> list[float]:
+def _upright(gravity: FloatArray) -> list[float]:
     """Return gravity in three dimensions [m/s²]."""
-    given = [0.0] * scene.dim if gravity is None else [float(part) for part in gravity.at(0.0)]
-    return given + [0.0] * (3 - scene.dim)
+    return [*map(float, gravity), 0.0][:3]

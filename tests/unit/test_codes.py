@@ -179,7 +179,7 @@ def test_texts_of_a_code_have_printable_characters(newton_folder):
 def test_another_version_is_named_in_the_status(newton_folder):
     _edit(newton_folder / "motion.json", versions={"newton": "1.9.2"})
     run = Newton().read(newton_folder)
-    assert run.attrs["status"] == "suspect: the adapter was measured with 1.8, not 1.9.2"
+    assert run.attrs["status"] == "suspect: measured with 1.8, not 1.9.2"
     assert "1.9.2" in run.attrs["code"]
 
 

@@ -2,19 +2,32 @@
 
 from __future__ import annotations
 
-from mpmfw.codes.code import Code, elastic_constants, points_of_body, read_arrays
+from mpmfw.codes.code import (
+    Code,
+    Elasticity,
+    elasticity,
+    gravity_of,
+    points_of_body,
+    read_arrays,
+    spin_of,
+    starting_velocity,
+)
 from mpmfw.codes.outputs import MotionOutputs, MovingPoints
 from mpmfw.codes.process import ProcessLimits, read_log
 from mpmfw.scene import Scene
 
 __all__ = [
     "Code",
+    "Elasticity",
     "MotionOutputs",
     "MovingPoints",
     "ProcessLimits",
     "Scene",
-    "elastic_constants",
+    "elasticity",
+    "gravity_of",
     "points_of_body",
     "read_arrays",
     "read_log",
+    "spin_of",
+    "starting_velocity",
 ]

@@ -144,19 +144,29 @@ def animate(
 
 
 def export(
-    file: Annotated[Path, Argument(metavar="FILE", help="File of a run.")],
+    file: Annotated[Path, Argument(metavar="FILE", help="File of a run; with --to, a scene.")],
     output: Annotated[
         Path | None, Option("-o", "--output", metavar="FOLDER", help="Folder, or a name ending in .pvd.")
     ] = None,
     every: args.Every = 1,
     body: args.Bodies = None,
+    to: Annotated[
+        str | None, Option(metavar="CODE", help="Write the scene as input of another code, such as uintah.")
+    ] = None,
+    set_: args.Set = None,
+    trust: args.Trust = False,
     force: args.Replace = False,
 ) -> None:
-    """Write the run in FILE for ParaView, by default to a folder named as it.
+    """Write the run in FILE for ParaView, or a scene as input of another code, by default to a folder named
+    as it.
 
     Open …-points.pvd: material points with all their fields, as cells where the shape function has domains;
     …-surfaces.pvd: surfaces with contact force and gap; …-series.csv: the series.
     """
+    _check_effect({"--set": set_ or None, "--trust": trust or None}, "--to", to)
+    if to is not None:
+        _export_scene(str(file), to, output, args.assignments(set_), trust)
+        return
     args.check_files([file])
     target = output or file.with_name(f"{file.stem}-paraview")
     if target.exists() and not target.is_dir() and target.suffix != ".pvd":
@@ -171,4 +181,20 @@ def export(
     with outputs_progress("outputs") as progress:
         written = export_run(file, target, every=every, bodies=body or None, progress=progress, force=force)
     for path in written:
+        typer.echo(str(path))
+
+
+def _export_scene(name: str, to: str, output: Path | None, keys: dict[str, str], trust: bool) -> None:
+    """Write the input of another code to a folder that is new or empty."""
+    from mpmfw.codes.code import Code
+    from mpmfw.scene import load_scene
+
+    code, scene = Code.named(to)[0], load_scene(name, set=keys, trust=trust)
+    folder = output or Path(f"{Path(name).stem}-{code.name}")
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise SceneError(f"{folder}: exists; give an empty folder, or a name for a new one")
+    if not code.problems(scene):
+        folder.mkdir(parents=True, exist_ok=True)
+    code.prepare(scene, folder)
+    for path in sorted(folder.iterdir()):
         typer.echo(str(path))

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import io
 import json
+import math
 import os
 import shutil
 import zipfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
@@ -23,7 +24,7 @@ from mpmfw.plugin.discovery import load
 from mpmfw.scene import load_scene
 from mpmfw.scene.specification import checked_specification
 from mpmfw.scene.tables import RigidBody
-from mpmfw.state.fields import AnyArray
+from mpmfw.state.fields import AnyArray, FloatArray
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -45,17 +46,19 @@ class Code(PlugIn):
 
     A code runs in an empty folder: :meth:`prepare` writes its input, :meth:`run` starts its process and
     :meth:`read` returns its results as those of a run. A folder can be kept, and read where the code is not
-    installed. Subclasses implement :meth:`refusals`, :meth:`write`, :meth:`program`, :meth:`command` and
-    :meth:`outputs`. The program is that of the environment's variable ``MPMFW_CODE_NAME``, if it is set;
+    installed. Subclasses implement :meth:`refusals`, :meth:`write`, :meth:`command` and :meth:`outputs`. The program is that of the environment's variable ``MPMFW_CODE_NAME``, if it is set;
     a scene never names it.
     """
 
     title: ClassVar[str]  #: what tables call the code
     install: ClassVar[str]  #: command that installs it
+    executable: ClassVar[str] = ""  #: name of its program on the path
     #: options of its best settings, which run beside the plainest where no options are named
     best: ClassVar[Mapping[str, Any]] = {}
-    #: optional tables of a scene that it reads, of gravity, loads, boundaries, settle, sleep and outputs
+    #: what it reads of gravity, loads, boundaries, settle, sleep and outputs, and "motion" of rigid bodies
     reads: ClassVar[frozenset[str]] = frozenset()
+    models: ClassVar[tuple[str, ...]] = ("neo_hookean", "linear_elastic")  #: materials that it writes
+    versions: ClassVar[tuple[str, ...]] = ()  #: with which the adapter was measured
     limits: ClassVar[ProcessLimits] = ProcessLimits()
     #: program and version that were found, which the keys of stored runs contain
     installed: str = ""
@@ -76,8 +79,8 @@ class Code(PlugIn):
         raise NotImplementedError
 
     def program(self) -> str | None:
-        """Return the path of the code's program, or None if it is not installed."""
-        raise NotImplementedError
+        """Return the path of the code's program, ``executable``, or None if it is not installed."""
+        return shutil.which(self.executable)
 
     def version(self, program: str) -> str:
         """Return an identifier of this build of the program."""
@@ -91,6 +94,12 @@ class Code(PlugIn):
     def outputs(self, scene: Scene, folder: Path) -> MotionOutputs:
         """Read the output; a MpmfwError says why the code failed, any other error that files are damaged."""
         raise NotImplementedError
+
+    def judged(self, version: str) -> str:
+        """Return the status of a run of a version."""
+        if version in self.versions:
+            return "ok"
+        return f"suspect: measured with {', '.join(self.versions)}, not {version}"
 
     # -- what campaigns call
 
@@ -114,12 +123,18 @@ class Code(PlugIn):
         for name, material in scene.materials.items():
             if material.damping is not None:
                 yield f"materials.{name}.damping", "viscous damping cannot be expressed"
+            if material.model not in self.models:
+                yield (
+                    f"materials.{name}.model",
+                    f"'{material.model}' is not one of {' and '.join(self.models)}",
+                )
         for name, body in scene.bodies.items():
             if body.initial_stress is not None:
                 yield f"bodies.{name}.initial_stress", "a stress at the start cannot be expressed"
             if body.thickness is not None:
                 yield f"bodies.{name}.thickness", "a thickness cannot be expressed"
-            if isinstance(body, RigidBody) and body.rigid is not True:
+            moves = isinstance(body, RigidBody) and body.rigid is not True
+            if moves and not ("motion" in self.reads and body.prescribed):
                 yield f"bodies.{name}.rigid", "a rigid body that moves cannot be expressed"
 
     def find(self) -> str:
@@ -217,9 +232,59 @@ def points_of_body(scene: Scene, name: str, size: float | None = None) -> Layout
     return discretise(body.geometry, particles, None)
 
 
-def elastic_constants(scene: Scene, name: str) -> tuple[float, float]:
-    """Return Young's modulus [Pa] and Poisson's ratio of a body at small strain."""
+@dataclass(frozen=True)
+class Elasticity:
+    """Isotropic elasticity of a body at small strain."""
+
+    bulk: float  #: modulus [Pa]
+    shear: float  #: modulus [Pa]
+    density: float  #: [kg/m³]
+
+    @property
+    def young(self) -> float:
+        """Young's modulus [Pa]."""
+        return 9.0 * self.bulk * self.shear / (3.0 * self.bulk + self.shear)
+
+    @property
+    def poisson(self) -> float:
+        """Poisson's ratio."""
+        return (3.0 * self.bulk - 2.0 * self.shear) / (6.0 * self.bulk + 2.0 * self.shear)
+
+    @property
+    def uniaxial(self) -> float:
+        """Modulus of uniaxial strain, K + 4G/3 [Pa]."""
+        return self.bulk + 4.0 / 3.0 * self.shear
+
+    @property
+    def speed(self) -> float:
+        """Speed of pressure waves [m/s]."""
+        return math.sqrt(self.uniaxial / self.density)
+
+
+def elasticity(scene: Scene, name: str) -> Elasticity:
+    """Return the elasticity of a body's material."""
     table = scene.materials[scene.bodies[name].material]
     material: Any = load("material", table.model).from_options(table.options)
-    bulk, shear = material.bulk_modulus, material.shear_modulus
-    return 9.0 * bulk * shear / (3.0 * bulk + shear), (3.0 * bulk - 2.0 * shear) / (6.0 * bulk + 2.0 * shear)
+    return Elasticity(material.bulk_modulus, material.shear_modulus, table.density)
+
+
+def starting_velocity(scene: Scene, name: str, layout: Layout) -> FloatArray:
+    """Return the velocity of a body's points at the start, of its spin as well (n, dim) [m/s]."""
+    body: Any = scene.bodies[name]
+    place = np.zeros((len(layout.volume), 3))
+    place[:, : scene.dim] = layout.position - layout.volume @ layout.position / layout.volume.sum()
+    return np.asarray(np.cross(spin_of(scene, name), place)[:, : scene.dim] + (body.velocity or 0.0))
+
+
+def spin_of(scene: Scene, name: str) -> FloatArray:
+    """Return the angular velocity of a body at the start (3,) [rad/s]."""
+    spin, given = np.zeros(3), scene.bodies[name].angular_velocity or 0.0
+    spin[-np.size(given) :] = given
+    return spin
+
+
+def gravity_of(scene: Scene, *, settling: bool = False) -> FloatArray:
+    """Return gravity of the motion, or that of ``settling`` before it (dim,) [m/s²]."""
+    given = scene.settle.gravity if settling and scene.settle is not None else None
+    table = given or scene.gravity
+    return np.zeros(scene.dim) if table is None else np.array(table.at(0.0))

@@ -1,0 +1,171 @@
+"""Uintah's input: what is written of a scene, with the tags of its own specification, and what is refused."""
+
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from mpmfw.cli.app import app
+from mpmfw.errors import SceneError
+from mpmfw.scene import load_scene
+from mpmfw_code.uintah import Uintah
+
+STOPPING = Path(__file__).resolve().parents[2] / "docs/arena/scenes/stopping-block.toml"
+
+#: Tags within each other in UPS_SPEC of Uintah (src/StandAlone/inputs, commit d4508b23), those that are used.
+KNOWN = """
+Uintah_specification: Meta SimulationComponent Time DataArchiver MPM PhysicalConstants MaterialProperties Grid
+Meta: title
+Time: initTime maxTime delt_min delt_max timestep_multiplier end_at_max_time_exactly clamp_time_to_output
+DataArchiver: filebase outputInterval save
+MPM: time_integrator interpolator material contact
+PhysicalConstants: gravity
+MaterialProperties: MPM
+material: density constitutive_model thermal_conductivity specific_heat geom_object
+constitutive_model: bulk_modulus shear_modulus yield_stress hardening_modulus alpha
+geom_object: box cylinder difference parallelepiped sphere res velocity temperature
+box: min max
+cylinder: bottom top radius
+difference: cylinder
+parallelepiped: p1 p2 p3 p4
+sphere: origin radius
+contact: type materials mu master_material filename
+Grid: BoundaryConditions Level
+BoundaryConditions: Face
+Face: BCType
+BCType: value
+Level: Box
+Box: lower upper resolution extraCells autoPatch
+"""
+TAGS = {name: set(inside.split()) for name, inside in (line.split(":") for line in KNOWN.strip().split("\n"))}
+
+
+def exported(folder, scene, changes=None, **options):
+    """Return the root of the input of a scene with keys changed, whose tags are known."""
+    Uintah(**options).prepare(load_scene(scene, set=changes or {}), folder)
+    root = ET.parse(folder / "scene.ups").getroot()
+    for element in root.iter():
+        assert {child.tag for child in element} <= TAGS.get(element.tag, set()), element.tag
+    return root
+
+
+def numbers(root, path):
+    """Return the numbers in the text of an element."""
+    return [float(one) for one in root.findtext(path).strip("[]").split(",")]
+
+
+def test_the_rings_have_bodies_material_contact_grid_times_and_outputs(tmp_path):
+    root = exported(tmp_path, "colliding-rings")
+    left, right = root.findall("MaterialProperties/MPM/material")
+    assert (left.get("name"), right.get("name")) == ("left", "right")
+    for body, side in ((left, -1.0), (right, 1.0)):
+        assert body.find("constitutive_model").get("type") == "comp_neo_hook"
+        assert numbers(body, "density") == [1010]
+        assert numbers(body, "constitutive_model/bulk_modulus") == pytest.approx([121.7e6])
+        assert numbers(body, "constitutive_model/shear_modulus") == pytest.approx([26.1e6])
+        outer, inner = body.findall("geom_object/difference/cylinder")
+        assert numbers(outer, "bottom") == pytest.approx([0.042 * side, 0, 0])
+        assert numbers(outer, "top") == pytest.approx([0.042 * side, 0, 0.002])
+        assert numbers(outer, "radius") + numbers(inner, "radius") == pytest.approx([0.04, 0.03])
+        assert numbers(body, "geom_object/velocity") == [-30 * side, 0, 0]
+        assert numbers(body, "geom_object/res") == [4, 4, 1]
+    contact = root.find("MaterialProperties/MPM/contact")
+    assert contact.findtext("type") == "friction_LR"
+    assert numbers(contact, "materials") == [0, 1]
+    assert numbers(contact, "mu") == [0.1]
+    box = root.find("Grid/Level/Box")
+    assert numbers(box, "lower") == [-0.12, -0.08, 0]
+    assert numbers(box, "upper") == [0.12, 0.08, 0.002]
+    assert numbers(box, "resolution") == [120, 80, 1]
+    assert numbers(root, "Time/maxTime") == pytest.approx([3.2e-3])
+    assert numbers(root, "DataArchiver/outputInterval") == pytest.approx([1e-5])
+    assert {"p.x", "p.velocity", "p.mass"} <= {one.get("label") for one in root.iter("save")}
+    assert numbers(root, "PhysicalConstants/gravity") == [0, 0, 0]
+    assert root.findtext("MPM/interpolator") == "gimp"
+
+
+def test_the_block_has_gravity_friction_and_a_grid_that_ends_at_fixed_sides(tmp_path):
+    root = exported(
+        tmp_path, "sliding-block", {"settle": None}, contact="friction_bard", interpolator="linear"
+    )
+    block, plane = root.findall("MaterialProperties/MPM/material")
+    assert numbers(block, "geom_object/box/min") == [0.03, 0.013, 0]
+    assert numbers(plane, "geom_object/box/max") == [3.2, 0.013, 0.1]
+    assert numbers(root, "PhysicalConstants/gravity") == pytest.approx([5, -10 * np.sqrt(0.75), 0])
+    assert root.findtext("MaterialProperties/MPM/contact/type") == "friction_bard"
+    assert numbers(root, "MaterialProperties/MPM/contact/mu") == [0.3]
+    box = root.find("Grid/Level/Box")
+    assert numbers(box, "lower") == [-0.4, -0.2, 0]
+    assert numbers(box, "resolution") == [36, 12, 1]
+    assert numbers(box, "extraCells") == [0, 0, 0]
+    faces = {face.get("side"): face.find("BCType").get("label") for face in root.iter("Face")}
+    assert faces == dict.fromkeys(("x-", "x+", "y-", "y+"), "Velocity") | dict.fromkeys(
+        ("z-", "z+"), "Symmetric"
+    )
+
+
+def test_rigid_bodies_are_masters_and_plastic_ones_yield(tmp_path):
+    root = exported(tmp_path, "footing")
+    soil = root.find("MaterialProperties/MPM/material")
+    assert soil.find("constitutive_model").get("type") == "comp_neo_hook_plastic"
+    assert numbers(soil, "constitutive_model/yield_stress") == [17320.508]
+    contact = root.find("MaterialProperties/MPM/contact")
+    assert contact.findtext("type") == "specified_friction"
+    assert numbers(contact, "master_material") == [1]
+    rows = np.loadtxt(tmp_path / contact.findtext("filename"))
+    np.testing.assert_allclose(rows, [[0, 0, 0, 0], [0.2, 0, -0.05, 0], [1, 0, -0.05, 0]])
+    faces = {face.get("side"): face.find("BCType").get("label") for face in root.iter("Face")}
+    assert (faces["x-"], faces["y-"]) == ("Symmetric", "Velocity")
+    turned = {"bodies.plane.geometry.angle": 0.1, "title": 'a < b & "c"'}
+    (tmp_path / "turned").mkdir()
+    root = exported(tmp_path / "turned", STOPPING, turned)
+    assert root.findtext("Meta/title") == turned["title"]
+    p1, p2, p3, p4 = (numbers(root, f".//parallelepiped/p{k}") for k in (1, 2, 3, 4))
+    along, across = np.subtract(p2, p1), np.subtract(p3, p1)
+    np.testing.assert_allclose(along, [3.6 * np.cos(0.1), 3.6 * np.sin(0.1), 0], atol=1e-9)
+    np.testing.assert_allclose(across, [-0.213 * np.sin(0.1), 0.213 * np.cos(0.1), 0], atol=1e-9)
+    np.testing.assert_allclose(np.subtract(p4, p1), [0, 0, 0.1], atol=1e-12)
+
+
+REFUSED = {
+    "settle": ("sliding-block", {}),
+    "materials.block.model": (STOPPING, {"materials.block.model": "linear_elastic"}),
+    "materials.block.energy": (STOPPING, {"materials.block.energy": "log"}),
+    "bodies.block.angular_velocity": (STOPPING, {"bodies.block.angular_velocity": 1.0}),
+    "bodies.block.sides": ("sliding-block", {"bodies.block.sides": [{"side": "top", "pressure": 1.0}]}),
+    "bodies.plane.sides": ("sliding-block", {"bodies.block.geometry.lower": [-0.5, 0.013]}),
+    "bodies.plane.geometry": (
+        STOPPING,
+        {"bodies.plane.geometry": {"type": "half_space", "point": [0, 0.013], "normal": [0, 1]}},
+    ),
+    "bodies.plane.rigid.motion": (
+        STOPPING,
+        {"bodies.plane.rigid": {"motion": {"surface_velocity": [1.0, 0.0]}}},
+    ),
+}
+
+
+@pytest.mark.parametrize("key", REFUSED)
+def test_what_is_not_written_is_refused_by_its_key(key, tmp_path):
+    name, changes = REFUSED[key]
+    with pytest.raises(SceneError, match=f"{key}: Uintah: "):
+        Uintah().prepare(load_scene(name, set=changes), tmp_path)
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_command_writes_a_folder_or_nothing(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = CliRunner().invoke(app, ["export", "colliding-rings", "--to", "uintah", "--set", "time.end=1e-3"])
+    assert done.exit_code == 0, done.output
+    assert "<maxTime>0.001</maxTime>" in Path("colliding-rings-uintah/scene.ups").read_text()
+    again = CliRunner().invoke(app, ["export", "colliding-rings", "--to", "uintah"])
+    assert (again.exit_code, "exists" in again.output) == (2, True)
+    refused = CliRunner().invoke(app, ["export", "sliding-block", "--to", "uintah"])
+    assert (refused.exit_code, "settle: Uintah: " in refused.output) == (2, True)
+    assert not Path("sliding-block-uintah").exists()
+    run = CliRunner().invoke(app, ["compare", "colliding-rings", "--code", "uintah"])
+    assert (run.exit_code, "mpmfw export SCENE --to uintah" in run.output) == (2, True)
+    alone = CliRunner().invoke(app, ["export", "run.nc", "--set", "time.end=1"])
+    assert (alone.exit_code, "no effect without --to" in alone.output) == (2, True)
