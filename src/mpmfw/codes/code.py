@@ -46,8 +46,9 @@ class Code(PlugIn):
 
     A code runs in an empty folder: :meth:`prepare` writes its input, :meth:`run` starts its process and
     :meth:`read` returns its results as those of a run. A folder can be kept, and read where the code is not
-    installed. Subclasses implement :meth:`refusals`, :meth:`write`, :meth:`command` and :meth:`outputs`. The program is that of the environment's variable ``MPMFW_CODE_NAME``, if it is set;
-    a scene never names it.
+    installed. Subclasses implement :meth:`refusals`, :meth:`write`, :meth:`command` and :meth:`outputs`.
+    The program is that of the environment's variable ``MPMFW_CODE_NAME``, if it is set; a scene never
+    names it.
     """
 
     title: ClassVar[str]  #: what tables call the code
