@@ -74,7 +74,7 @@ class Uintah(Code):
     def write(self, scene: Scene, folder: Path) -> None:
         """Write ``scene.ups``, and ``motion-N.txt`` for the material N where a rigid body moves."""
         interval, end = float(scene.time.output_interval), float(scene.time.end)
-        time = {"initTime": 0, "maxTime": end, "delt_min": 0, "delt_max": interval}
+        time: dict[str, Any] = {"initTime": 0, "maxTime": end, "delt_min": 0, "delt_max": interval}
         time |= {"timestep_multiplier": 0.4, "end_at_max_time_exactly": "true"}
         saved = [_tag("save", label=label) for label in SAVED]
         bodies = _tag("MPM", {}, [*self._materials(scene), *self._contacts(scene, folder)])
