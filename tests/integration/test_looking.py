@@ -2,11 +2,14 @@
 
 import base64
 import html
+import json
 import re
 import sys
+from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import mpmfw
 from mpmfw.errors import SceneError
@@ -27,7 +30,8 @@ def run(tmp_path_factory):
     return path
 
 
-def test_the_page_of_a_run_has_pictures_before_its_scene_and_is_escaped(run, tmp_path):
+def test_the_page_of_a_run_has_pictures_before_its_scene_and_is_escaped(run, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "plotly.subplots", None)
     write_report(run, tmp_path / "run.html")
     page = (tmp_path / "run.html").read_text(encoding="utf-8")
     assert html.escape(EVIL) in page
@@ -40,6 +44,38 @@ def test_the_page_of_a_run_has_pictures_before_its_scene_and_is_escaped(run, tmp
     assert shown[0] != shown[-1]
     assert page.index("<figure") < page.index("<h2>Scene")
     assert not re.search(r'(src|href)="(?!data:|#)', page)
+
+
+def test_a_run_in_space_can_be_turned_without_a_network(run, tmp_path):
+    pytest.importorskip("plotly")
+    tree = mpmfw.open(run)
+    renamed = EVIL.replace("/", "")  # a body's name is a text of the file
+    groups = {path.replace("ball", renamed): group for path, group in tree.to_dict().items()}
+    bodies = {"body": ["solid", renamed]}
+    tree = xr.DataTree.from_dict(
+        {k: v.assign_coords(bodies if "body" in v.coords else {}) for k, v in groups.items()}
+    )
+    write_report(tree, tmp_path / "run.html")
+    page = (tmp_path / "run.html").read_text(encoding="utf-8")
+    loaded, scripts = [], []
+
+    class Loads(HTMLParser):
+        def handle_starttag(self, tag, attributes):
+            loaded.extend(value for key, value in attributes if key in ("src", "href", "data", "action"))
+            scripts.extend([tag] * (tag in ("script", "link", "iframe", "object", "img")))
+
+    Loads().feed(page)
+    assert set(scripts) == {"script"}
+    assert loaded == []
+    assert page.find("<script>alert") == -1
+    (call,) = re.findall(r'Plotly.newPlot\(\s*"turning",(.*?)\)\.then', page, re.S)
+    traces, _ = json.JSONDecoder().raw_decode(call.strip())
+    assert [trace["type"] for trace in traces] == ["mesh3d", "mesh3d"]
+    frames = json.loads(re.search(r"Plotly.addFrames\('turning', (\[.*?\])\);", page)[1])
+    assert [frame["name"] for frame in frames] == ["0 s", "0.0002 s", "0.0004 s"]
+    heights = [np.frombuffer(base64.b64decode(frame["data"][0]["z"]["bdata"]), "f4") for frame in frames]
+    np.testing.assert_allclose(heights[2], tree["surface/solid"]["position"].values[2, :, 2], atol=1e-6)
+    assert page.index("Plotly.newPlot") < page.index("<h2>Scene")
 
 
 @pytest.fixture(scope="module")
@@ -87,15 +123,19 @@ def test_the_difference_is_that_from_the_first_contact(several):
 
 
 def test_a_page_in_space_says_why_it_has_no_pictures(run, tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "pyvista", None)
+    for library in ("pyvista", "plotly.subplots"):
+        monkeypatch.setitem(sys.modules, library, None)
     write_report(run, tmp_path / "run.html")
     page = html.unescape((tmp_path / "run.html").read_text(encoding="utf-8"))
     assert "<img" not in page.replace(EVIL, "")
     assert "There are no pictures of the stress: this needs pyvista: pip install 'mpmfw[render]'." in page
 
 
-def test_a_picture_in_space_says_where_bodies_are_dots(run):
-    pytest.importorskip("pyvista")
+@pytest.mark.parametrize("library", ["pyvista", "plotly"])
+def test_a_picture_in_space_says_where_bodies_are_dots(run, library, monkeypatch):
+    pytest.importorskip(library)
+    if library == "pyvista":
+        monkeypatch.setitem(sys.modules, "plotly.subplots", None)
     tree = mpmfw.open(run)
     assert "dots" not in pictures.slides(tree)["slides_say"]
     del tree["surface"]

@@ -14,64 +14,51 @@ from mpmfw.plots.field_panel import Box, Scales, set_title
 from mpmfw.results.domains import corners_of, facets_of, surfaces_of
 from mpmfw.results.point_fields import point_field
 from mpmfw.results.selection import bodies_of, frame_of, rigid_bodies_of
-from mpmfw.state.fields import FloatArray
+from mpmfw.state.fields import FloatArray, IntArray
 
 #: Pixels of a picture; length of the longest arrow over the diagonal of all bodies.
 _SIZE, _ARROW = (1000, 750), 0.15
 
 
-class View:
-    """A plotter with the bodies of one run at one output.
+class Bodies:
+    """The bodies of one run in space: their points, facets and values at every output.
 
     Solids with a stored surface are drawn as this surface, coloured by the nearest material point. Other
-    bodies are drawn as the domains of their points, or as spheres. Rigid bodies are grey.
+    bodies are drawn as the domains of their points, or as spheres. Rigid bodies have no values.
     """
 
     def __init__(self, tree: xr.DataTree, bodies: Sequence[str] | None = None) -> None:
-        library = mesh_library()
         self.tree = tree
         self.bodies, self.rigid = bodies_of(tree, bodies), rigid_bodies_of(tree, bodies)
+        self.names = [*self.bodies, *self.rigid]
         surfaces = set(surfaces_of(tree))
-        space = len(tree["series"].coords["axis"]) == 3
-        self.outlined = [body for body in [*self.bodies, *self.rigid] if body in surfaces]
-        self._solid = {body for body in self.outlined if space or body in self.rigid}
+        self.space = len(tree["series"].coords["axis"]) == 3
+        self.outlined = [body for body in self.names if body in surfaces]
+        self._solid = {body for body in self.outlined if self.space or body in self.rigid}
         self._corners = {body: corners_of(tree, body) for body in self.bodies}
-        self.plotter = library.Plotter(off_screen=True, window_size=_SIZE)
-        self.meshes = {body: self._mesh(library, body) for body in [*self.bodies, *self.rigid]}
-        self._start = {body: np.array(mesh.points) for body, mesh in self.meshes.items()}
         self._nearest = {
             body: cKDTree(frame_of(tree, f"particles/{body}", 0)["position"].values).query(
-                self._start[body][:, : 3 if space else 2]
+                self.places(body, 0)[:, : 3 if self.space else 2]
             )[1]
             for body in self._solid - set(self.rigid)
         }
-        for body, mesh in self.meshes.items():
-            self.plotter.add_mesh(mesh, color="lightgrey", line_width=3, name=body)
-        if space:
-            self.plotter.view_vector((1.0, 0.7, 1.6), viewup=(0.0, 1.0, 0.0))
-        else:
-            self.plotter.view_xy()
-        self.plotter.reset_camera()
-        self.plotter.camera.zoom(1.2)
 
-    def _mesh(self, library: Any, body: str) -> Any:
-        places = _in_space(self._places(body, 0))
-        if body in self._solid:
-            facets = facets_of(self.tree, body)
-            if facets.shape[1] == 3:
-                return library.PolyData.from_regular_faces(places, facets)
-            return library.PolyData(places, lines=np.insert(facets, 0, 2, axis=1).ravel())
-        if self._corners[body] is not None:
-            return library.PolyData.from_regular_faces(places, np.arange(len(places)).reshape(-1, 4))
-        return library.PolyData(places)
-
-    def _places(self, body: str, frame: int) -> FloatArray:
+    def places(self, body: str, frame: int) -> FloatArray:
+        """Return the points (n, 3) that are drawn of a body at one output [m]."""
         if body in self._solid:
             places = frame_of(self.tree, f"surface/{body}", frame)["position"].values
         else:
-            data, corners = frame_of(self.tree, f"particles/{body}", frame), self._corners[body]
+            data, corners = frame_of(self.tree, f"particles/{body}", frame), self._corners.get(body)
             places = data["position"].values if corners is None else corners(data)
-        return np.asarray(places, dtype=float).reshape(-1, places.shape[-1])
+        return _in_space(places.reshape(-1, places.shape[-1]))
+
+    def facets(self, body: str) -> IntArray | None:
+        """Return segments, triangles or quadrilaterals between the points; None of single points."""
+        if body in self._solid:
+            return facets_of(self.tree, body)
+        if self._corners.get(body) is None:
+            return None
+        return np.arange(len(self.places(body, 0))).reshape(-1, 4)
 
     def values(self, body: str, field: str, frame: int) -> FloatArray:
         """Return a field of a body at one output, as it is drawn."""
@@ -84,6 +71,33 @@ class View:
         values = np.concatenate([self.values(body, field, k) for body in self.bodies for k in frames])
         known = values[np.isfinite(values)]
         return (float(known.min()), float(known.max())) if len(known) else (np.nan, np.nan)
+
+
+class View(Bodies):
+    """A plotter with the bodies of one run at one output."""
+
+    def __init__(self, tree: xr.DataTree, bodies: Sequence[str] | None = None) -> None:
+        library = mesh_library()
+        super().__init__(tree, bodies)
+        self.plotter = library.Plotter(off_screen=True, window_size=_SIZE)
+        self._start = {body: self.places(body, 0) for body in self.names}
+        self.meshes = {body: self._mesh(library, body) for body in self.names}
+        for body, mesh in self.meshes.items():
+            self.plotter.add_mesh(mesh, color="lightgrey", line_width=3, name=body)
+        if self.space:
+            self.plotter.view_vector((1.0, 0.7, 1.6), viewup=(0.0, 1.0, 0.0))
+        else:
+            self.plotter.view_xy()
+        self.plotter.reset_camera()
+        self.plotter.camera.zoom(1.2)
+
+    def _mesh(self, library: Any, body: str) -> Any:
+        places, facets = self._start[body].copy(), self.facets(body)
+        if facets is None:
+            return library.PolyData(places)
+        if facets.shape[1] == 2:
+            return library.PolyData(places, lines=np.insert(facets, 0, 2, axis=1).ravel())
+        return library.PolyData.from_regular_faces(places, facets)
 
     def show(
         self,
@@ -98,7 +112,7 @@ class View:
         """Show an output; displacements times ``deformation``, arrows if ``largest_force`` is positive."""
         for body, mesh in self.meshes.items():
             start = self._start[body]
-            mesh.points = start + deformation * (_in_space(self._places(body, frame)) - start)
+            mesh.points = start + deformation * (self.places(body, frame) - start)
             if body in self.rigid:
                 continue
             mesh[field] = self.values(body, field, frame)

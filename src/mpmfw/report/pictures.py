@@ -16,6 +16,7 @@ from mpmfw.errors import SceneError
 from mpmfw.plots.animation import Movie, frames_at
 from mpmfw.plots.field_figure import field, labelled
 from mpmfw.plots.style import journal_style
+from mpmfw.report.turning import MOST, turning
 from mpmfw.results.domains import surfaces_of
 from mpmfw.results.point_fields import point_field
 from mpmfw.results.selection import bodies_of, frame_at, frame_of, points_of, times_of
@@ -32,41 +33,45 @@ _WITHIN = 0.98
 def slides(results: xr.DataTree | xr.Dataset) -> dict[str, Any]:
     """Return ``slides``, pictures of a field over time as PNG in base64, and ``slides_say``, their caption.
 
-    Without pictures, the caption says why.
+    With plotly, runs in 3D are ``turned`` instead. Without pictures, the caption says why.
     """
     try:
         with labelled(results) as trees:
             shown = dict(list(trees.items())[:_RUNS])
-            pictures, outputs = _pictures(shown)
+            longest = max(shown.values(), key=lambda tree: times_of(tree)[frame_at(tree)])
+            times = times_of(longest)
+            chosen = times[np.unique(np.linspace(0, len(times) - 1, _PICTURES).round().astype(int))]
+            limits = _limits(shown, chosen)
+            spaces = [tree for tree in shown.values() if tree.sizes.get("axis") == 3]
+            turned = turning(shown, chosen, _FIELD, limits) if spaces else None
+            pictures = [] if turned else _pictures(shown, chosen, limits)
     except SceneError as error:  # no points are kept, or no pyvista is there for a run in space
         why = str(error).removeprefix(f"{results.encoding.get('source')}: ")
         return {"slides_say": f"There are no pictures of the stress: {why}."}
     text = "Von Mises stress, with the value that 98 % of the points do not exceed as the end of the colours."
-    if len(pictures) > 1:
-        all_shown = len(pictures) == outputs
-        count = "all outputs" if all_shown else f"{len(pictures)} of {outputs} outputs, the last among them"
+    if len(chosen) > 1:
+        all_shown = len(chosen) == len(times)
+        count = "all outputs" if all_shown else f"{len(chosen)} of {len(times)} outputs, the last among them"
         text += f" The slider goes through {count}."
-    spaces = [tree for tree in shown.values() if tree.sizes.get("axis") == 3]
     if any(set(bodies_of(tree)) - {*surfaces_of(tree)} for tree in spaces):
         text += " Bodies are drawn as dots at their material points where no surface is stored."
     if isinstance(results, xr.Dataset):
         runs = [", ".join(map(str, one.values())) for one, _ in points_of(results, results["status"].dims)]
-        left = [run for run in runs if run not in shown]
+        left = [run for run in runs if run not in list(shown)[: MOST if turned else None]]
         text += f" {len(left)} of {len(runs)} runs are left out: {'; '.join(left)}." if left else ""
-    return {"slides": pictures, "slides_say": text}
+    return {"slides": pictures, "turned": turned, "slides_say": text}
 
 
-def _pictures(trees: Mapping[str, xr.DataTree]) -> tuple[list[str], int]:
-    """Return the pictures, and the number of outputs of the run that lasts longest."""
-    longest = max(trees.values(), key=lambda tree: times_of(tree)[frame_at(tree)])
-    times = times_of(longest)
-    chosen = times[np.unique(np.linspace(0, len(times) - 1, _PICTURES).round().astype(int))]
-    movie = Movie(trees, _FIELD, times=chosen, limits=_limits(trees, chosen))
+def _pictures(
+    trees: Mapping[str, xr.DataTree], times: FloatArray, limits: tuple[float, float] | None
+) -> list[str]:
+    """Return pictures of runs at some times."""
+    movie = Movie(trees, _FIELD, times=times, limits=limits)
     pictures = []
     for index in range(len(movie)):
         movie.show(index)
         pictures.append(_png(movie.figure))
-    return pictures, len(times)
+    return pictures
 
 
 def _limits(trees: Mapping[str, xr.DataTree], times: FloatArray) -> tuple[float, float] | None:

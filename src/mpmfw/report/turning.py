@@ -1,0 +1,111 @@
+"""Runs in space that a page's reader can turn, with a slider over time (``pip install mpmfw[report]``)."""
+
+from __future__ import annotations
+
+import html
+import importlib
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from markupsafe import Markup
+
+from mpmfw.plots.animation import frames_at
+from mpmfw.plots.field_figure import colour_range
+from mpmfw.plots.space import Bodies
+from mpmfw.plots.style import in_brackets
+from mpmfw.results.point_fields import point_field
+from mpmfw.results.selection import frame_of
+from mpmfw.state.fields import FloatArray
+
+#: Most runs of a page; height of a row [px]; the viewer's place, the scene being 1 wide.
+MOST, _HEIGHT, _EYE = 4, 480, {"x": 1.3, "y": 0.9, "z": 1.9}
+
+
+def turning(
+    trees: Mapping[str, xr.DataTree],
+    times: FloatArray,
+    field: str,
+    limits: tuple[float, float] | None,
+) -> Markup | None:
+    """Return HTML with the script that draws a field of runs in 3D at some times [s]; None without plotly.
+
+    The runs have labels as keys; the first four are drawn. The page loads nothing.
+    """
+    try:
+        subplots = importlib.import_module("plotly.subplots")
+    except ImportError:
+        return None
+    shown = {label: Bodies(tree) for label, tree in list(trees.items())[:MOST]}
+    frames = {label: frames_at(runs.tree, times) for label, runs in shown.items()}
+    columns = min(len(shown), 2)
+    rows = -(-len(shown) // columns)
+    figure = subplots.make_subplots(
+        rows, columns, specs=[[{"type": "scene"}] * columns] * rows, horizontal_spacing=0.02,
+        vertical_spacing=0.05, subplot_titles=[html.escape(label) for label in shown],
+    )  # fmt: skip
+    drawn = [
+        [
+            _trace(runs, body, field, frames[label][step], f"scene{number}")
+            for number, (label, runs) in enumerate(shown.items(), 1)
+            for body in runs.names
+        ]
+        for step in range(len(times))
+    ]
+    names = [f"{time:.4g} s" for time in times]
+    figure.add_traces(drawn[-1])
+    figure.frames = [{"name": name, "data": traces} for name, traces in zip(names, drawn, strict=True)]
+    figure.update_layout(height=_HEIGHT * rows + 180, sliders=[_slider(names)])
+    _scale(figure, shown, frames, field, limits)
+    settings = {"displayModeBar": False, "responsive": True, "scrollZoom": True}
+    options = {"auto_play": False, "full_html": False, "div_id": "turning", "include_plotlyjs": True}
+    return Markup(figure.to_html(settings, **options))
+
+
+def _scale(
+    figure: Any,
+    shown: Mapping[str, Bodies],
+    frames: Mapping[str, Sequence[int]],
+    field: str,
+    limits: tuple[float, float] | None,
+) -> None:
+    """Give all scenes and outputs the same colours and axes."""
+    first = next(iter(shown.values()))
+    about = point_field(frame_of(first.tree, f"particles/{first.bodies[0]}", 0), field).attrs
+    ends = [runs.extremes(field, frames[label]) for label, runs in shown.items()]
+    low, high, colours = colour_range(ends, limits)
+    bar = {
+        "title": {"text": html.escape(in_brackets(about["long_name"], about["units"])), "side": "top"},
+        "tickformat": "~s", "orientation": "h", "yref": "container", "y": 1.0,
+        "yanchor": "top", "thickness": 12,
+    }  # fmt: skip
+    figure.update_layout(
+        margin={"l": 10, "r": 10, "t": 110, "b": 0}, showlegend=False,
+        coloraxis={"cmin": low, "cmax": high, "colorscale": colours, "colorbar": bar},
+    )  # fmt: skip
+    drawn = [trace for frame in figure.frames for trace in frame.data]
+    places = np.concatenate([[trace[axis] for axis in "xyz"] for trace in drawn], axis=1)
+    ranges = zip("xyz", places.min(axis=1).tolist(), places.max(axis=1).tolist(), strict=True)
+    axes = {f"{axis}axis": {"range": ends, "title": {"text": f"{axis} [m]"}} for axis, *ends in ranges}
+    figure.update_scenes(aspectmode="data", camera={"up": {"x": 0, "y": 1, "z": 0}, "eye": _EYE}, **axes)
+
+
+def _trace(runs: Bodies, body: str, field: str, frame: int, scene: str) -> dict[str, Any]:
+    """Return a body at one output: a surface, else dots."""
+    places, facets = runs.places(body, frame).astype(np.float32), runs.facets(body)
+    trace = dict(zip("xyz", places.T, strict=True), scene=scene, name=html.escape(body))
+    colours: dict[str, Any] = {"color": "lightgrey"}
+    if body in runs.bodies:
+        values = runs.values(body, field, frame).astype(np.float32)
+        colours = {"color" if facets is None else "intensity": values, "coloraxis": "coloraxis"}
+    if facets is None:
+        return trace | {"type": "scatter3d", "mode": "markers", "marker": {"size": 4, **colours}}
+    return trace | {"type": "mesh3d", **dict(zip("ijk", facets.T, strict=True)), **colours}
+
+
+def _slider(names: Sequence[str]) -> dict[str, Any]:
+    """Return a slider that shows the frames with these names, and begins with the last."""
+    at_once = {"mode": "immediate", "frame": {"duration": 0, "redraw": True}, "transition": {"duration": 0}}
+    steps = [{"label": name, "method": "animate", "args": [[name], at_once]} for name in names]
+    return {"active": len(names) - 1, "steps": steps, "currentvalue": {"prefix": "t = "}, "pad": {"b": 30}}
