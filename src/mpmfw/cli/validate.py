@@ -42,27 +42,27 @@ def validate(
         import pytest  # noqa: F401
     except ImportError as error:
         raise SceneError("validate needs pytest: pip install 'mpmfw[testing]'") from error
-    from mpmfw.validation.page import summary, write_csv, write_page
+    from mpmfw.validation.page import red_rows, summary, write_csv, write_page
     from mpmfw.validation.suite import find_cases, kept, run_cases, suite_of
 
     folder = suite_of(suite)
     found = find_cases(folder, cases or ())
     _check_places(found, output, document, force)
-    command = _command(cases, quick, suite if suite != folder else None, jobs, scheduler)
-    running: dict[str, Any] = {**args.workers(jobs, scheduler, None), "command": command, "force": force}
+    running: dict[str, Any] = {**args.workers(jobs, scheduler, None), "force": force}
     with campaign_progress("cases") as reports:
         results = run_cases(found, output, quick=quick, progress=reports["progress"], **running)
+    for row in red_rows(results):
+        typer.echo(f"{row.verdict}: {row.case}: {row}" + (f": {row.reason}" if row.reason else ""))
     for one in results:
-        for row in one.rows:
-            if row.verdict in ("RED", "known red"):
-                typer.echo(f"{row.verdict}: {row.case}: {row}" + (f": {row.reason}" if row.reason else ""))
         if one.error:
             typer.echo(f"{one.folder.name} went wrong:\n{one.error}", err=True)
     everything = [*results, *kept([case for case in find_cases(folder) if case not in found], output, quick)]
     everything.sort(key=lambda one: one.folder.name)
     write_csv(everything, output / "validation.csv")
     if document is not None:
-        write_page(everything, document)
+        named = ["--suite", str(suite)] if suite not in (None, folder) else []
+        words = ["mpmfw", "validate", *(cases or ()), *["--quick"] * quick, *named]
+        write_page(everything, document, f"`{' '.join(words)}`")
     typer.echo(summary(results))
     typer.echo(f"{output}: {sum(len(one.figures) for one in results)} figures, and validation.csv")
     if any(one.wrong for one in results):
@@ -87,12 +87,3 @@ def _check_places(cases: Sequence[Path], output: Path, document: Path | None, fo
         raise SceneError(f"--document {document}: expected a name that ends in .md")
     marked = document.is_file() and BEGIN in document.read_text(encoding="utf-8")
     args.new_path(document, force or marked)
-
-
-def _command(
-    cases: list[str] | None, quick: bool, named: Path | None, jobs: int | None, scheduler: str | None
-) -> str:
-    """Return the command without its outputs; ``named`` is a suite other than the default."""
-    given = {"--suite": named, "--jobs": jobs, "--scheduler": scheduler}
-    options = [f"{name} {value}" for name, value in given.items() if value is not None]
-    return " ".join(["mpmfw validate", *(cases or ()), *["--quick"] * quick, *options])

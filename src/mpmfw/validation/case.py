@@ -14,7 +14,7 @@ from mpmfw.campaigns.measures import exact_of, measure_of
 from mpmfw.errors import SceneError
 from mpmfw.plugin.measure import About
 from mpmfw.scene import Scene
-from mpmfw.validation.rows import Case, Row, Tolerance, Verdict, limits
+from mpmfw.validation.rows import Case, Row, Verdict, limits
 
 __all__ = [
     "CLASSICAL", "CONTACTS", "RECOMMENDED", "SHAPES", "Case", "CaseRun", "Method", "Place", "Row", "RunSet",
@@ -32,6 +32,8 @@ RECOMMENDED = ("cpdi", "cpdi2")
 full, quick = pytest.mark.full, pytest.mark.quick
 #: ``@known_red(method, quantity, reason)``: this gate is known not to hold; the case fails if it holds.
 known_red = pytest.mark.known_red
+#: ``@together(*runs)`` decorates a test that takes all these runs as ``runs``, a :class:`RunSet`.
+together = pytest.mark.together
 
 #: Names of the methods and places of all full versions in this process.
 _METHODS: set[str] = set()
@@ -105,6 +107,9 @@ class Place:
         reason = self.open.get(key, {})
         return isinstance(reason, str) or method.matches(*reason)
 
+    def __str__(self) -> str:
+        return ", ".join(filter(None, (self.at, "changed" if self.change is not None else "")))
+
 
 @dataclass(eq=False)
 class Runs:
@@ -141,19 +146,15 @@ class Runs:
         """Yield these runs with every combination of place and method."""
         return itertools.product([self], self.places, self.methods)
 
-    def scene_at(self, case: Case, place: Place, method: Method | None) -> Scene:
-        """Return the scene of a place, with the method."""
+    def start(self, case: Case, place: Place, method: Method) -> CaseRun:
+        """Run one point; errors are those of :func:`mpmfw.run`."""
+        self.started += 1
         given = place.scene or self.scene
         values = {**self.set, **(self.quick if case.quick else {}), **place.set}
         made = given(**place.make) if callable(given) else given
         if place.change is not None:
             made, values = place.change(case.scene(made, None, values).to_mapping()), {}
-        return case.scene(made, method, values)
-
-    def start(self, case: Case, place: Place, method: Method) -> CaseRun:
-        """Run one point; errors are those of :func:`mpmfw.run`."""
-        self.started += 1
-        scene = self.scene_at(case, place, method)
+        scene = case.scene(made, method, values)
         if self.by is None:
             results = case.run(scene)
         else:
@@ -166,18 +167,11 @@ class Runs:
 def each(*runs: Runs) -> Any:
     """Decorate a test that takes each run of these as ``run``."""
     params = []
-    for point in (point for one in runs for point in one.points()):
-        every, place, method = point
-        changed = "changed" if place.change is not None else ""
-        name = " | ".join(filter(None, (every.name, place.at, changed, str(method))))
+    for point in itertools.chain(*(one.points() for one in runs)):
         marks = [getattr(pytest.mark, part.when) for part in point if part.when]
+        name = " | ".join(filter(None, (point[0].name, *map(str, point[1:]))))
         params.append(pytest.param(point, id=name, marks=marks))
     return pytest.mark.parametrize("run", params, indirect=True)
-
-
-def together(*runs: Runs) -> Any:
-    """Decorate a test that takes all runs of these together as ``runs``, a :class:`RunSet`."""
-    return pytest.mark.together(*runs)
 
 
 @dataclass
@@ -209,13 +203,12 @@ class CaseRun:
 
         ``key`` takes one of several; ``relative`` is the departure from the closed form."""
         name = f"{measure} {args} {relative}"
-        if name not in self._measured and callable(measure):
-            self._measured[name] = measure(self.results, **args)
-        elif name not in self._measured:
-            self._measured[name] = self._measure(str(measure), relative, args)
+        if name not in self._measured:
+            found = measure(self.results, **args) if callable(measure) else self._of(measure, relative, args)
+            self._measured[name] = found
         return _number(self._measured[name], key, scale)
 
-    def _measure(self, name: str, relative: bool, args: Mapping[str, Any]) -> float:
+    def _of(self, name: str, relative: bool, args: Mapping[str, Any]) -> float:
         measure, about = measure_of(name), About(**args)
         measured = measure.of(self.results, self.scene, about)
         exact = exact_of(measure, self.scene, about) if relative else None
@@ -228,23 +221,23 @@ class CaseRun:
         self,
         quantity: str,
         value: float | None,
-        reference: float | str = "",
-        tolerance: Tolerance = None,
-        unit: str = "",
+        *rest: Any,
         key: str = "",
         binds: bool | None = None,
+        **named: Any,
     ) -> None:
-        """Record a value as :meth:`Case.gate`, within the limits of its place; None has no row."""
+        """Record a value as :meth:`Case.gate`, which takes the ``rest``, within the limits of its place."""
         if value is None:
             return
-        tolerance = self.place.within.get(key, tolerance)
+        named |= dict(zip(("reference", "tolerance", "unit"), rest, strict=False))
+        tolerance = named["tolerance"] = self.place.within.get(key, named.get("tolerance"))
         least, most = limits(tolerance)
         if not least <= value <= most and tolerance is not None:
             self.broken.append(key or quantity)
         if self.place.change is None:
             binds = self.method.recommended if binds is None else binds
             binds = binds and not (key and self.place.is_open(key, self.method))
-            self.case.gate(quantity, value, reference, tolerance, unit, self.method, binds)
+            self.case.gate(quantity, value, method=self.method, binds=binds, **named)
 
     def gates(
         self,
@@ -255,8 +248,7 @@ class CaseRun:
     ) -> None:
         """Record values of a measure: rows of a quantity with ``{at}``, a key, and what a gate takes."""
         for quantity, key, *rest in rows:
-            named = dict(zip(("reference", "tolerance", "unit"), rest, strict=False))
-            self.gate(quantity.format(at=self.place.at), self.of(measure, key, **args), binds=binds, **named)
+            self.gate(quantity.format(at=self.place.at), self.of(measure, key, **args), *rest, binds=binds)
 
 
 class RunSet(list[CaseRun]):

@@ -35,16 +35,13 @@ def pytest_configure(config: pytest.Config) -> None:
         config.addinivalue_line("markers", mark)
 
 
-def pytest_runtest_logreport(report: pytest.TestReport) -> None:
-    """Keep an error of a test."""
-    if report.failed and not report.user_properties:
+def pytest_runtest_logreport(report: pytest.TestReport | pytest.CollectReport) -> None:
+    """Keep an error of a test or of collection."""
+    if report.failed and not getattr(report, "user_properties", ()):
         ERRORS.append(f"{report.nodeid}\n{report.longreprtext}")
 
 
-def pytest_collectreport(report: pytest.CollectReport) -> None:
-    """Keep an error of collection."""
-    if report.failed:
-        ERRORS.append(report.longreprtext)
+pytest_collectreport = pytest_runtest_logreport
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +61,7 @@ def run(request: pytest.FixtureRequest, case: Case) -> CaseRun:
     except (SimulationError, SceneError) as error:
         gates = method.recommended or method.matches(*runs.binds)
         binds = gates and place.change is None and not place.is_open("run", method)
-        case.failed(method, str(error), binds, place.at + (", changed" if place.change is not None else ""))
+        case.failed(method, str(error), binds, str(place))
         judge(request.node, case, len(case.rows) - 1)
         pytest.skip(str(error))
 
@@ -83,8 +80,7 @@ def runs(request: pytest.FixtureRequest, case: Case) -> RunSet:
 @pytest.hookimpl(wrapper=True)
 def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> Generator[None, Any, Any]:
     """Judge the rows that a test has recorded."""
-    case = pyfuncitem.funcargs.get("case")
-    assert case is None or isinstance(case, Case)
+    case: Any = pyfuncitem.funcargs.get("case")
     start = len(case.rows) if case else 0
     result = yield
     if case:

@@ -121,6 +121,7 @@ class Case:
         unit: str = "",
         method: Any = "",
         binds: bool | None = None,
+        note: str = "",
     ) -> None:
         """Record a value beside its reference; None has no row, and no ``tolerance`` no limits.
 
@@ -128,20 +129,16 @@ class Case:
         """
         if value is None:
             return
-        least, most = limits(tolerance)
         binds = (isinstance(method, str) or method.recommended) if binds is None else binds
-        binds = binds and tolerance is not None
-        name = self.folder.name
-        self.rows.append(
-            Row(name, str(method), quantity, float(value), reference, unit, least, most, binds, self._seconds)
-        )
+        row = (self.folder.name, str(method), quantity, float(value), reference, unit, *limits(tolerance))
+        seconds = math.nan if note else self._seconds
+        self.rows.append(Row(*row, binds and tolerance is not None, seconds, note))
 
     def failed(self, method: Any, why: str, binds: bool | None = None, at: str = "") -> None:
         """Record why a method got no result at a place; red of the recommended, or as ``binds`` says."""
-        quantity = f"{at}: run" if at else "run"
         binds = not isinstance(method, str) and method.recommended if binds is None else binds
-        row = Row(self.folder.name, str(method), quantity, math.nan, "ends", "", 0.0, binds=binds, note=why)
-        self.rows.append(row)
+        quantity, limits = f"{at}: run" if at else "run", (0.0, math.inf)
+        self.gate(quantity, math.nan, "ends", limits, method=method, binds=binds, note=why)
 
     def figure(self, name: str, figure: Figure) -> None:
         """Keep a figure as ``<case>-<name>.png``, or ``<case>.png`` without a name."""

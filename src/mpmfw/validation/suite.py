@@ -7,10 +7,10 @@ import io
 import os
 import re
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from unittest import mock
 
 import numpy as np
@@ -25,8 +25,7 @@ from mpmfw.runs.identity import code_of_plugins, digest, package, sources
 from mpmfw.validation.rows import Row, Verdict
 
 
-@dataclass(frozen=True)
-class CaseTask:
+class CaseTask(NamedTuple):
     """One case to run; as :class:`mpmfw.campaigns.work.Task`."""
 
     key: str
@@ -34,19 +33,16 @@ class CaseTask:
     folder: Path
     output: Path
     quick: bool
-    command: str
-    code: Mapping[str, str]
 
 
 @dataclass(frozen=True)
 class CaseResult:
-    """What came of one case: rows, figures (PNG files), an error, and the command that ran it."""
+    """What came of one case: rows, figures (PNG files), and an error."""
 
     folder: Path
     rows: tuple[Row, ...] = ()
     figures: tuple[Path, ...] = ()
     error: str = ""
-    command: str = ""
 
     @property
     def wrong(self) -> bool:
@@ -62,33 +58,24 @@ def check_once(task: CaseTask) -> Finished:
     from mpmfw.plots.style import journal_style
     from mpmfw.validation import plugin
 
-    errors = plugin.ERRORS
-    plugin.CASES.clear()
+    cases, errors, printed = plugin.CASES, plugin.ERRORS, io.StringIO()
+    cases.clear()
     errors.clear()
-    options = ["-c", os.devnull, f"--rootdir={task.folder}", "-p", "no:cacheprovider"]
+    options = ["-c", os.devnull, f"--rootdir={task.folder}", "-p", "no:cacheprovider", "-p", plugin.__name__]
     options += ["--quick"] * task.quick
-    printed = io.StringIO()
-    try:
-        with journal_style(), contextlib.redirect_stdout(printed), _alone(task.folder.parent):
-            code = pytest.main([*options, "-p", plugin.__name__, str(task.folder)])
-        nothing = code == pytest.ExitCode.NO_TESTS_COLLECTED and task.quick  # a case of full runs alone
-        if code not in (0, 1) and not nothing and not errors:
-            errors.append(printed.getvalue())
-        for case in plugin.CASES:
-            for name, figure in case.figures.items():
-                write_figure(figure, task.output / f"{name}.png")
-    except SystemExit as stop:
-        errors.append(f"SystemExit: {stop}")
-    rows = [row for case in plugin.CASES for row in case.rows]
-    red = any(row.verdict is Verdict.RED for row in rows)
-    status = "failed: it went wrong" if errors else "failed: a gate is red" if red else "ok"
-    values = {
-        "rows": [asdict(row) for row in rows],
-        "figures": [f"{name}.png" for case in plugin.CASES for name in case.figures],
-        "error": "\n".join(errors),
-        "command": task.command,
-    }
-    return Finished(Outcome(task.key, status, task.name, values=values, code=task.code))
+    with journal_style(), contextlib.redirect_stdout(printed), _alone(task.folder.parent):
+        code = pytest.main([*options, str(task.folder)])
+    nothing = code == pytest.ExitCode.NO_TESTS_COLLECTED and task.quick  # a case of full runs alone
+    if code not in (0, 1) and not nothing and not errors:
+        errors.append(printed.getvalue())
+    figures = {f"{name}.png": figure for case in cases for name, figure in case.figures.items()}
+    for name, figure in figures.items():
+        write_figure(figure, task.output / name)
+    rows = [row for case in cases for row in case.rows]
+    wrong = errors or any(row.verdict is Verdict.RED for row in rows)
+    values = {"rows": [asdict(row) for row in rows], "figures": [*figures], "error": "\n".join(errors)}
+    status = "failed: it went wrong, or a gate is red" if wrong else "ok"
+    return Finished(Outcome(task.key, status, task.name, values=values, code=code_of_plugins()))
 
 
 @contextlib.contextmanager
@@ -97,14 +84,9 @@ def _alone(suite: Path) -> Iterator[None]:
 
     Modules, measures, the environment, the working folder and NumPy's answers to errors are as before."""
     loaded, found = {*sys.modules}, mock.patch.object(sys, "path", [str(suite), *sys.path])
+    kept = mock.patch.dict(os.environ), mock.patch.dict(MEASURES)
     try:
-        with (
-            found,
-            mock.patch.dict(os.environ),
-            mock.patch.dict(MEASURES),
-            np.errstate(),
-            contextlib.chdir("."),
-        ):
+        with found, kept[0], kept[1], np.errstate(), contextlib.chdir("."):
             yield
     finally:
         for name in {*sys.modules} - loaded:
@@ -143,40 +125,37 @@ def run_cases(
     progress: Progress | None = None,
     *,
     executor: Any = None,
-    command: str = "",
     force: bool = False,
 ) -> list[CaseResult]:
     """Run cases, longest first; those that today's code has done are not run again.
 
-    ``output`` is the folder for figures and, in ``runs``, results. ``command`` is the one that results name.
+    ``output`` is the folder for figures and, in ``runs``, results.
     """
     output.mkdir(parents=True, exist_ok=True)
-    runner = executor_of(executor, jobs) if executor is not None else Pool(jobs)
-    store, code = Store(output / "runs"), code_of_plugins()
-    by = f"`{command}` on {runner.cores}"
-    tasks = {
-        folder: CaseTask(_key(folder, quick), folder.name, folder, output, quick, by, code)
-        for folder in sorted(cases, key=_cost, reverse=True)
-    }
-    for task in tasks.values():
-        if force or not _drawn(store, task.key, output):
+    runner, store = executor_of(executor, jobs) if executor is not None else Pool(jobs), _store(output)
+    ordered = sorted(cases, key=_cost, reverse=True)
+    tasks = [CaseTask(_key(one, quick), one.name, one, output, quick) for one in ordered]
+    for task in tasks:
+        if force or _result(task.folder, output, store.outcome(task.key)) is None:
             store.forget(task.key)
     with resumable(store, "validation"):
-        do(check_once, tasks.values(), store, runner, progress)
-    return [_result(folder, output, store.outcome(tasks[folder].key)) for folder in cases]
+        do(check_once, tasks, store, runner, progress)
+    found = {task.folder: store.outcome(task.key) for task in tasks}
+    whole = {folder: _result(folder, output, outcome) for folder, outcome in found.items()}
+    return [
+        whole[one] or CaseResult(one, error=getattr(found[one], "status", "it was not run")) for one in cases
+    ]
 
 
 def kept(cases: Iterable[Path], output: Path, quick: bool) -> list[CaseResult]:
     """Return what earlier runs of these cases found with today's code."""
-    store = Store(output / "runs")
-    keys = {folder: _key(folder, quick) for folder in cases}
-    return [_result(f, output, store.outcome(key)) for f, key in keys.items() if _drawn(store, key, output)]
+    store = _store(output)
+    found = (_result(folder, output, store.outcome(_key(folder, quick))) for folder in cases)
+    return [one for one in found if one is not None]
 
 
-def _drawn(store: Store, key: str, output: Path) -> bool:
-    outcome = store.outcome(key)
-    names = outcome.values.get("figures", ()) if outcome is not None else ()
-    return outcome is not None and all((output / name).is_file() for name in names)
+def _store(output: Path) -> Store:
+    return Store(output / "runs")
 
 
 def _key(folder: Path, quick: bool) -> str:
@@ -184,8 +163,7 @@ def _key(folder: Path, quick: bool) -> str:
     inner = [path for path in folder.rglob("*") if path.is_file() and "__pycache__" not in path.parts]
     parts = [f"{name} {version}" for name, version in sorted(code_of_plugins().items())]
     shared = [*folder.parent.glob("*.py"), *folder.parent.glob("*/*_fem/*.py")]  # several cases import these
-    files = sources([*inner, *shared])
-    return digest(folder.name, str(quick), files, package("mpmfw"), *parts)
+    return digest(folder.name, str(quick), sources([*inner, *shared]), package("mpmfw"), *parts)
 
 
 def _cost(folder: Path) -> float:
@@ -196,10 +174,11 @@ def _cost(folder: Path) -> float:
     return 10.0
 
 
-def _result(folder: Path, output: Path, outcome: Outcome | None) -> CaseResult:
+def _result(folder: Path, output: Path, outcome: Outcome | None) -> CaseResult | None:
+    """Return what an outcome says, None if it says nothing or its figures are gone."""
     if outcome is None or not outcome.values:
-        return CaseResult(folder, error="it was not run" if outcome is None else outcome.status)
-    values = dict(outcome.values)
-    rows = tuple(Row(**row) for row in values.pop("rows"))
-    figures = tuple(output / name for name in values.pop("figures"))
-    return CaseResult(folder, rows, figures, **values)
+        return None
+    figures = tuple(output / name for name in outcome.values["figures"])
+    rows = tuple(Row(**row) for row in outcome.values["rows"])
+    result = CaseResult(folder, rows, figures, outcome.values["error"])
+    return result if all(figure.is_file() for figure in figures) else None
