@@ -12,7 +12,7 @@ import xarray as xr
 
 from mpmfw.errors import SceneError
 from mpmfw.results.domains import Corners, facets_of, loops, surfaces_of
-from mpmfw.results.fields import carried_areas
+from mpmfw.results.fields import contact_fields
 from mpmfw.results.selection import frame_of
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 
@@ -63,13 +63,11 @@ def surface_mesh(tree: xr.DataTree, bodies: Mapping[str, int], frame: int) -> An
         body: (np.asarray(data["position"].values, dtype=float), facets_of(tree, body))
         for body, data in everywhere.items()
     }
-    frames = {}
-    for body in everywhere:
-        if body in bodies:
-            gap, outward = _nearest(body, shapes)
-            contact = contact_fields(everywhere[body], *shapes[body], gap, outward)
-            gaps = xr.DataArray(gap, dims="surface_node", attrs={"units": "m"})
-            frames[body] = everywhere[body].assign({"gap": gaps, **contact})
+    frames = {body: data for body, data in everywhere.items() if body in bodies}
+    for body, data in frames.items():
+        gap = xr.DataArray(_gaps(body, shapes), dims="surface_node", attrs={"units": "m"})
+        pressed = contact_fields(tree, body, data) if "force" in data else {}
+        frames[body] = data.assign({"gap": gap, **pressed})
     nodes = _joined(frames, bodies, "surface_node")
     fields = _fields(nodes)
     start = np.cumsum([0, *(frame.sizes["surface_node"] for frame in frames.values())])
@@ -82,21 +80,12 @@ def surface_mesh(tree: xr.DataTree, bodies: Mapping[str, int], frame: int) -> An
     return grid
 
 
-def _nearest(
-    body: str, shapes: Mapping[str, tuple[FloatArray, IntArray]]
-) -> tuple[FloatArray, FloatArray | None]:
-    """Return distances (s,) [m] of a body's nodes from the nearest other surface, and in space directions."""
+def _gaps(body: str, shapes: Mapping[str, tuple[FloatArray, IntArray]]) -> FloatArray:
+    """Return distances (s,) [m] of a body's nodes from the nearest other surface."""
     position = shapes[body][0]
-    others = [shape for other, shape in shapes.items() if other != body]
-    if not others:
-        return np.full(len(position), np.nan), None
-    if position.shape[1] == 2:
-        return np.min([distances_in_plane(position, *other) for other in others], axis=0), None
-    gaps, outward = map(
-        np.array, zip(*(distances_in_space(position, *other) for other in others), strict=True)
-    )
-    nearest, rows = gaps.argmin(axis=0), np.arange(len(position))
-    return gaps[nearest, rows], outward[nearest, rows]
+    distances = distances_in_plane if position.shape[1] == 2 else distances_in_space
+    gaps = [distances(position, *shape) for other, shape in shapes.items() if other != body]
+    return np.min(gaps, axis=0) if gaps else np.full(len(position), np.nan)
 
 
 def distances_in_plane(points: FloatArray, nodes: FloatArray, segments: IntArray) -> FloatArray:
@@ -109,50 +98,14 @@ def distances_in_plane(points: FloatArray, nodes: FloatArray, segments: IntArray
     return np.asarray(np.where(inside, -distance, distance))
 
 
-def distances_in_space(
-    points: FloatArray, nodes: FloatArray, facets: IntArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return distances (n,) [m] of points (n, 3) from a closed surface, negative inside, with directions.
+def distances_in_space(points: FloatArray, nodes: FloatArray, facets: IntArray) -> FloatArray:
+    """Return distances (n,) [m] of points (n, 3) from a closed surface, negative inside.
 
     On edges and nodes the angle-weighted normal decides (J. A. Bærentzen, H. Aanæs, 2005).
     """
     mesh: Any = mesh_library().PolyData  # its annotations know no fixed width of integers
-    surface = mesh.from_regular_faces(nodes, facets)
-    cloud = mesh(points).compute_implicit_distance(surface)
-    gap = np.asarray(cloud["implicit_distance"])
-    nearest = surface.find_closest_cell(points, return_closest_point=True)[1]
-    away = points - nearest
-    outward = np.zeros_like(points)
-    np.divide(away, gap[:, np.newaxis], out=outward, where=gap[:, np.newaxis] != 0.0)
-    return gap, outward
-
-
-def contact_fields(
-    frame: xr.Dataset, position: FloatArray, facets: IntArray, gap: FloatArray, other: FloatArray | None
-) -> dict[str, xr.DataArray]:
-    """Split the contact forces on the nodes of a surface in space into pressure and friction.
-
-    ``pressure`` is −f·n/A (s,) [Pa], as :func:`.carried_areas` gives A and n.
-    ``friction_share`` is |f − (f·m) m|/(−f·m), NaN where nothing presses; a node slips where it reaches μ.
-    There m is n, and inside another body, at a negative ``gap`` (s,) [m], the mean of n and of that body's
-    normal ``other`` (s, 3). Nothing in the plane, without forces or without another surface.
-    """
-    if facets.shape[1] != 3 or "force" not in frame or other is None:
-        return {}
-    force = np.asarray(frame["force"].values, dtype=float)
-    size, normal = carried_areas(force, position, facets)
-    pressing = -(force * normal).sum(axis=1)
-    mean = normal - np.where(gap < 0.0, 1.0, 0.0)[:, np.newaxis] * other
-    mean /= np.maximum(np.linalg.norm(mean, axis=1, keepdims=True), 1e-12)
-    against = -(force * mean).sum(axis=1)
-    tangential = np.linalg.norm(force + against[:, np.newaxis] * mean, axis=1)
-    share = np.full(len(size), np.nan)
-    np.divide(tangential, against, out=share, where=(pressing > 0.0) & (against > 0.0))
-    fields = {"pressure": (pressing / size, "Pa"), "friction_share": (share, "1")}
-    return {
-        name: xr.DataArray(values, dims="surface_node", attrs={"units": unit})
-        for name, (values, unit) in fields.items()
-    }
+    cloud = mesh(points).compute_implicit_distance(mesh.from_regular_faces(nodes, facets))
+    return np.asarray(cloud["implicit_distance"])
 
 
 def skipped_fields(tree: xr.DataTree, bodies: Sequence[str]) -> list[str]:

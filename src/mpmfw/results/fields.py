@@ -55,7 +55,8 @@ def field(
         index, parts = frame_at(tree, time), []
         for one in (pressed_bodies if on_nodes else bodies_of)(tree, body):
             frame = frame_of(tree, f"{group}/{one}", index)
-            values = contact_field(tree, one, frame, name) if on_nodes else point_field(frame, name)
+            fields = contact_fields(tree, one, frame).rename(surface_node="particle") if on_nodes else frame
+            values = point_field(fields, name).rename(particle=dim)
             position = frame["position"].values.astype(float)
             coords: dict[str, Any] = {
                 axis: (dim, x, {"units": "m"}) for axis, x in zip("xyz", position.T, strict=False)
@@ -81,13 +82,12 @@ def pressed_bodies(tree: xr.DataTree, selection: str | Sequence[str] | None = No
     return [body for body in stored if not bodies.get(body, {}).get("rigid")] or stored
 
 
-def contact_field(tree: xr.DataTree, body: str, surface: xr.Dataset, name: str) -> xr.DataArray:
-    """Return contact pressure or traction (surface_node,) [Pa] of a body at one output of its ``surface``.
+def contact_fields(tree: xr.DataTree, body: str, surface: xr.Dataset) -> xr.Dataset:
+    """Return contact pressure and traction (surface_node, …) [Pa] of a body at one output of its ``surface``.
 
-    ``contact_pressure`` is −f·n/A, of the outward normal n and the area A that the node carries at this time.
-    ``contact_traction`` is the size of (f − (f·n) n)/A, ``contact_traction_x`` a component. They are summed
-    over pairs, zero without a force, and NaN where A is zero. The scene gives the thickness: the body's, or
-    the largest of the others where that is less. A SceneError lists the fields.
+    ``contact_pressure`` is −f·n/A, of the outward normal n and the area A that the node carries at this time,
+    ``contact_traction`` is (f − (f·n) n)/A. They are summed over pairs, zero without a force, and NaN where A
+    is zero. The scene gives the thickness: the body's, or the largest of the others where that is less.
     """
     scene = scene_of(tree.attrs)
     widths: dict[str, Any] = {
@@ -101,13 +101,12 @@ def contact_field(tree: xr.DataTree, body: str, surface: xr.Dataset, name: str) 
         area *= 2.0 * np.pi * np.maximum(position[:, 0], float(tree.attrs["cell_size"]) / 6.0)
     pressing = -(force * normal).sum(axis=1)
     traction = (force + pressing[:, np.newaxis] * normal) / area[:, np.newaxis]
-    fields = xr.Dataset(
+    return xr.Dataset(
         {
-            "contact_pressure": ("particle", pressing / area, {"units": "Pa"}),
-            "contact_traction": (("particle", "axis"), traction, {"units": "Pa"}),
+            "contact_pressure": ("surface_node", pressing / area, {"units": "Pa"}),
+            "contact_traction": (("surface_node", "axis"), traction, {"units": "Pa"}),
         }
     )
-    return point_field(fields, name).rename(particle="surface_node")
 
 
 def carried_areas(force: FloatArray, position: FloatArray, facets: IntArray) -> tuple[FloatArray, FloatArray]:
