@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.plots import scene
 from mpmfw.plots.histories import history
-from mpmfw.plots.outlines import only_shape, positions
+from mpmfw.plots.outlines import positions
 from mpmfw.plots.scene import contact_force, motion
 from mpmfw.plots.stability import stability_figures
 from mpmfw.plots.study import cost_bars, study_figures
@@ -60,8 +60,6 @@ def _figures(dataset: xr.Dataset) -> Iterator[tuple[str, Callable[[xr.Dataset], 
         yield "force", contact_force, text
     elif "outline" in names and np.isfinite(at_last(dataset)["outline"].values).any():
         text = "Outlines at the first output (dashed) and at the last; bodies that stand still are grey."
-        if dataset.sizes["shape"] > 1 and (only := only_shape(dataset)):
-            text += f" Of each contact, only the run with {only} is shown."
         yield "positions", positions, text
     if not rolls and not collide:
         if "centre_of_mass" in names and (found := scene.moving_bodies(dataset)):
