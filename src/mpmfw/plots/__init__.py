@@ -5,7 +5,6 @@ from mpmfw.plots.field_figure import field, side_by_side
 from mpmfw.plots.files import figures_of, plot_file, plot_files, write_figure
 from mpmfw.plots.histories import history
 from mpmfw.plots.outlines import positions
-from mpmfw.plots.plane_cut import plane_cut
 from mpmfw.plots.scene import contact_force, gap_history, motion
 from mpmfw.plots.study import cost_bars, front, stages
 
@@ -19,7 +18,6 @@ __all__ = [
     "gap_history",
     "history",
     "motion",
-    "plane_cut",
     "plot_file",
     "plot_files",
     "positions",

@@ -52,7 +52,7 @@ def field(
 ) -> Figure:
     """Draw a field at one output of a run or of a comparison's runs.
 
-    Domains of CPDI are patches, other points discs; 3D is drawn by :func:`plane_cut`.
+    Domains of CPDI are patches, other points discs; of a run in 3D those that meet a plane.
 
     Parameters
     ----------
@@ -93,8 +93,8 @@ def field(
             return side_by_side(trees, drawn, time, bodies=bodies, limits=limits, arrows=arrows)
         if arrows:
             raise SceneError("arrows: drawn of runs in 2D alone; mpmfw export shows forces in 3D in ParaView")
-        normal, at = plane or ("z", None)
-        return plane_cut(tree, name, time, normal=normal, at=at, bodies=bodies, limits=limits)
+        title, cut = plane_cut(tree, name, frame_at(tree, time), *(plane or ("z", None)), bodies)
+        return side_by_side({title: cut}, drawn, limits=limits)
 
 
 def side_by_side(
@@ -194,11 +194,12 @@ class Drawing:
         self.axes = dict(zip(self.panels, grid, strict=True))
         length = self.scales.length
         metres = "m" if length == 1.0 else "mm"
+        along, up, *_ = next(iter(trees.values())).coords["axis"].values
         for axes in grid:
             axes.set_aspect("equal")
             axes.set_xlim(length * x0, length * x1)
             axes.set_ylim(length * y0, length * y1)
-            dress(axes, f"x [{metres}]", f"y [{metres}]")
+            dress(axes, f"{along} [{metres}]", f"{up} [{metres}]")
             axes.grid(False)
         self._bar(unit, below=below)
 

@@ -120,9 +120,8 @@ class FieldPanel:
 
     def _draw_surface(self, axes: Any, data: xr.Dataset, scales: Scales) -> list[Any]:
         position = scales.length * data["position"].values
-        drawn: list[Any] = []
-        for loop in loops(data["next"].values):
-            drawn += axes.plot(*position[loop].T, color="black", linewidth=0.5)
+        parts = [np.insert(position[loop], len(loop), np.nan, axis=0) for loop in loops(data["next"].values)]
+        drawn: list[Any] = axes.plot(*np.concatenate(parts or [position]).T, color="black", linewidth=0.5)
         if scales.largest_force > 0.0 and "force" in data:
             force = data["force"].values
             acting = np.linalg.norm(force, axis=1) > 1e-3 * scales.largest_force
