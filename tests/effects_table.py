@@ -114,6 +114,7 @@ EFFECTS = {
     ),
     "flutter": brings("flutter", modules=".flutter"),
     "travel": brings("surface_travel"),
+    "seams": brings(modules="~surfaces.seams"),
     "interface layer": brings("surface_layer", arrays="surface_layer", modules="~surfaces.layer"),
     "ledger": brings(
         "energy_ledger",
@@ -206,7 +207,7 @@ CASES = {
                 "rigid": True,
             },
         ),
-        (*TOUCHED, "rigid bodies", "reaction", "pairs of rigid bodies"),
+        (*TOUCHED, "seams", "rigid bodies", "reaction", "pairs of rigid bodies"),
     ),
     "pressed": Case(
         _two("penalty", bodies__right={"geometry": _RIGHT, "rigid": {"density": 1e3, "force": [-1.0, 0.0]}}),

@@ -27,7 +27,6 @@ from scipy.sparse.csgraph import connected_components
 from mpmfw.api import ContactRows, FloatArray, Grid, PairRecords, Setup, State
 from mpmfw.contact.springs import SpringLaw, SpringOptions
 from mpmfw.contact.surfaces import Surfaces
-from mpmfw.contact.surfaces.outline import node_error
 from mpmfw_contact._barriers import barrier_forces, set_barriers, time_to_touch
 
 #: b'' where −b' is a thousandth.
@@ -102,7 +101,7 @@ class BarrierLaw(SpringLaw):
             pair, node = self.state.pairs[int(rows.pair[worst])], int(rows.places.slave[worst])
             text = f"{pair.label}: a surface node came past its barrier within a step"
             advice = f"a smaller time.safety, or a larger contact.{self.law_name}.kappa or .reach"
-            raise node_error(self.state, self.surface, node, text, advice=advice)
+            raise self.state.error_at(node, text, surface=True, advice=advice)
         return rows.own.limit_k  # type: ignore[no-any-return]
 
     def _join_bodies(self, rows: ContactRows) -> None:

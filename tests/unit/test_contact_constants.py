@@ -14,7 +14,7 @@ from contact_scenes import CELL, impact, wave_speed
 from interpreted import interpreted
 from mpmfw.contact import nodes, strategy
 from mpmfw.contact.events import FEWEST_STEPS
-from mpmfw.contact.surfaces import outline, search
+from mpmfw.contact.surfaces import seams, search
 from mpmfw.contact.surfaces.assembly import equally_close
 from mpmfw.contact.surfaces.outline import distance_to, opposes
 from mpmfw.contact.surfaces.tracking import THIN, keep_inside
@@ -167,8 +167,8 @@ def is_flush(body, cover, first, second, **constants):
     node = int(np.flatnonzero(np.isclose(loops.position, 0.0).all(axis=1))[0])
     with pytest.MonkeyPatch.context() as patch:
         for name, value in constants.items():
-            patch.setattr(outline, name, value)
-        flush_with = njit(outline.is_flush.py_func)
+            patch.setattr(seams, name, value)
+        flush_with = njit(seams.is_flush.py_func)
         return bool(
             flush_with(node, facet_of(loops, first, second), np.array([1.0, 0.0]), loops.outline, PLANE)
         )
@@ -203,8 +203,8 @@ def notched(**constants):
     listed = np.array([facet_of(loops, *notch[k : k + 2]) for k in (0, 1)], dtype=np.int32)
     with pytest.MonkeyPatch.context() as patch:
         for name, value in constants.items():
-            patch.setattr(outline, name, value)
-        covered = njit(outline.is_covered.py_func)
+            patch.setattr(seams, name, value)
+        covered = njit(seams.is_covered.py_func)
         return bool(covered(facet_of(loops, body[0], body[1]), listed, 0, 2, loops.outline, PLANE))
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mpmfw.effects.series import cross
 from mpmfw.effects.side_rows import AXIS, PlaneSides, SideTable, list_rows, meet, tabulate
 from mpmfw.errors import SceneError
 from mpmfw.plugin.hookspecs import hookimpl
@@ -134,8 +135,7 @@ class Constraint:
         place = table.weights[entries, None] * grid.position[table.nodes[entries]]
         arm = np.add.reduceat(place, table.row[rows]) - table.target[rows, None] * np.array(self.about)
         impulse = np.einsum("re,red->rd", table.applied[rows], self.directions[table.side[rows]])
-        moment = arm[:, :1] * impulse[:, 1:] - arm[:, 1:] * impulse[:, :1]  # about z, in the plane
-        np.add.at(self.twist, table.side[rows], np.cross(arm, impulse) if grid.dim == 3 else moment)
+        np.add.at(self.twist, table.side[rows], cross(arm, impulse))
 
     def _meet(self, grid: Grid) -> None:
         """Meet the prescribed velocities."""

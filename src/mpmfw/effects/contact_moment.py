@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from mpmfw.effects.series import cross
 from mpmfw.plugin.hooks import Observer
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Setup
@@ -84,7 +85,4 @@ class ContactMoment(Observer):
         impulse = dt * (grid.force - self._before) if forces else grid.momentum - self._before
         about = self.state.centres_of_mass if self.about is None else np.tile(self.about, (bodies, 1))
         arm = grid.position - np.repeat(about, np.diff(grid.offset), axis=0)
-        moment = arm[:, :1] * impulse[:, 1:] - arm[:, 1:] * impulse[:, :1]  # about z, in the plane
-        if grid.dim == 3:
-            moment = np.cross(arm, impulse)
-        self.impulse += np.add.reduceat(moment, grid.offset[:-1])
+        self.impulse += np.add.reduceat(cross(arm, impulse), grid.offset[:-1])

@@ -201,7 +201,7 @@ class RigidBodies:
         return in_axes(own * (self.spread[:, :, None] + self.spread[:, None, :]), self.turn)
 
     def write_sums(self, total: Any, centre: Any, mean: Any, spin: Any, second: Any, kinetic: Any) -> None:
-        """Write the sums of :func:`mpmfw.kernels.body_sums.sum_motion`, of which bodies are the last rows."""
+        """Write mass, centre, mean velocity, L, Σ m r rᵀ and energy to the last rows, one a rigid body."""
         own = slice(len(total) - len(self.bodies), None)
         total[own], centre[own], kinetic[own] = self.mass, self.centroid, self.kinetic_energy
         mean[own] = self.velocity + np.einsum("nde,ne->nd", self.spin, self.centroid - self.centre)

@@ -7,9 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.kernels import kernel
-from mpmfw.kernels.body_sums import sum_affine_energy, sum_motion
-from mpmfw.kernels.types import Floats
 from mpmfw.plugin.checks import of_points
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Effect, Setup
@@ -20,7 +17,6 @@ from mpmfw.state.fields import (
     AnyArray,
     Field,
     FloatArray,
-    IntArray,
 )
 from mpmfw.state.structs import State
 
@@ -28,31 +24,33 @@ from mpmfw.state.structs import State
 NOTHING = 1e-12
 
 
-@kernel
-def kinetic_energy(mass: Floats, velocity: Floats) -> float:
-    """Σ m v² / 2 over material points."""
-    total = 0.0
-    for p in range(len(mass)):
-        square = 0.0
-        for d in range(velocity.shape[1]):
-            square += velocity[p, d] * velocity[p, d]
-        total += 0.5 * mass[p] * square
-    return total
-
-
-def motion_energy(state: State) -> float:
-    """Return the kinetic and affine energy of the material points [J/m]."""
-    p, affine = state.particles, np.zeros(1)
-    if p.affine is not None:
-        sum_affine_energy(np.array([0, p.count]), p, p.affine, affine, state.grid.spacing)
-    return kinetic_energy_of(state) + float(affine[0])
+def cross(arm: FloatArray, vector: FloatArray) -> FloatArray:
+    """Return a × b of vectors (n, dim): about z in the plane (n, 1), or (n, 3)."""
+    if arm.shape[1] == 3:
+        return np.cross(arm, vector)
+    return arm[:, :1] * vector[:, 1:] - arm[:, 1:] * vector[:, :1]
 
 
 def kinetic_energy_of(state: State) -> float:
     """Return the kinetic energy of the material points and of free rigid bodies [J/m]."""
     p = state.particles
-    of_points = float(kinetic_energy(p.mass, p.velocity))
+    of_points = 0.5 * float(p.mass @ np.einsum("nd,nd->n", p.velocity, p.velocity))
     return of_points if state.rigid is None else of_points + float(state.rigid.kinetic_energy.sum())
+
+
+def affine_energies(state: State) -> FloatArray:
+    """Return Σ m_p l² C:C / 24 of every body (n_bodies,) [J/m], the motion by C in cubes of edge
+    l = V^(1/dim); 0 without C."""
+    p = state.particles
+    if p.affine is None:
+        return np.zeros(len(state.bodies))
+    square = np.einsum("nde,nde->n", p.affine, p.affine)
+    return state.sums(p.mass * p.volume ** (2.0 / p.dim) * square / 24.0)
+
+
+def motion_energy(state: State) -> float:
+    """Return the kinetic and affine energy of the material points [J/m]."""
+    return kinetic_energy_of(state) + float(affine_energies(state).sum())
 
 
 def energy_unit(state: State) -> str:
@@ -133,17 +131,18 @@ class BodySeries:
     @hookimpl
     def diagnostics(self, state: State) -> dict[str, AnyArray]:
         """All series, (body, …)."""
-        p, count, dim = state.particles, len(state.bodies), state.grid.dim
-        first = np.array([0, *(body.particles.stop for body in state.soft_bodies)], dtype=np.int64)
-        total, kinetic = np.empty(count), np.empty(count)
-        centre, mean, second = np.empty((count, dim)), np.empty((count, dim)), np.empty((count, dim, dim))
-        spin = np.empty((count, 1 if dim == 2 else 3))
-        sum_motion(first, p, total, centre, mean, spin, second, kinetic, state.grid.spacing)
+        p, owner, total = state.particles, state.point_body, state.sums(state.particles.mass)
+        mass, known = p.mass[:, None], np.where(total > 0.0, total, 1.0)[:, None]
+        centre, mean = state.sums(mass * p.position) / known, state.sums(mass * p.velocity) / known
+        r = p.position - centre[owner]
+        spin = state.sums(mass * cross(r, p.velocity - mean[owner]))
+        second = state.sums((mass * r)[:, :, None] * r[:, None])
+        kinetic = state.sums(0.5 * p.mass * np.einsum("nd,nd->n", p.velocity, p.velocity))
         if state.rigid is not None:
             state.rigid.write_sums(total, centre, mean, spin, second, kinetic)
         turning = np.array([_solve_inertia(*each) for each in zip(second, spin, strict=True)])
         if state.rigid is not None:
-            turning[len(first) - 1 :] = state.rigid.angular_velocity
+            turning[len(state.soft_bodies) :] = state.rigid.angular_velocity
         series = {
             "centre_of_mass": centre,
             "mean_velocity": mean,
@@ -151,16 +150,14 @@ class BodySeries:
             "linear_momentum": total[:, None] * mean,
             "angular_momentum": spin,
         }
-        return {**series, **self._energies(state, first, kinetic)} if self.energy else series
+        return {**series, **self._energies(state, kinetic)} if self.energy else series
 
-    def _energies(self, state: State, first: IntArray, kinetic: FloatArray) -> dict[str, AnyArray]:
+    def _energies(self, state: State, kinetic: FloatArray) -> dict[str, AnyArray]:
         """The energies of every body [J]."""
-        p = state.particles
         strain = self.strain.of(state)
         series = {"kinetic_energy": kinetic, "strain_energy": strain, "total_energy": kinetic + strain}
-        if self.affine and p.affine is not None:
-            series["affine_energy"] = np.zeros_like(kinetic)
-            sum_affine_energy(first, p, p.affine, series["affine_energy"], state.grid.spacing)
+        if self.affine:
+            series["affine_energy"] = affine_energies(state)
         if self.strain.dissipates:
             series["material_dissipation"] = self.strain.dissipated(state)
         return series

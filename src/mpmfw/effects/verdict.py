@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from mpmfw.effects.series import StrainEnergies, energy_unit, kinetic_energy_of, negligible_energy
-from mpmfw.kernels.sides import fastest_approach, find_inside, least_own_gaps, node_normals
+from mpmfw.kernels.sides import find_inside, least_own_gaps, node_normals
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.state.fields import AnyArray, FloatArray
@@ -169,7 +169,9 @@ class Verdict:
                 self.passed.setdefault(pair.label, state.time)
         self.next_sides = state.steps + SIDES_EVERY
         self.latest_sides = state.steps + SIDES_LATEST
-        fastest = fastest_approach(state.particles.velocity)
+        fastest = float(
+            np.sqrt((np.ptp(state.particles.velocity, axis=0) ** 2).sum())
+        )  # at most, of approach
         fastest += 0.0 if state.rigid is None else state.rigid.fastest
         self.due = state.time + (self.stride / fastest if fastest > 0.0 else np.inf)
 

@@ -1,4 +1,4 @@
-"""Bounding boxes: of bodies, of facets and of blocks of facets; and which boxes overlap."""
+"""Bounding boxes: of bodies, of facets and of blocks of facets."""
 
 from __future__ import annotations
 
@@ -83,34 +83,3 @@ def bounding_boxes(first: Ints, position: Floats, lower: Floats, upper: Floats) 
                 low = min(low, position[s, d])
                 high = max(high, position[s, d])
             lower[b, d], upper[b, d] = low, high
-
-
-@kernel
-def sweep_strips(
-    axis: int, strip: Ints, box: Ints, lowest: Ints, lower: Floats, upper: Floats, first: Ints, second: Ints
-) -> tuple[int, int]:
-    """List the boxes that have a point in common, each two once.
-
-    Entries (e,) are boxes in strips, ordered by the strip and then by the box's lower end along ``axis``: a
-    box is compared with those that follow until one begins beyond its end. Two that meet in several strips
-    are listed in one, since ``lowest`` (n,) is the first strip of each box.
-
-    Returns
-    -------
-    How many there are, stored in ``first`` and ``second`` or not, and how many comparisons that took.
-    """
-    found, compared = 0, 0
-    for e in range(len(box)):
-        a = box[e]
-        f = e + 1
-        while f < len(box) and strip[f] == strip[e] and lower[box[f], axis] <= upper[a, axis]:
-            b = box[f]
-            f += 1
-            compared += 1
-            if strip[e] != max(lowest[a], lowest[b]):
-                continue
-            if not boxes_apart(a, b, lower, upper, 0.0):
-                if found < len(first):
-                    first[found], second[found] = min(a, b), max(a, b)
-                found += 1
-    return found, compared

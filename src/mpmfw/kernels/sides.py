@@ -79,18 +79,6 @@ def find_inside(
 
 
 @kernel
-def fastest_approach(velocity: Floats) -> float:
-    """Bound of the speed of approach: the diagonal of the range of ``velocity`` (n, dim) [m/s]."""
-    square = 0.0
-    for d in range(velocity.shape[1]):
-        least, largest = math.inf, -math.inf
-        for p in range(len(velocity)):
-            least, largest = min(least, velocity[p, d]), max(largest, velocity[p, d])
-        square += (largest - least) ** 2
-    return math.sqrt(square)
-
-
-@kernel
 def node_normals(surface: Faceted, normal: Floats, spacing: tuple[float, ...]) -> None:
     """Outward unit normals of all surface nodes, into ``normal`` (n_s, dim)."""
     own = scratch.vector(spacing)

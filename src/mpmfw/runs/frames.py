@@ -131,12 +131,5 @@ def check_state_finite(state: State) -> None:
         # A finite sum is one of finite numbers, and takes a fifth of the time
         if not np.isfinite(values.sum()) and not np.isfinite(values).all():
             index = int(np.flatnonzero(~np.isfinite(values.reshape(p.count, -1)).all(axis=1))[0])
-            body = next(b for b in state.bodies if b.particles.start <= index < b.particles.stop)
-            raise SimulationError(
-                f"the {name.replace('_', ' ')} of a material point is not finite",
-                body=body.name,
-                index=index - body.particles.start,
-                position=p.position[index].tolist(),
-                time=state.time,
-                advice="a smaller time.safety",
-            )
+            text = f"the {name.replace('_', ' ')} of a material point is not finite"
+            raise state.error_at(index, text, advice="a smaller time.safety")

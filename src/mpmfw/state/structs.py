@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.errors import SceneError
+from mpmfw.errors import SceneError, SimulationError
 from mpmfw.kernels import Struct, struct
 from mpmfw.state.fields import AnyArray, FloatArray, IndexArray, IntArray
 
@@ -309,19 +309,28 @@ class State:
     @property
     def centres_of_mass(self) -> FloatArray:
         """Centres of mass of all bodies, (n_bodies, dim) [m]."""
-        p = self.particles
-        centres = self.sums(p.mass[:, None] * p.position) / self.sums(p.mass)[:, None]
-        return centres if self.rigid is None else np.concatenate([centres, self.rigid.centroid])
+        p, mass = self.particles, self.sums(self.particles.mass)[:, None]
+        centres = self.sums(p.mass[:, None] * p.position) / np.where(mass > 0.0, mass, 1.0)
+        if self.rigid is not None:
+            centres[len(self.soft_bodies) :] = self.rigid.centroid
+        return centres
+
+    @property
+    def point_body(self) -> IntArray:
+        """Index of the body of every material point (n,)."""
+        counts = [body.particles.stop - body.particles.start for body in self.bodies]
+        return np.repeat(np.arange(len(counts)), counts)
 
     def sums(self, values: FloatArray) -> FloatArray:
-        """Return the sums of ``values`` (n, …) over the points of every body that deforms."""
-        return np.asarray(np.add.reduceat(values, [body.particles.start for body in self.soft_bodies]))
+        """Return the sums of ``values`` (n, …) over every body's points, in their order (n_bodies, …)."""
+        owner, count, columns = self.point_body, len(self.bodies), values.reshape(len(values), -1).T
+        found: list[AnyArray] = [np.bincount(owner, column, count) for column in columns]
+        return np.asarray(np.stack(found, axis=1).reshape(count, *values.shape[1:]), dtype=float)
 
     def energies(self, density: FloatArray) -> FloatArray:
         """Return Σ V_0 w of every body (n_bodies,) [J/m], w (n,) per reference volume; 0 of rigid ones."""
         p = self.particles
-        soft = self.sums(density * p.times_thickness(p.initial_volume))
-        return np.pad(soft, (0, len(self.bodies) - len(soft)))
+        return self.sums(density * p.times_thickness(p.initial_volume))
 
     @property
     def soft_bodies(self) -> tuple[Body, ...]:
@@ -333,6 +342,20 @@ class State:
         """Plug-ins' declared arrays whose rows belong to bodies."""
         of_bodies = {"particle", "surface_node", "body", "pair"}
         return {key: self.arrays[key] for key, dims in self.dims.items() if of_bodies.intersection(dims[:1])}
+
+    def error_at(
+        self, index: int, text: str, *, surface: bool = False, kind: type[SimulationError] = SimulationError,
+        advice: str | None = None,
+    ) -> SimulationError:  # fmt: skip
+        """Return the error of a material point, or a ``surface`` node: body, index there, place, time."""
+        position, owner = self.particles.position, self.point_body
+        if surface:
+            position, owner = self.tracked_surface.position, self.tracked_surface.body
+        own = int(owner[index])
+        return kind(
+            text, body=self.bodies[own].name, index=index - int(np.searchsorted(owner, own)),
+            position=position[index].tolist(), time=self.time, advice=advice,
+        )  # fmt: skip
 
     def lengthen(self, name: str, rows: int) -> AnyArray:
         """Replace a plug-in's ``owner/name`` by one with more ``rows``, of zeros."""

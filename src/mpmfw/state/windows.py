@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.kernels.boxes import bounding_boxes, sweep_strips
+from mpmfw.kernels.boxes import bounding_boxes
 from mpmfw.state.fields import GRID_FIELDS, AnyArray, FloatArray, IntArray
 from mpmfw.state.history import NotSaved
 from mpmfw.state.structs import Grid, Pair, State
@@ -144,37 +144,14 @@ def overlapping(lower: AnyArray, upper: AnyArray) -> tuple[IntArray, IntArray]:
         first, second = np.triu_indices(len(there), 1)
         meet = ((low[first] <= high[second]) & (low[second] <= high[first])).all(axis=1)
         return there[first[meet]], there[second[meet]]
-    entries = _strips(low, high)
-    room = 8 * len(there)
-    while True:
-        first, second = np.zeros(room, dtype=np.int64), np.zeros(room, dtype=np.int64)
-        count, _ = sweep_strips(*entries, low, high, first, second)
-        if count <= room:
-            break
-        room = count
-    order = np.lexsort((second[:count], first[:count]))
-    return there[first[:count][order]], there[second[:count][order]]
+    import shapely  # the boxes meet in the plane of the axes along which they spread most
 
-
-def _strips(lower: FloatArray, upper: FloatArray) -> tuple[int, IntArray, IntArray, IntArray]:
-    """Axis of the sweep, and entries of boxes in strips across the axis of next to the largest spread.
-
-    A strip is as wide as the median box. At most as many strips are made as there are boxes."""
-    spread = (lower + upper).max(axis=0) - (lower + upper).min(axis=0)
-    across, along = (int(axis) for axis in np.argsort(spread)[-2:])
-    start, end = lower[:, across].min(), upper[:, across].max()
-    width = max(float(np.median(upper[:, across] - lower[:, across])), (end - start) / len(lower))
-    first, last = (
-        np.floor((corner[:, across] - start) / width if width > 0.0 else 0.0 * corner[:, across])
-        for corner in (lower, upper)
-    )
-    lowest = first.astype(np.int64)
-    counts = last.astype(np.int64) - lowest + 1
-    box = np.repeat(np.arange(len(lower)), counts)
-    place = np.arange(len(box)) - np.repeat(np.cumsum(counts) - counts, counts)
-    strip = lowest[box] + place
-    order = np.lexsort((lower[box, along], strip))
-    return along, strip[order], box[order], lowest
+    axes = np.argsort((low + high).max(axis=0) - (low + high).min(axis=0))[-2:]
+    flat = shapely.box(*low[:, axes].T, *high[:, axes].T)
+    first, second = shapely.STRtree(flat).query(flat)
+    meet = (first < second) & ((low[first] <= high[second]) & (low[second] <= high[first])).all(axis=1)
+    order = np.lexsort((second[meet], first[meet]))
+    return there[first[meet][order]], there[second[meet][order]]
 
 
 @dataclass

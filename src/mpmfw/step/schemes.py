@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from mpmfw.errors import Diverged, OutsideGrid, SimulationError
+from mpmfw.errors import Diverged, OutsideGrid
 from mpmfw.kernels import integrate_momentum, particle_grid, velocity_of_momentum
 from mpmfw.state.fields import FloatArray
-from mpmfw.state.structs import Body, Grid, Particles, State, Stencil
+from mpmfw.state.structs import Grid, Particles, State, Stencil
 from mpmfw.state.windows import fit_windows
 from mpmfw.step.timestep import Clock
 from mpmfw.step.transfer import Transfer
@@ -152,7 +152,12 @@ def interpolate(state: State, hook: Any, clock: Clock) -> Stencil:
     try:
         return _fill_tables(state, hook, clock)
     except OutsideGrid as error:
-        raise _left_the_grid(state, error) from None
+        what = "a surface node" if error.surface else "a material point"
+        advice = "a larger grid (grid.lower, grid.upper), or an earlier time.end; if the position is far off"
+        raise state.error_at(
+            error.index, f"{what} left the grid", surface=error.surface,
+            advice=f"{advice} or nan, a smaller time.safety",
+        ) from None  # fmt: skip
 
 
 def _fill_tables(state: State, hook: Any, clock: Clock) -> Stencil:
@@ -172,30 +177,6 @@ def _fill_tables(state: State, hook: Any, clock: Clock) -> Stencil:
         if state.rigid is not None:
             surface.stencil = state.rigid.with_points(surface.stencil)
     return phi
-
-
-def _left_the_grid(state: State, error: OutsideGrid) -> SimulationError:
-    if error.surface and state.surface is not None:
-        what, position = "a surface node left the grid", state.surface.position
-        body = state.bodies[int(state.surface.body[error.index])]
-        first = int(state.surface.body_first[body.index])
-    else:
-        what, position = "a material point left the grid", state.particles.position
-        body = _body_of(state, error.index)
-        first = body.particles.start
-    return SimulationError(
-        what,
-        body=body.name,
-        index=error.index - first,
-        position=position[error.index].tolist(),
-        time=state.time,
-        advice="a larger grid (grid.lower, grid.upper), or an earlier time.end; if the position is far off "
-        "or nan, a smaller time.safety",
-    )
-
-
-def _body_of(state: State, point: int) -> Body:
-    return next(body for body in state.bodies if body.particles.start <= point < body.particles.stop)
 
 
 def _over_points(p: Particles, kernel: Callable[..., Any], *given: Any) -> Any:
@@ -288,12 +269,6 @@ def update_deformation(state: State, dt: float) -> None:
         if p.space is not None:
             p.deformation_gradient[...] = p.space.deformation_gradient[:, :2, :2]
         return
-    body, jacobian = _body_of(state, bad), p.volume[bad] / p.initial_volume[bad]
+    jacobian = p.volume[bad] / p.initial_volume[bad]
     inverted = f"a material point inverted (det F = {jacobian:.3g})"
-    raise Diverged(
-        inverted if jacobian == jacobian else "a value became NaN",
-        body=body.name,
-        index=bad - body.particles.start,
-        position=p.position[bad].tolist(),
-        time=state.time,
-    )
+    raise state.error_at(bad, inverted if jacobian == jacobian else "a value became NaN", kind=Diverged)

@@ -12,7 +12,7 @@ from mpmfw.contact.rows import ContactRows, Detection
 from mpmfw.contact.strategy import ranks_of, stiffness_ranks
 from mpmfw.contact.surfaces.assembly import Places, assemble
 from mpmfw.contact.surfaces.near_facets import TravelLimit, VerletList
-from mpmfw.contact.surfaces.outline import Candidates, node_error
+from mpmfw.contact.surfaces.outline import Candidates
 from mpmfw.contact.surfaces.search import find_candidates
 from mpmfw.contact.surfaces.tracking import CROSSED
 from mpmfw.errors import SceneError
@@ -235,7 +235,7 @@ class Surfaces(OnFacets):
             f"'{self.state.bodies[other].name}', and is {beyond / self.cell_size:.2g} cells beyond it"
         )
         advice = "a slower impact, a stiffer contact, or smaller cells"
-        raise node_error(self.state, self.surface, node, text, advice=advice)
+        raise self.state.error_at(node, text, surface=True, advice=advice)
 
     def copy_history(self, other: Surfaces, index_map: Any) -> None:
         """Copy the candidates of the last step; of more than there are slots the deepest."""

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.contact.surfaces.outline import Partners, find_covered, partners_of
+from mpmfw.contact.surfaces.outline import Partners, partners_of
 from mpmfw.kernels import Struct, device, kernel, scratch
 from mpmfw.kernels.boxes import (
     BLOCK,
@@ -146,7 +146,13 @@ class VerletList:
         )
         self.listed = False
         self.listed_at = np.zeros_like(outline.position)  #: positions when the lists were made
-        self.scratch = np.zeros(len(outline.covered), dtype=np.int32)
+        self.find_covered: Any = (
+            None  #: kernel that finds which facets a third body covers; None of two bodies
+        )
+        if len(outline.covered):
+            from mpmfw.contact.surfaces.seams import find_covered
+
+            self.find_covered, self.scratch = find_covered, np.zeros(len(outline.covered), dtype=np.int32)
 
     def list_pairs(self, bodies: IntArray, rank: IntArray) -> None:
         """Search pairs of ``bodies`` (pair, 2), against those of no lower ``rank`` (body,)."""
@@ -159,8 +165,8 @@ class VerletList:
     def update(self) -> bool:
         """Return true if two bodies are near; list anew if they have moved far."""
         near = near_boxes(self.first, self.second, self.radius, self.outline, self.boxes)
-        if len(self.scratch):
-            find_covered(
+        if self.find_covered is not None:
+            self.find_covered(
                 self.first, self.second, self.radius, self.outline, self.boxes, self.neighbours, self.scratch,
                 self.spacing,
             )  # fmt: skip
