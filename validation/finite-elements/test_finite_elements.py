@@ -1,7 +1,6 @@
 """The finite-element program: verified by itself, then against the shipped reference."""
 
 import itertools
-from typing import Any
 
 import numpy as np
 from rings_fem import Collision, collide, distance
@@ -29,8 +28,6 @@ def test_finite_elements(case: Case) -> None:
         check_distance(case, collisions[-1])
     check_convergence(case, collisions)
     check_coarse(case, collisions[0])
-    if not case.quick:
-        show_choices(case)
 
 
 def check_elements(case: Case) -> None:
@@ -125,19 +122,3 @@ def check_coarse(case: Case, collision: Collision) -> None:
     case.gate(quantity, apart["force"], 0.0, (0.0, force), method=method)
     quantity = "impulse curve, largest difference over the total"
     case.gate(quantity, 100.0 * apart["impulse"], 0.0, (0.0, impulse), "%", method)
-
-
-def show_choices(case: Case) -> None:
-    """How much of the 2 mm curve is the choice of springs, of time step and of where the nodes meet."""
-    choices: tuple[tuple[str, dict[str, Any]], ...] = (
-        ("springs × 0.1", {"stiffness": 0.1}),
-        ("springs × 3", {"stiffness": 3.0}),
-        ("time step / 2", {"courant": 0.2}),
-        ("mirrored meshes, node on node", {"turn": 0.0}),
-    )
-    for said, choice in choices:
-        with case.timed():
-            apart = distance(collide(2e-3, **choice))
-        case.show("force averaged over 100 µs, L2 error", apart["force"], method=f"2 mm, {said}")
-        quantity = "impulse curve, largest error over the total"
-        case.show(quantity, 100.0 * apart["impulse"], unit="%", method=f"2 mm, {said}")

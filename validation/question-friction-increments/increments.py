@@ -14,7 +14,6 @@ import math
 import xarray as xr
 from rolling import DISTANCE, GRAVITY, NO_SLIP, RADIUS, SLIP, errors
 
-from mpmfw.results.references import scene_of
 from mpmfw.validation import RunSet
 
 TILTS = {"no slip": math.pi / 4.0, "slip": math.pi / 3.0}
@@ -32,16 +31,6 @@ def viscous(run: xr.DataTree, roll: str) -> dict[str, float]:
     slipped = pull * decay * (time - decay * -math.expm1(-time / decay))
     error = 100.0 * ((pull * time**2 / 3.0 + slipped / 3.0) / DISTANCE - 1.0)
     return {"viscous": error, "apart": errors(run, roll)["displacement"] - error}
-
-
-def on_slope(run: xr.DataTree) -> dict[str, float]:
-    """Fitted acceleration at 60° [m/s²], and that of a ``rigid`` cylinder: g (sin θ − μ cos θ) if it slips,
-    tan θ > 3 μ, else 2 g sin θ / 3."""
-    friction = float(scene_of(run.attrs)["contact"]["pairs"][0]["friction"])
-    fitted = SLIP.solution.acceleration * (1.0 + errors(run, "slip")["acceleration"] / 100.0)
-    tilt = TILTS["slip"]
-    slips = math.sin(tilt) - friction * math.cos(tilt)
-    return {"fitted": fitted, "rigid": round(GRAVITY * max(slips, 2.0 * math.sin(tilt) / 3.0), 3)}
 
 
 def by_step(runs: RunSet, literal: bool) -> list[float]:

@@ -74,11 +74,6 @@ def test_orders(case, runs):
         own = found.setdefault((run.runs, run.method), {})
         own[run.scene.grid.cell_size] = errors(run.results, run.runs)
     lumping(case, found[NO_SLIP.name, CORRECTED], found[NO_SLIP.name, UNCORRECTED])
-    for (roll, method), own in found.items():
-        for h in (h for h in own if method.contact in CLASSICAL and h / 2.0 in own):
-            order = observed_order(own[h]["displacement"], own[h / 2.0]["displacement"])
-            quantity = f"{roll}, h = {h:g} → {h / 2.0:g} m: observed order of the displacement error"
-            case.show(quantity, order, method=method)
     case.figure("", convergence(found, ELASTIC, CORRECTED, UNCORRECTED, methods(CLASSICAL)))
 
 
@@ -98,22 +93,8 @@ def lumping(case, corrected, lumped):
         ratio = abs(lumped[h / 2.0]["displacement"] / lumped[h]["displacement"])
         quantity = f"no slip, {step}: ratio of displacement errors"
         case.gate(quantity, ratio, 0.25, (0.0, 1.0), method=WITHOUT, binds=binds)
-    if len(lumped) >= 3:
-        richardson(case, lumped)
 
 
 def observed_order(coarse, fine):
     """Return the order of what halving h brings from ``coarse`` to ``fine``; NaN if the sign changes."""
     return math.log2(coarse / fine) if coarse * fine > 0.0 else math.nan
-
-
-def richardson(case, lumped):
-    """Record order and limit from the three finest sizes, without any reference."""
-    for key in ("displacement", "acceleration"):
-        fine, middle, coarse = (lumped[h][key] for h in sorted(lumped)[:3])
-        order = observed_order(middle - coarse, fine - middle)
-        limit = fine + (fine - middle) / (2.0**order - 1.0)
-        what = f"no slip: {NAMES[key]}"
-        case.show(f"{what}, Richardson's order", order, reference=2.0, method=WITHOUT)
-        quantity, reference = f"{what}, Richardson's limit of the error", against(NO_SLIP.name, key)
-        case.show(quantity, limit, reference, unit="%", method=WITHOUT)
