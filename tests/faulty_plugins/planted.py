@@ -149,8 +149,6 @@ PLANTED = {
         "divergence-theorem": (shape.LinearSurface,),
         "boundary-mass": (shape.UndeclaredBoundary,),
         "structure": (shape.Descending,),
-        "repeatable": (shape.Remembering,),
-        "saved": (shape.KeepsElsewhere,),
         "changes-nothing-else": (
             splines("Clamping", "interpolate", TABLE,
                 f"particles.position[:] = np.round(particles.position, 6)\n{TABLE}"),
@@ -273,7 +271,7 @@ PLANTED = {
 #: kinds, and have their fault among contacts.
 WITHOUT = {
     "contact": {"runs"},
-    "shape": {"runs", "sent", "options", "no-growth"},
+    "shape": {"runs", "repeatable", "saved", "sent", "options", "no-growth"},
     "material": {"sent"},
     "load": {"sent"},
     "friction": {"sent", "options"},

@@ -144,17 +144,6 @@ def test_masses_energies_and_pressure_are_of_the_full_ring():
     assert series["linear_momentum"].attrs["units"] == "kg m s-1"
 
 
-@pytest.mark.parametrize(("unit", "changes"), [("J", {}), ("J/m", {"grid__axisymmetric": False})])
-def test_messages_about_energy_name_its_unit(unit, changes):
-    manager = Simulation(hollow(0.33, output__ledger=True, **changes)).manager
-    verdict, guard = manager.get_plugin("verdict"), manager.get_plugin("energy_ledger").guard
-    verdict.grown = 1.0
-    assert f"energy of 1 {unit} without" in verdict.reasons[0]
-    terms = dict.fromkeys(("contact", "inertia", "transfer", "strain"), 3.0)
-    assert f"grew by 2 {unit} without" in str(guard.error(2.0, terms, 0.0))
-    assert f"added 3 {unit}" in str(guard.error(2.0, terms, 0.0))
-
-
 def test_a_ring_swings_with_the_frequency_of_its_waves():
     scene = hollow(
         grid__upper=[3.0, 1.5], bodies__solid__velocity=[0.1, 0.0],

@@ -258,10 +258,10 @@ def test_a_run_that_dies_harms_no_other_and_an_object_that_cannot_leave_runs_her
 # -- kills
 
 KILLS = int(os.environ.get("MPMFW_KILLS", "2"))
-#: Forty points in the long form, else ten.
+#: Forty points in the long form, else six.
 POINTS = {
     "contact": ["separate", "penalty"],
-    "safety": [round(0.5 - 0.02 * k, 2) for k in range(20 if KILLS >= 20 else 5)],
+    "safety": [round(0.5 - 0.02 * k, 2) for k in range(20 if KILLS >= 20 else 3)],
 }
 PROGRAM = """
 import sys

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -53,6 +54,12 @@ def decay(scene: dict[str, Any], wave: str) -> tuple[float, dict[str, float]]:
     return left, {name: float(np.sum(last[name])) / energy for name in last if "axis" not in name}
 
 
+@cache
+def undamped(wave: str, dim: int) -> float:
+    """Share of the velocity that is left without damping."""
+    return decay(bar(wave, dim), wave)[0]
+
+
 @pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("wave", ["pressure", "shear"])
 @pytest.mark.parametrize(
@@ -71,7 +78,7 @@ def test_the_first_mode_of_a_bar_decays_as_in_closed_form(
     if wave == "pressure":
         modulus, viscosity = BULK + 4.0 / 3.0 * SHEAR, bulk * BULK + 4.0 / 3.0 * shear * SHEAR
     ratio = 0.25 * math.pi * viscosity / math.sqrt(modulus)  # ω = (π/2) √(modulus)
-    plain, _ = decay(bar(wave, dim), wave)
+    plain = undamped(wave, dim)
     left, energies = decay(bar(wave, dim, materials__solid__damping=damping), wave)
     damped = math.sqrt(1.0 - ratio**2)  # the period is longer by this
     phase = 2.0 * math.pi * damped
@@ -83,8 +90,13 @@ def test_the_first_mode_of_a_bar_decays_as_in_closed_form(
     assert kept == pytest.approx(1.0, abs=0.03)
 
 
-@pytest.mark.parametrize("shape", ["linear", "gimp", "cpdi2", "bspline", "cubic_bspline", "ck"])
-@pytest.mark.parametrize("scheme", ["usl", "musl", "usf"])
+@pytest.mark.parametrize(
+    ("shape", "scheme"),
+    [
+        *((shape, "usl") for shape in ("linear", "gimp", "cpdi2", "bspline", "cubic_bspline", "ck")),
+        *(("bspline", scheme) for scheme in ("musl", "usf")),
+    ],
+)
 def test_every_shape_and_scheme_damps(shape: str, scheme: str) -> None:
     damping = {"critical": 0.05, "frequency": 0.25 * math.sqrt(SHEAR)}
     lower = -0.54 if shape == "gimp" else -0.5  # on grid lines GIMP has edges of little mass that do not hold

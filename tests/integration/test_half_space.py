@@ -17,8 +17,13 @@ def wall(point, normal, **own):
     return {"geometry": {"type": "half_space", "point": point, "normal": normal}, "rigid": True, **own}
 
 
-@pytest.mark.parametrize("angle", [0.0, 0.35, 2.0])
-@pytest.mark.parametrize("method", ["penalty", "lcp", "midplane", "bardenhagen"])
+@pytest.mark.parametrize(
+    ("method", "angle"),
+    [
+        *(("penalty", angle) for angle in (0.0, 0.35, 2.0)),
+        *((method, 0.35) for method in ("lcp", "midplane", "bardenhagen")),
+    ],
+)
 def test_a_block_slides_down_a_half_space(method, angle):
     """(g_t − μ g_n) t² / 2 along it."""
     along, across = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])

@@ -15,8 +15,6 @@ import mpmfw
 from mpmfw.errors import SceneError
 from mpmfw.plots.animation import Movie
 from mpmfw.report import pictures, write_report
-from mpmfw.report.differences import Difference
-from mpmfw.report.summary import of_comparison
 from mpmfw.results.selection import runs_of
 from scenes_for_tests import ball_on_a_box, two_blocks
 
@@ -140,15 +138,6 @@ def test_a_picture_in_space_says_where_bodies_are_dots(run, library, monkeypatch
     assert "dots" not in pictures.slides(tree)["slides_say"]
     del tree["surface"]
     assert "drawn as dots" in pictures.slides(tree)["slides_say"]
-
-
-def test_the_first_paragraph_names_the_largest_difference():
-    rows = [{"contact": name, "status": "ok"} for name in ("a", "b")]
-    found = [Difference("disc: velocity, x", "m/s", np.array([[1.0], [3.0]]), 4.0, "largest velocity")]
-    text = " ".join(of_comparison(rows, ["contact"], ["a", "b"], found))
-    assert "“disc: velocity, x”: from 1 (a) to 3 m/s (b). That is 50 % of the largest velocity" in text
-    same = [Difference("spin", "rad/s", np.array([[1.0], [1.0]]), 4.0, "largest spin")]
-    assert "0 within round-off" in " ".join(of_comparison(rows, ["contact"], ["a", "b"], same))
 
 
 def test_a_film_in_space_moves(run, tmp_path):

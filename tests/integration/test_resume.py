@@ -6,10 +6,9 @@ import os
 import random
 import re
 import signal
-import subprocess
-import sys
 import time
 import warnings
+from contextlib import contextmanager
 from pathlib import Path
 
 import netCDF4
@@ -89,22 +88,28 @@ def names_in(folder):
     return sorted(file.name for file in folder.iterdir())
 
 
-def stopped(scene, path, after, *numbers, **arguments):
-    """What a run raises that gets signals in the middle of a step."""
+@contextmanager
+def interrupts(after, *numbers):
+    """Signals in the middle of a step."""
     steps = 0
 
     def counted(*arguments):
         nonlocal steps
         steps += 1
         if steps == after:
-            for number in numbers or (signal.SIGTERM,):
+            for number in numbers:
                 os.kill(os.getpid(), number)
         integrate_momentum(*arguments)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("mpmfw.step.schemes.integrate_momentum", counted)
-        with pytest.raises(Interrupted) as caught:
-            mpmfw.run(scene, output=path, **arguments)
+        yield
+
+
+def stopped(scene, path, after, *numbers, **arguments):
+    """What a run raises that gets signals in the middle of a step."""
+    with interrupts(after, *(numbers or (signal.SIGTERM,))), pytest.raises(Interrupted) as caught:
+        mpmfw.run(scene, output=path, **arguments)
     return caught.value
 
 
@@ -332,20 +337,13 @@ def test_the_interval_of_checkpoints_is_judged(path, monkeypatch):
     mpmfw.run(BLOCKS, output=path, force=True)  # is too short for one
 
 
-def test_the_command_goes_on_in_a_new_process(tmp_path, path):
-    changes = {"settle.max_time": 0.05, "time.end": 0.6}
-    mpmfw.run("rolling-cylinder-slip", set=changes, output=tmp_path / "reference.nc")
-    command = [sys.executable, "-m", "mpmfw"]
-    settings = [f"--set={key}={value}" for key, value in changes.items()]
-    arguments = ["run", "rolling-cylinder-slip", *settings, "--checkpoint=0.2", "-o", str(path)]
-    with subprocess.Popen([*command, *arguments], stderr=subprocess.PIPE, text=True) as process:
-        while not Path(f"{path}.checkpoint").is_file():
-            time.sleep(0.002)
-        process.send_signal(signal.SIGINT)
-        assert process.stderr is not None
-        assert f"mpmfw resume {path} continues it" in process.stderr.read()
-    assert process.returncode == 130
+def test_the_command_goes_on_where_it_was_interrupted(path, whole):
+    scene = path.with_name("scene.toml")
+    scene.write_text(load_scene(BLOCKS).text)
+    with interrupts(9, signal.SIGINT):
+        done = called("run", scene, "-o", path, status=130)
+    assert f"mpmfw resume {path} continues it" in done.stderr
     done = called("resume", path)
-    assert re.match(rf"{path}: continues at \S+ s of 0.6 s\n", done.stderr)
+    assert re.match(rf"{path}: continues at \S+ s of 0.02 s\n", done.stderr)
     assert done.stdout == f"{path}\n"
-    same_results(path, tmp_path / "reference.nc")
+    same_results(path, whole)

@@ -122,28 +122,6 @@ def test_probe_reports_a_refusal_and_a_failure():
     assert probe(wild, steps=50).status == "failed"
 
 
-def test_a_map_that_is_broken_off_goes_on_where_it_stopped(tmp_path, chart):
-    request = {"kappa": [0.5, 4.0], "cfl": [0.2, 0.6], "steps": 60, "output": tmp_path / "map.nc"}
-
-    def stop(event):
-        if event.done == 3:
-            raise KeyboardInterrupt
-
-    with pytest.raises(
-        KeyboardInterrupt, match=r"map\.nc\.runs keeps the 3 runs that were done; the same map"
-    ):
-        stability_map(blocks(), progress=stop, **request)
-    assert [path.name for path in tmp_path.iterdir()] == ["map.nc.runs"]
-    events = []
-    made = stability_map(blocks(), progress=events.append, **request)
-    assert events[-1].total == 1
-    xr.testing.assert_identical(made, chart)
-    xr.testing.assert_equal(open_results(tmp_path / "map.nc"), chart)
-    other = stability_map(blocks(), progress=events.append, **{**request, "steps": 5, "kappa": [0.5]})
-    assert events[-1].total == 2  # points of other steps are not taken
-    assert other.attrs["steps_asked"] == 5
-
-
 def test_a_subclass_has_its_kappa(chart):
     """A law that is derived from penalty contact, by another name, is mapped as any."""
     law = type("MyPenalty", (load("contact", "penalty"),), {"name": "mypenalty", "__module__": __name__})

@@ -22,15 +22,6 @@ def collect(table, values):
     return total
 
 
-def projected_momentum(table, mass, velocity, position, affine, node_position):
-    """Σ_p φ_ip m_p (v_p + C_p (x_i − x_p))."""
-    p = owner(table)
-    v = velocity[p]
-    if affine is not None:
-        v = v + np.einsum("kab,kb->ka", affine[p], node_position[table.nodes] - position[p])
-    return scatter(table, (table.weight * mass[p])[:, None] * v, len(node_position))
-
-
 def internal_force(table, volume, stress, n_nodes):
     """−Σ_p V_p σ_p · ∇φ_ip."""
     p = owner(table)

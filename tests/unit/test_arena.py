@@ -4,11 +4,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray as xr
 
 from mpmfw.campaigns.measures import exact_of, measure_of
 from mpmfw.errors import SceneError
-from mpmfw.plots.style import Look
 from mpmfw.plugin.measure import About
 from mpmfw.report.records import _problem, read_records
 from mpmfw.results.analysis import rolling_solution
@@ -117,9 +115,3 @@ def test_the_page_has_the_tables_of_its_records():
     page = (ARENA.parent / "arena.md").read_text(encoding="utf-8")
     for table in module_of(ARENA.parent / "make_arena.py").tables(read_records(ARENA / "records")):
         assert table in page, "python docs/make_arena.py"
-
-
-def test_every_method_of_the_figure_has_a_colour():
-    methods = list({record.method for record in read_records(ARENA / "records")})
-    colours = Look(xr.Dataset(coords={"contact": methods})).colours
-    assert len(set(colours.values())) == len(methods)

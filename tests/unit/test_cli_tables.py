@@ -2,8 +2,6 @@
 
 import pytest
 
-import mpmfw.benchmark
-from command_line import called
 from mpmfw.cli.arguments import variations
 from mpmfw.cli.tables import formatted, print_table
 from mpmfw.errors import SceneError
@@ -25,23 +23,6 @@ def test_every_number_survives_every_width(capsys, monkeypatch, columns, count):
     assert "empty" not in printed
     assert max(map(len, printed.splitlines())) <= columns
     assert printed.count("reason") == 8
-
-
-def test_columns_of_a_benchmark_are_those_of_all_scenes(monkeypatch):
-    monkeypatch.setenv("COLUMNS", "200")
-    measured = iter([{}, {"ns_effects": 7.0}])
-    row = {
-        "scene": "s",
-        "contact": "none",
-        "shape": "gimp",
-        "ns_contact": 1.0,
-        "ns_shape": 2.0,
-        "ns_total": 4.0,
-    }
-    monkeypatch.setattr(mpmfw.benchmark, "measure_scene", lambda *_, **__: {**row, **next(measured)})
-    printed = called("benchmark").stdout.splitlines()
-    heads = ["scene", "contact", "shape", "contact ns", "fill", "total", "contact %", "effects"]
-    assert printed[1].split() == " ".join(heads).split()
 
 
 @pytest.mark.parametrize(

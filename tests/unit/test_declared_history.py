@@ -1,6 +1,5 @@
 """Declared history: values by place, of the type and shape of what was built, through a file and back."""
 
-import re
 import zipfile
 
 import numpy as np
@@ -141,25 +140,6 @@ def test_a_crafted_file_is_one_message(tmp_path, name):
     crafted(path, name)
     with pytest.raises(MpmfwError, match=r"^'.*file' was cut short or is damaged$"):
         read_snapshot(str(path))
-
-
-def test_each_flipped_bit_and_each_shorter_file_is_one_message_or_changes_nothing(tmp_path):
-    path = tmp_path / "file"
-    write_snapshot(str(path), take({"thing": Thing(np.arange(3.0))}))
-    same = {place: array.tobytes() for place, array in read_snapshot(str(path))[0].items()}
-    whole = path.read_bytes()
-    for k in range(0, len(whole), 5):
-        for changed in (whole[:k], whole[:k] + bytes([whole[k] ^ (1 << k % 8)]) + whole[k + 1 :]):
-            path.write_bytes(changed)
-            said, saved = "", {}
-            try:
-                saved = read_snapshot(str(path))[0]
-            except MpmfwError as error:
-                said = str(error)
-            if len(changed) == len(whole) and not said:  # a date in the archive's table, for instance
-                assert {place: array.tobytes() for place, array in saved.items()} == same
-            else:
-                assert re.search("was cut short or is damaged$|that this version of mpmfw wrote$", said)
 
 
 def test_files_of_other_versions_and_of_others_are_no_checkpoints(tmp_path):

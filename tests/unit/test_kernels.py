@@ -58,19 +58,6 @@ def problem(request):
     )
 
 
-@pytest.mark.parametrize("with_affine", [False, True])
-def test_projection_adds_mass_and_momentum(problem, with_affine):
-    x, t, p, g = problem, problem.table, problem.points, problem.grid
-    affine = x.affine if with_affine else None
-    g.mass = np.ones(N_NODES)
-    particle_grid.project(p, p.position, affine, t, g, g.mass, x.spacing)
-    momentum, g.momentum = g.momentum, np.ones_like(g.momentum)
-    particle_grid.project(p, p.position, affine, t, g, None, x.spacing)
-    close(g.mass, 1.0 + twin.scatter(t, t.weight * p.mass[twin.owner(t)], N_NODES))
-    close(momentum, 1.0 + twin.projected_momentum(t, p.mass, p.velocity, p.position, affine, g.position))
-    close(g.momentum, momentum)
-
-
 @pytest.mark.parametrize("thick", [False, True])
 @pytest.mark.parametrize("with_affine", [False, True])
 def test_internal_force(problem, thick, with_affine):
@@ -130,22 +117,6 @@ def test_a_singular_spread_takes_the_gradient_and_pic_fraction_blends():
         assert make_transfer(name, singular_spread=True, **given).affine == affine
     assert make_transfer("aflip", singular_spread=False).affine == "least_squares"
     assert make_transfer("flip", singular_spread=False, pic_fraction=0.25).flip == 0.75
-
-
-def test_transport_of_the_affine_field(problem):
-    x, dt = problem, 0.01
-    affine = x.affine.copy()
-    particle_grid.transport_affine(x.points, affine, dt, x.spacing)
-    close(affine, x.affine @ np.linalg.inv(np.eye(x.dim) + dt * x.affine))
-
-
-def test_deformation_and_volume(problem):
-    p, dt = problem.points, 0.01
-    expected = (np.eye(problem.dim) + dt * p.velocity_gradient) @ p.deformation_gradient
-    bad = particle_grid.update_deformation(p, dt, problem.spacing)
-    close(p.deformation_gradient, expected)
-    close(p.volume, np.linalg.det(expected) * p.initial_volume)
-    assert bad == -1
 
 
 @kernel

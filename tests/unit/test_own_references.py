@@ -12,11 +12,8 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "validation" / "finite-elemen
 
 from rings_fem.element import add_internal_force
 from slider_fem.bodies import DENSITY, GRAVITY, HEIGHT, LENGTH, incline
-from slider_fem.flutter import contact_matrix, growth, slide_steadily, stiffness_matrix
+from slider_fem.flutter import contact_matrix, slide_steadily, stiffness_matrix
 from slider_fem.motion import acceleration_of, slide
-
-from mpmfw.errors import SimulationError
-from mpmfw.validation import Case, Verdict
 
 CONTACTS = ("springs", "impulses")
 MASS = DENSITY * LENGTH * HEIGHT
@@ -70,44 +67,6 @@ def test_contact_only_pushes_friction_stays_in_its_cone_and_both_are_all_that_ac
         ]
     )
     np.testing.assert_allclose(run.momentum, acted, atol=1e-9 * MASS)
-
-
-@pytest.fixture
-def measures(monkeypatch):
-    """The case's own module; other cases have one of that name, so it is forgotten afterwards."""
-    monkeypatch.syspath_prepend(str(Path(__file__).parents[2] / "validation" / "steep-friction"))
-    monkeypatch.delitem(sys.modules, "measures", raising=False)
-    module = importlib.import_module("measures")
-    yield module
-    del sys.modules["measures"]
-
-
-def test_the_bounce_grows_in_motion_as_its_eigenvalue_says(measures):
-    sigma, frequency = growth(incline(0.1, elastic=True), 0.3)[0]
-    run = slide(0.1, 0.3, math.radians(40.0), elastic=True, end=0.2)
-    found = measures.growth_of(run.time, run.y, frequency)
-    assert found[0] == pytest.approx(sigma, rel=0.1)
-    assert found[1] == pytest.approx(frequency, rel=0.02)
-
-
-@pytest.mark.usefixtures("measures")
-def test_a_run_that_fails_keeps_its_row_and_those_that_follow(monkeypatch):
-    folder = Path(__file__).parents[2] / "validation"
-    monkeypatch.syspath_prepend(str(folder))
-    case = importlib.import_module("test_steep_friction")
-    kept = Case(folder / "steep-friction", quick=True)
-    monkeypatch.setattr(kept, "run", broken)
-    assert case._points(kept, case._sized("penalty", "", 0.1, {}), [(0.1, 40.0), (0.3, 40.0)]) == []
-    assert [(row.quantity, row.note) for row in kept.rows] == [
-        ("mu = 0.1, 40 deg: run", "it broke"),
-        ("mu = 0.3, 40 deg: run", "it broke"),
-    ]
-    assert all(row.verdict is Verdict.RED for row in kept.rows)
-
-
-def broken(_):
-    """A run that fails."""
-    raise SimulationError("it broke")
 
 
 @pytest.fixture

@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from mpmfw.plots import figures_of, scene
+from mpmfw.plots import scene
 from mpmfw.report import COLUMNS, shown, table, write_report
 from mpmfw.report.differences import differences
 
 SCENE = "[grid]\ncell_size = 0.1\n[bodies.floor]\n[bodies.block]\n[bodies.stone]\n"
-FORCES = "Contact force of the pairs that touch, across the surface and along it"
 BODIES, PAIRS = ["floor", "block", "stone"], ["floor-block", "floor-stone"]
 
 
@@ -114,14 +113,6 @@ def test_gaps_within_round_off_are_zero():
     dataset["min_gap"][{"contact": 1}] = -1.1e-6
     found = {one.quantity: one for one in differences(dataset)}
     assert found["floor-block: largest penetration"].spread == pytest.approx(1.1e-5)
-
-
-def test_captions_say_how_many_pairs_are_left_out(monkeypatch):
-    dataset = comparison()
-    dataset["contact_force"][{"pair": 1}] = 1.0
-    assert figures_of(dataset)["forces"][1].startswith(f"{FORCES}. ")
-    monkeypatch.setattr(scene, "MOST", 1)
-    assert figures_of(dataset)["forces"][1].startswith(f"{FORCES}; 1 of 2. ")
 
 
 def test_the_page_escapes_every_text_and_needs_no_network(tmp_path):

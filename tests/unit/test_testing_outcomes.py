@@ -62,6 +62,14 @@ def test_outcomes_and_their_pictures(tmp_path):
     assert asked.message == "there is nothing to ask"
 
 
+def test_the_counterexample_is_the_smallest_and_the_same_in_every_run():
+    for _ in range(2):
+        with pytest.raises(Violation) as found:
+            failing(SUBJECT)
+        assert found.value.counterexample == {"a [m]": 0.0, "b": 1.0, "sum": 1.0}
+        assert (found.value.measured, found.value.bound) == (1.0, 0.75)
+
+
 def test_expected_failures_must_fail():
     good, bad, asked = examine(SUBJECT, [GOOD, BAD, ASKED], dict.fromkeys(("good", "bad", "asked"), WHY))
     assert (good.status, bad.status, asked.status) == (

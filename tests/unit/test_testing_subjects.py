@@ -102,26 +102,6 @@ def test_numbers_that_are_made_up_keep_the_bounds_of_the_field(name, least, most
         Some(**{name: value})
 
 
-def search_too_much():
-    """Two numbers of a ladder each, whose sum is beyond a bound."""
-
-    def trial(a, b):
-        if a + b > 0.75:
-            raise Violation("too much", {"sum": a + b}, measured=a + b, bound=0.75)
-
-    search({"a": ladder(0.0, 1.0, 5), "b": ladder(0.0, 1.0, 5)}, trial, examples=30, names={"a": "a [m]"})
-
-
-def test_the_counterexample_is_the_smallest_and_the_same_in_every_run():
-    with pytest.raises(Violation) as first:
-        search_too_much()
-    with pytest.raises(Violation) as second:
-        search_too_much()
-    assert first.value.counterexample == {"a [m]": 0.0, "b": 1.0, "sum": 1.0}
-    assert second.value.counterexample == first.value.counterexample
-    assert (first.value.measured, first.value.bound) == (1.0, 0.75)
-
-
 def test_an_error_of_the_plugin_is_a_violation_with_its_case():
     def trial(a):
         if a > 0:

@@ -101,40 +101,6 @@ class Descending(Sound):
         )
 
 
-class Remembering(Sound):
-    """Weights are mixed with those of the step before."""
-
-    before = None
-
-    @hookimpl
-    def interpolate(self, particles, grid):
-        table = super().interpolate(particles, grid)
-        mixed = table.weight if self.before is None else 0.5 * (table.weight + self.before)
-        self.before = table.weight * (1.0 + 1e-15)
-        return table.replace(weight=mixed)
-
-
-#: Steps of whichever object was set up last.
-_STEPS = [0]
-
-
-class KeepsElsewhere(Sound):
-    """Weights fade with the steps, which the module counts."""
-
-    @hookimpl
-    def setup(self):
-        _STEPS[0] = 0
-
-    @hookimpl
-    def update_particle_domains(self):
-        _STEPS[0] += 1
-
-    @hookimpl
-    def interpolate(self, particles, grid):
-        table = super().interpolate(particles, grid)
-        return table.replace(weight=table.weight * (1.0 - 1e-9 * _STEPS[0]))
-
-
 class Flatland(Sound):
     """Says that it works in one dimension, in which there is no grid."""
 
