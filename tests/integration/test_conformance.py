@@ -148,10 +148,10 @@ def outcome(plugin, name, kind="contact", pictures=None, **options):
 
 
 #: Laws of springs, of shared nodes and of all rows at once: they are asked everything. The other laws are
-#: asked these checks, and the rest in the long form.
+#: asked these checks, and the rest in the long form; that runs repeat is in test_threads.
 ASKED_EVERYTHING = ("penalty", "bardenhagen", "lcp")
 ASKED_OF_ALL = {
-    *("runs", "repeatable", "saved", "restart", "sent", "options", "reports", "equal-and-opposite"),
+    *("runs", "saved", "restart", "sent", "options", "reports", "equal-and-opposite"),
     *("moment-balance", "pushes-apart", "no-adhesion", "coulomb-cone", "frictionless", "sticking"),
 }
 
