@@ -1,12 +1,12 @@
 """
-A contact law of one's own, compared with the bundled ones
-==========================================================
+Your own contact law beside the bundled ones
+============================================
 
-A law that is not bundled: a thin viscous film between the bodies, beside Coulomb's friction. Where the bodies
-are pressed together the film resists sliding with the shear stress :math:`c\\,v`, :math:`v` the sliding
-velocity and :math:`c` the film's viscosity over its thickness [Pa s/m].
+This law adds a thin viscous film to Coulomb's friction. Where the bodies are pressed together, the film resists
+sliding with the shear stress :math:`c\\,v`. Here :math:`v` is the sliding velocity and :math:`c` the film's viscosity
+over its thickness [Pa s/m].
 
-It acts at the grid nodes that two bodies share, as the classical contact does. With :math:`m` the reduced
+The law acts at the grid nodes that two bodies share, as classical contact does. With :math:`m` the reduced
 mass of the two nodal masses, :math:`\\Delta v` the relative velocity, :math:`n` the normal and :math:`A` the
 contact area that belongs to the node,
 
@@ -62,7 +62,7 @@ class Film(ContactStrategy):
             drag = pair.friction * mass * approach + self.options.resistance * area * dt * speed
             sliding = np.minimum(drag, mass * speed) / speed
             impulse = (mass * approach)[:, None] * n + sliding[:, None] * slip
-            impulse[approach <= 0.0] = 0.0  # bodies that part are left alone
+            impulse[approach <= 0.0] = 0.0  # parting bodies get no impulse
             grid.momentum[a] -= impulse
             grid.momentum[b] += impulse
 
@@ -105,16 +105,15 @@ lines = axes.get_legend_handles_labels()[0]
 legend_below(figure, [lines[:2], lines[2:]])
 figure
 
-# %% The penalty contact knows no film and slides freely; without a contact algorithm the block sticks. The
-# film ends this close to its closed form:
+# %% The penalty contact has no film and slides freely; without a contact algorithm the block sticks. The film
+# ends this close to its closed form:
 
 film = speed.sel(contact=f"film(resistance={resistance})")
 print(f"{100 * (float(film[-1]) / exact[-1] - 1):+.2f} % at {float(film['time'][-1])} s")
 
-# %% ``mpmfw check`` finds one thing wrong with it, ``relabelling``: where three bodies share a node, one pair
-# acts after the other, and the second sees what the first has left. In which order a scene names its bodies
-# is then worth 2 % of the motion. Laws on rows (``mpmfw.api.ImpulseLaw``) get a share of each node's mass for
-# every pair instead.
+# %% ``mpmfw check`` finds one fault, ``relabelling``: where three bodies share a node, the second pair acts
+# on velocities that the first has changed. The order of the bodies in the scene then changes the motion by
+# 2 %. Laws on rows (``mpmfw.api.ImpulseLaw``) have a share of each node's mass for every pair instead.
 #
 # From here to a package that others install with pip, with a compiled kernel, tests and a name in scenes:
 # :doc:`/docs/guide/write-a-contact-law`.

@@ -14,6 +14,7 @@ import xarray as xr
 import mpmfw
 from mpmfw.errors import SceneError
 from mpmfw.plots.animation import Movie
+from mpmfw.plots.space import Bodies
 from mpmfw.report import pictures, write_report
 from mpmfw.results.selection import runs_of
 from scenes_for_tests import ball_on_a_box, two_blocks
@@ -138,6 +139,17 @@ def test_a_picture_in_space_says_where_bodies_are_dots(run, library, monkeypatch
     assert "dots" not in pictures.slides(tree)["slides_say"]
     del tree["surface"]
     assert "drawn as dots" in pictures.slides(tree)["slides_say"]
+
+
+def test_a_half_space_does_not_shrink_the_picture(run):
+    groups = mpmfw.open(run).to_dict()
+    wall = groups["/surface/solid"]
+    for name, factor in (("near", 2.0), ("far", 100.0)):
+        groups[f"/surface/{name}"] = wall.assign(position=factor * wall["position"])
+    found = Bodies(xr.DataTree.from_dict(groups))
+    assert set(found.rigid) == {"near", "far"}
+    np.testing.assert_allclose(found.box([0, 2])[0], [-1.0] * 3, atol=1e-6)
+    np.testing.assert_allclose(found.box([0, 2])[1, 2], 0.995, atol=1e-2)  # the ball's top
 
 
 def test_a_film_in_space_moves(run, tmp_path):

@@ -150,7 +150,7 @@ def labelled(
 
 
 def _methods(tree: xr.DataTree) -> str:
-    return ", ".join(str(tree.attrs.get(key, "")) for key in ("contact", "shape"))
+    return ", ".join(str(tree.attrs[key]) for key in ("contact", "shape") if tree.attrs.get(key))
 
 
 def _labels(results: Sequence[Results], trees: Sequence[xr.DataTree]) -> list[str]:

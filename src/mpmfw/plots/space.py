@@ -16,8 +16,9 @@ from mpmfw.results.point_fields import point_field
 from mpmfw.results.selection import bodies_of, frame_of, rigid_bodies_of
 from mpmfw.state.fields import FloatArray, IntArray
 
-#: Pixels of a picture; length of the longest arrow over the diagonal of all bodies.
-_SIZE, _ARROW = (1000, 750), 0.15
+#: Pixels of a picture; length of the longest arrow over the diagonal of all bodies; of the longest rigid body
+#: that the picture holds, over that of the others.
+_SIZE, _ARROW, _LONG = (1000, 750), 0.15, 5.0
 
 
 class Bodies:
@@ -72,6 +73,21 @@ class Bodies:
         known = values[np.isfinite(values)]
         return (float(known.min()), float(known.max())) if len(known) else (np.nan, np.nan)
 
+    def box(self, frames: Iterable[int]) -> FloatArray:
+        """Return the lower and the upper corner (2, 3) of the bodies over some outputs [m].
+
+        Rigid bodies count up to five times the length of the others: a half-space does not.
+        """
+        frames = list(frames)
+        boxes = {}
+        for body in self.names:
+            places = [self.places(body, frame) for frame in frames]
+            boxes[body] = np.array([np.min(places, axis=(0, 1)), np.max(places, axis=(0, 1))])
+        own = _around([boxes[body] for body in self.bodies])
+        longest = _LONG * np.ptp(own, axis=0).max()
+        near = [box for box in boxes.values() if np.ptp(box, axis=0).max() <= longest]
+        return _around([own, *near])
+
 
 class View(Bodies):
     """A plotter with the bodies of one run at one output."""
@@ -88,7 +104,11 @@ class View(Bodies):
             self.plotter.view_vector((1.0, 0.7, 1.6), viewup=(0.0, 1.0, 0.0))
         else:
             self.plotter.view_xy()
-        self.plotter.reset_camera()
+        self.show_all([0])
+
+    def show_all(self, frames: Iterable[int]) -> None:
+        """Move the camera so that the picture holds the bodies at all these outputs."""
+        self.plotter.reset_camera(bounds=self.box(frames).T.ravel().tolist())
         self.plotter.camera.zoom(1.2)
 
     def _mesh(self, library: Any, body: str) -> Any:
@@ -146,10 +166,14 @@ class View(Bodies):
         vectors = np.concatenate(force)
         acting = np.linalg.norm(vectors, axis=1) > 1e-3 * largest
         if acting.any():
-            low, high = np.reshape(self.plotter.bounds, (3, 2)).T
+            low, high = self.box([frame])
             longest = _ARROW * float(np.linalg.norm(high - low)) / largest
             centres = np.concatenate(position)[acting]
             self.plotter.add_arrows(centres, longest * vectors[acting], color="#D55E00", name="forces")
+
+
+def _around(boxes: Sequence[FloatArray]) -> FloatArray:
+    return np.array([np.min(boxes, axis=(0, 1)), np.max(boxes, axis=(0, 1))])
 
 
 def _in_space(places: FloatArray) -> FloatArray:
@@ -167,7 +191,8 @@ class SpacePanel(View):
         self.about = point_field(points.isel(time=slice(0), missing_dims="ignore"), name).attrs
 
     def survey(self, frames: Iterable[int]) -> tuple[tuple[float, float], Box]:
-        """Return the range of finite values, and the extent of the picture."""
+        """Return the range of finite values, and the extent of the picture, which shows all the outputs."""
+        self.show_all(frames)
         return self.extremes(self.name, frames), (0.0, 1.0, 0.0, _SIZE[1] / _SIZE[0])
 
     def draw(self, axes: Any, frame: int, scales: Scales, title: str) -> None:

@@ -84,9 +84,8 @@ def _scale(
         margin={"l": 10, "r": 10, "t": 110, "b": 0}, showlegend=False,
         coloraxis={"cmin": low, "cmax": high, "colorscale": colours, "colorbar": bar},
     )  # fmt: skip
-    drawn = [trace for frame in figure.frames for trace in frame.data]
-    places = np.concatenate([[trace[axis] for axis in "xyz"] for trace in drawn], axis=1)
-    ranges = zip("xyz", places.min(axis=1).tolist(), places.max(axis=1).tolist(), strict=True)
+    boxes = np.array([runs.box(frames[label]) for label, runs in shown.items()])
+    ranges = zip("xyz", boxes.min(axis=(0, 1)).tolist(), boxes.max(axis=(0, 1)).tolist(), strict=True)
     axes = {f"{axis}axis": {"range": ends, "title": {"text": f"{axis} [m]"}} for axis, *ends in ranges}
     figure.update_scenes(aspectmode="data", camera={"up": {"x": 0, "y": 1, "z": 0}, "eye": _EYE}, **axes)
 
