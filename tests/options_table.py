@@ -177,11 +177,12 @@ ROWS: dict[str, tuple[dict[str, Any], str, Any, Any]] = {
     "Contact.friction": (pair(), "", 0.1, 0.4),
     "Contact.friction_law": (pair(contact__mohr_coulomb={"cohesion": 1e4}), "", "coulomb", "mohr_coulomb"),
     "Contact.pairs": (pair(), "", [STICKY], [SMOOTH]),
-    "PairFriction.bodies": (
+    "ContactPair.bodies": (
         *(pair(bodies__third=THIRD), "contact__pairs"),
         *([STICKY], [{**STICKY, "bodies": ["right", "third"]}]),
     ),
-    "PairFriction.friction": (pair(), "contact__pairs", [STICKY], [{**STICKY, "friction": 0.1}]),
+    "ContactPair.friction": (pair(), "contact__pairs", [STICKY], [{**STICKY, "friction": 0.1}]),
+    "ContactPair.method": (pair(), "contact__pairs", [STICKY], [{**STICKY, "method": "tied"}]),
     "Material.model": (held(), "materials__soft__model", "neo_hookean", "linear_elastic"),
     "Material.density": (body(), "materials__soft__density", 1000.0, 1200.0),
     "Material.damping": (body(), "materials__soft__damping", {"bulk": 1e-3}, {"shear": 1e-3}),

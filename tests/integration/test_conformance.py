@@ -36,6 +36,11 @@ LACKS_NONE = {
     "shapes": f"{STICKS}, and discs that meet in a point are hardly slowed",
     "three-dimensions": "what bodies of one velocity field exchange is internal force: contact itself does nothing",  # noqa: E501
 }
+LACKS_TIED = {
+    name: why
+    for name, why in LACKS_NONE.items()
+    if name not in ("three-bodies", "energy", "isolation", "three-dimensions")
+}
 THROWN = "a node near a corner is behind the line of a far face too (eq. 10), a cell deep, and is thrown out along the near one"  # noqa: E501
 LAYER = "the interface layer has inertia and momentum of its own beside the material points'"
 LACKS_HAMAD_2017 = {
@@ -104,6 +109,7 @@ SOUND = {
     ("contact", "particles"): LACKS_PARTICLES,
     ("contact", "nairn"): LACKS_NAIRN,
     ("contact", "none"): LACKS_NONE,
+    ("contact", "tied"): LACKS_TIED,
     ("contact", "separate"): LACKS_SEPARATE,
     ("shape", "linear"): LINEAR,
     ("shape", "gimp"): GIMP,

@@ -76,6 +76,7 @@ class AtNodes(Detection):
     #: Whether forces act on the rows, which need nodes that have some mass.
     forces = False
     has_radius = True
+    selects_pairs = True
     #: What is projected on the nodes: volume gradients, and mean positions.
     projects_gradient = True
     projects_mean = False
@@ -151,7 +152,12 @@ class AtNodes(Detection):
         if listed > len(self.shared.pair):
             self.shared = room_for(2 * listed)
             find_shared_nodes(self.pairs, nodes, self.shared)
-        near = [] if self.rigid is None else self.rigid.find(grid, self.least_mass)
+        if self.acts_on is not None:
+            chosen = np.flatnonzero(self.acting(self.state)[self.shared.pair[:listed]])
+            listed = len(chosen)
+            for array in (self.shared.pair, self.shared.first, self.shared.second):
+                array[:listed] = array[chosen]
+        near = [] if self.rigid is None else self.rigid.find(grid, self.least_mass, self.acts_on)
         if listed == 0 and not near:
             return
         three = mark_nodes(listed, self.shared, nodes)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -61,12 +62,17 @@ class RigidSurfaces:
         )
         return distance, normal
 
-    def find(self, grid: Grid, least_mass: float) -> list[NearRigid]:
-        """Return the nodes with more mass than ``least_mass`` that are near rigid bodies, by pair."""
+    def find(self, grid: Grid, least_mass: float, acts_on: Callable[[Pair], bool] | None) -> list[NearRigid]:
+        """Return the nodes with more mass than ``least_mass`` that are near rigid bodies, by pair that
+        ``acts_on`` selects."""
         found, reach, surface = [], NEAR * grid.cell_size, self.surface
         first_rigid = len(self.state.soft_bodies)
         for pair in self.state.pairs:
-            if pair.first >= first_rigid or pair.second < first_rigid:
+            if (
+                pair.first >= first_rigid
+                or pair.second < first_rigid
+                or not (acts_on is None or acts_on(pair))
+            ):
                 continue
             own = grid.field_nodes(self.state.bodies[pair.first].field)
             box, x = surface.position[surface.of(pair.second)], grid.position[own]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -13,7 +13,7 @@ from mpmfw.plugin.base import PlugIn
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import AnyArray, Field, FloatArray
 from mpmfw.state.history import IndexMap, NotSaved, check_indices
-from mpmfw.state.structs import Grid, Particles, State, Stencil
+from mpmfw.state.structs import Grid, Pair, Particles, State, Stencil
 
 #: Arrays of vectors, of integers, and with rows for the entries of B.
 _VECTORS = ("normal", "motion", "force", "couple", "tilt")
@@ -157,10 +157,18 @@ class Detection(PlugIn):
     leaves_bodies_out: bool = False
     #: Whether :meth:`radii` are known, round which rows of bodies of revolution act.
     has_radius: bool = False
+    #: Whether it lists rows of the pairs alone that :attr:`acts_on` selects.
+    selects_pairs: ClassVar[bool] = False
+    #: Selects pairs; None selects all.
+    acts_on: Callable[[Pair], bool] | None = None
     #: Gap up to which the law acts [m], known once both are prepared.
     law_range: float = 0.0
 
     state: State  #: to be taken by :meth:`prepare`
+
+    def acting(self, state: State) -> AnyArray:
+        """Return True for every pair that it acts on (pair,)."""
+        return np.array([self.acts_on is None or self.acts_on(pair) for pair in state.pairs], dtype=bool)
 
     def parts(self) -> list[Any]:
         """Return the plug-ins that it brings along."""

@@ -228,7 +228,9 @@ def _problem(scene: Scene, materials: Mapping[str, Any]) -> str:
     tables["time"] = tables["time"]["end"]
     if scene.contact is not None:
         pairs = [(a, b, f"{friction:.15g}") for a, b, friction in scene.pairs]
-        tables["contact"] = [pairs, scene.contact.friction_law, tables["contact"].get("friction_options")]
+        by_pair = [(pair.bodies, pair.method) for pair in scene.contact.pairs if pair.method]
+        options = tables["contact"].get("friction_options")
+        tables["contact"] = [pairs, scene.contact.friction_law, options, *([by_pair] if by_pair else [])]
     tables["settle"] = scene.settle and [tables["settle"]["gravity"]]
     for group in ("loads", "boundaries"):
         tables[group] = sorted(json.dumps(one, sort_keys=True) for one in tables[group].values())

@@ -62,6 +62,7 @@ def build(
         contact = scene.contact and _plugin("contact", scene.contact.method, scene.contact.options)
     if contact is not None:
         _check_dimensions(scene, contact, "contact.method")
+        contact = _by_pair(scene, contact)
     check_memory(scene)
     layouts = lay_out(scene)
     materials = {
@@ -69,6 +70,23 @@ def build(
         for name in dict.fromkeys(body.material for body in scene.bodies.values() if body.material)
     }
     return _put_together(scene, layouts, shape, contact, materials, loads or {})
+
+
+def _by_pair(scene: Scene, contact: ContactStrategy) -> ContactStrategy:
+    """Return the contact of all pairs, or several where pairs name their own."""
+    given = [] if scene.contact is None else [pair for pair in scene.contact.pairs if pair.method]
+    if not given:
+        return contact
+    from mpmfw.contact.by_pair import ContactsByPair
+
+    made, named = list[tuple[Any, Any]](), {}
+    for pair in given:
+        known = [one for settings, one in made if settings == (pair.method, pair.options)]
+        one = known[0] if known else _plugin("contact", pair.method, pair.options)
+        _check_dimensions(scene, one, f"contact.pairs.{'-'.join(pair.bodies)}.method")
+        made.append(((pair.method, pair.options), one))
+        named[pair.bodies] = one
+    return ContactsByPair(contact, named)
 
 
 def build_some(whole: Setup, which: Sequence[int]) -> Setup:
@@ -197,7 +215,8 @@ def _add_interfaces(setup: Setup) -> None:
     index = {body.name: body.index for body in state.bodies}
     named = () if given is None else given.pairs
     ends = np.array([sorted(map(index.__getitem__, pair.bodies)) for pair in named], np.int64).reshape(-1, 2)
-    mu = {(a, b): float(pair.friction) for (a, b), pair in zip(ends.tolist(), named, strict=True)}
+    index_of = zip(ends.tolist(), named, strict=True)
+    mu = {(a, b): float(pair.friction) for (a, b), pair in index_of if pair.friction is not None}
     by_law = None if law is None or law.is_coulomb else law.label
     near = BodyPairs(tuple(index), 0.0 if given is None else float(given.friction), mu, by_law)
     follows = hasattr(contact, "add_pairs") or not any(hasattr(contact, name) for name in HOOKS)
@@ -212,7 +231,7 @@ def _add_interfaces(setup: Setup) -> None:
     near.add(state, *pairs[~out[pairs].all(axis=1)].T)
 
 
-def _plugin(kind: Any, name: str, options: Any) -> Any:
+def _plugin(kind: Any, name: Any, options: Any) -> Any:
     plugin = load(kind, name)
     _check_base(kind, plugin)
     with naming(plugin, "its constructor"):

@@ -44,6 +44,8 @@ def code_of(scene: Scene, contact: Any = None, shape: Any = None) -> dict[str, s
         methods.append(("shape", scene.shape.method))
     if scene.contact is not None and contact is None:
         methods.append(("contact", scene.contact.method))
+    if scene.contact is not None:
+        methods += [("contact", pair.method) for pair in scene.contact.pairs if pair.method]
     if scene.contact is not None and scene.contact.friction_law is not None:
         methods.append(("friction", scene.contact.friction_law))
     packages = {_home(kind, name) for kind, name in methods}
@@ -89,6 +91,9 @@ def meaning_of(scene: Scene, objects: Mapping[str, Any]) -> dict[str, Any]:
             tables[kind] = {**tables[kind], **own}
     if scene.contact is not None and scene.contact.friction_options is not None:
         tables["contact"]["friction_options"] = scene.contact.friction_options.model_dump()
+    for index, pair in enumerate(() if scene.contact is None else scene.contact.pairs):
+        if pair.options is not None:
+            tables["contact"]["pairs"][index]["options"] = pair.options.model_dump()
     for group in NAMED:
         for name, table in getattr(scene, group).items():
             if table.options is not None:

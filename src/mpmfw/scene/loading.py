@@ -97,7 +97,7 @@ def scene_from(source: Source, overrides: Mapping[str, Any]) -> Scene:
     except ValidationError as error:
         problems += problems_of(error, Scene, chosen.core)
     if problems or scene is None:
-        raise error_of(problems, source, overrides)
+        raise error_of(map(chosen.placed, problems), source, overrides)
     scene = _with_options(scene, chosen)
     scene._source, scene._read = replace(source, overrides=overrides), scene_from
     scene._mapping = chosen.whole
@@ -159,7 +159,11 @@ def _with_options(scene: Scene, chosen: Chosen) -> Scene:
         friction = options.get(("contact", contact.friction_law or ""))
         if contact.friction_law is not None:
             tables = (*tables, contact.friction_law)
-        update = {"options": own, "friction_options": friction, "tables": tables}
+        update: dict[str, Any] = {"options": own, "friction_options": friction, "tables": tables}
+        update["pairs"] = tuple(
+            pair.model_copy(update={"options": options.get(("contact", "pairs", key, str(pair.method)))})
+            for key, pair in zip(chosen.pairs, contact.pairs, strict=True)
+        )
         contact = contact.model_copy(update=update)
     named: dict[str, dict[str, Any]] = {}
     for group in NAMED:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from pydantic import BaseModel
@@ -42,6 +42,15 @@ class Chosen:
     problems: list[Problem] = field(default_factory=list)
     #: Tables of ``[contact]`` whose options run: of its parts, where they are named; else of its method.
     contact_tables: tuple[str, ...] = ()
+    #: Keys of the tables of pairs, in their order: ``a-b``, or an index.
+    pairs: tuple[str | int, ...] = ()
+
+    def placed(self, problem: Problem) -> Problem:
+        """Return a problem of a pair, which has an index in the core's tables, at the pair's key."""
+        path = problem.path
+        if path[:2] == ("contact", "pairs") and path[2:] and isinstance(path[2], int):
+            path = (*path[:2], self.pairs[path[2]], *path[3:])
+        return replace(problem, path=path)
 
 
 def separate_options(mapping: Mapping[str, Any]) -> Chosen:
@@ -57,6 +66,8 @@ def separate_options(mapping: Mapping[str, Any]) -> Chosen:
         table = _method_table(chosen, "contact", chosen.core["contact"])
         if parts is not None:
             chosen.problems = [parts.placed(problem) for problem in chosen.problems]
+        if "pairs" in table:
+            table = {**table, "pairs": _pairs(chosen, table["pairs"])}
         # what is wrong with the parts was told
         chosen.core["contact"] = {**table, "method": ""} if problems and "method" not in table else table
     else:
@@ -68,6 +79,47 @@ def separate_options(mapping: Mapping[str, Any]) -> Chosen:
         if isinstance(tables, Mapping):
             chosen.core[group] = {name: _named(chosen, group, name, table) for name, table in tables.items()}
     return chosen
+
+
+def _pairs(chosen: Chosen, given: Any) -> Any:
+    """Return the tables of pairs, ``{a-b: …}`` or with ``bodies``, as a list without options."""
+    if not isinstance(given, Mapping | list) or not all(isinstance(each, Mapping) for each in _values(given)):
+        return given
+    named, tables = isinstance(given, Mapping), []
+    for key, table in given.items() if isinstance(given, Mapping) else enumerate(given):
+        if named and str(key).count("-") != 1:
+            problem = Problem(("contact", "pairs", key), "expected the names of two bodies, joined by '-'")
+            chosen.problems.append(problem)
+            continue
+        chosen.pairs += (key,)
+        kept = ("friction", "friction_law") if named else ("bodies", "friction", "friction_law")
+        core = {name: value for name, value in table.items() if name in kept}
+        core |= {"bodies": str(key).split("-")} if named else {}
+        contact = {name: value for name, value in table.items() if name not in kept}
+        if contact:
+            core |= _contact_of_pair(chosen, ("contact", "pairs", key), contact)
+        tables.append(core)
+    return tables
+
+
+def _values(given: Any) -> Any:
+    return given.values() if isinstance(given, Mapping) else given
+
+
+def _contact_of_pair(chosen: Chosen, path: Path, table: Mapping[str, Any]) -> dict[str, Any]:
+    """Validate the contact of the pair at ``path``, written as in ``[contact]``; return its method."""
+    own = separate_options({"contact": table})
+    core: dict[str, Any] = own.core["contact"]
+    used = {*own.contact_tables, core.get("method"), *CORE_KEYS["contact"]}
+    if not own.problems and "method" not in core:
+        own.problems.append(Problem(("contact", "method"), "missing; expected method, or detection and law"))
+    elif not own.problems:
+        text = "has no effect: it belongs to another contact than the pair's"
+        own.problems += [Problem(("contact", name), text) for name in table if name not in used]
+    chosen.problems += [replace(problem, path=(*path, *problem.path[1:])) for problem in own.problems]
+    chosen.options |= {(*path, *name[1:]): options for name, options in own.options.items()}
+    chosen.plugins |= {(*path, *name[1:]): plugin for name, plugin in own.plugins.items()}
+    return core
 
 
 def _method_table(chosen: Chosen, kind: Kind, table: Mapping[str, Any]) -> dict[str, Any]:

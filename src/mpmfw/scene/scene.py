@@ -39,9 +39,10 @@ class Scene(Tables):
         """All pairs of bodies in the scene's order, each with its Coulomb coefficient."""
         contact = self.contact
         default, named = (0.0, ()) if contact is None else (float(contact.friction), contact.pairs)
-        given = {frozenset(pair.bodies): float(pair.friction) for pair in named}
+        given = {frozenset(pair.bodies): pair.friction for pair in named}
         ends = itertools.combinations(self.bodies, 2)
-        return tuple((a, b, given.get(frozenset((a, b)), default)) for a, b in ends)
+        found = [(a, b, given.get(frozenset((a, b)))) for a, b in ends]
+        return tuple((a, b, default if mu is None else float(mu)) for a, b, mu in found)
 
     @property
     def has_coulomb_friction(self) -> bool:

@@ -89,15 +89,24 @@ class Shape(Table):
     options: Options = Field(default=None, exclude=True)
 
 
-class PairFriction(Table):
-    """Coulomb's coefficient of one pair of bodies."""
+class ContactPair(Table):
+    """Coulomb's coefficient of one pair of bodies, and its contact; None is that of all pairs."""
 
     bodies: Annotated[tuple[str, str], Strict(False)]
-    friction: Friction
+    friction: Friction | None = None
+    method: str | None = None
+    options: Options = Field(default=None, exclude=True)
+
+    @model_validator(mode="after")
+    def _has_an_effect(self) -> Self:
+        """Refuse a pair without friction and method."""
+        if self.friction is None and self.method is None:
+            raise ValueError("expected friction, a method, or detection and law")
+        return self
 
 
 class Contact(Table):
-    """The contact strategy, its options, and the friction of the pairs.
+    """The contact strategy, its options, and pairs with another friction or contact.
 
     A scene may write ``detection`` and ``law`` instead of a method; ``tables`` are those that its options
     stand in. ``friction_law`` is None for Coulomb's, and has its options in a separate table."""
@@ -105,7 +114,7 @@ class Contact(Table):
     method: str
     friction: Friction = 0.0
     friction_law: str | None = None
-    pairs: Annotated[tuple[PairFriction, ...], Strict(False)] = ()
+    pairs: Annotated[tuple[ContactPair, ...], Strict(False)] = ()
     options: Options = Field(default=None, exclude=True)
     friction_options: SkipJsonSchema[Options] = Field(default=None, exclude=True)
     tables: SkipJsonSchema[tuple[str, ...]] = Field(default=(), exclude=True)

@@ -2,9 +2,9 @@
 between simulations that have some bodies in common.
 
 A class names them, ``history = ("work", "gained")``, beside those of its bases: numbers, arrays, dictionaries
-of either, and parts with a history. None is a number that is not known yet. All else is built anew from the
-scene. Saved values have the type and shape of those that were built. A part's method ``restored`` is called
-when all values are there."""
+of either, parts with a history, and tuples of parts. None is a number that is not known yet. All else is
+built anew from the scene. Saved values have the type and shape of those that were built. A part's method
+``restored`` is called when all values are there."""
 
 from __future__ import annotations
 
@@ -90,7 +90,9 @@ def _places(parts: Mapping[str, Any], visited: list[Any]) -> Iterator[tuple[Any,
             if not hasattr(part, name):
                 raise NotSaved(f"{place}: its history names '{name}', which it does not have")
             value = getattr(part, name)
-            if history_of(value) is None:
+            if isinstance(value, tuple):
+                yield from _places({f"{place}/{name}/{k}": one for k, one in enumerate(value)}, visited)
+            elif history_of(value) is None:
                 yield part, name, f"{place}/{name}"
             else:
                 yield from _places({f"{place}/{name}": value}, visited)

@@ -89,7 +89,7 @@ class TimeStep:
 
     def _advice(self, owner: str) -> str:
         """Return ways to lengthen the steps that a contact limits."""
-        contact = self.contact
+        contact = getattr(self.contact, "base", self.contact)
         names = contact.name.split("+") if contact is not None else []
         if contact is None or not owner.startswith((contact.name, names[-1])):
             return "another shape function"

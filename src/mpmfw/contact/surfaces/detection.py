@@ -69,6 +69,7 @@ class OnFacets(Detection):
     """Base of detections that search facets of surfaces near items: nodes, or facets."""
 
     options: Any
+    selects_pairs = True
     of_facets = False  #: whether the items are facets
     rank: IntArray  #: (body,) items of a body meet facets of bodies of the same or a higher rank
 
@@ -100,7 +101,7 @@ class OnFacets(Detection):
 
     def list_pairs(self, state: State) -> None:
         """List which bodies are searched against each other."""
-        self.near.list_pairs(state.pair_bodies, self.rank)
+        self.near.list_pairs(state.pair_bodies, self.rank, self.acting(state))
 
     def fill(self, rows: ContactRows, write: Callable[[], int]) -> None:
         """Call a kernel that writes the ``rows``, with more room while it returns −1."""

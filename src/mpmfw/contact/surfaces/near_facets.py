@@ -25,7 +25,7 @@ from mpmfw.kernels.contact import pair_table
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup
-from mpmfw.state.fields import IntArray
+from mpmfw.state.fields import AnyArray, IntArray
 from mpmfw.state.structs import State, Surface
 
 
@@ -154,12 +154,13 @@ class VerletList:
 
             self.find_covered, self.scratch = find_covered, np.zeros(len(outline.covered), dtype=np.int32)
 
-    def list_pairs(self, bodies: IntArray, rank: IntArray) -> None:
-        """Search pairs of ``bodies`` (pair, 2), against those of no lower ``rank`` (body,)."""
+    def list_pairs(self, bodies: IntArray, rank: IntArray, acting: AnyArray | slice = slice(None)) -> None:
+        """Search the ``acting`` (pair,) ones of the pairs of ``bodies`` (pair, 2), against those of no lower
+        ``rank`` (body,)."""
         first, second = np.ascontiguousarray(bodies.T)
         self.first, self.second, self.pair_of = first, second, pair_table(first, second)
         self.listed = False
-        self.partners = partners_of(first, second, rank)
+        self.partners = partners_of(first[acting], second[acting], rank)
         self.neighbours = partners_of(first, second, np.zeros_like(rank))
 
     def update(self) -> bool:
