@@ -10,26 +10,51 @@ import numpy as np
 from pydantic import Field
 
 from mpmfw.api.types import FloatArray, Particles, hookimpl
-from mpmfw.kernels import device, kernel, scratch
+from mpmfw.kernels import device, kernel, lanes, scratch
 from mpmfw.kernels.arithmetic import determinant
 from mpmfw.kernels.types import Float, Floats
 from mpmfw_material._isotropic import Elastic, Moduli
 
+#: Largest change of volume for which the series of J^(−5/3) are exact to rounding.
+SMALL = 0.1
+
 
 @device
 def inverse_five_thirds(jacobian: Float) -> Float:
-    """Return J^(−5/3): r⁵ (J r³)^(−5/3), with the series of r = J^(−1/3) and of the second factor about 1.
+    """Return J^(−5/3) where abs(J − 1) < 0.1: r⁵ (J r³)^(−5/3), with the series of r = J^(−1/3) and of the
+    second factor about 1.
 
     Each is cut where the other makes it exact to rounding. It takes half the time of exponential and
     logarithm, which remain for volumes far from the initial one."""
     change = jacobian - 1.0
-    if not abs(change) < 0.1:
-        return math.exp(-5.0 / 3.0 * math.log(jacobian))
     square = change * change
     high = 2.0 / 9.0 - 14.0 / 81.0 * change + 35.0 / 243.0 * square
     r = 1.0 - change / 3.0 + high * square
     rest = 1.0 - jacobian * r * (r * r)
     return (r * r) * (r * r) * r * (1.0 + rest * (5.0 / 3.0 + 20.0 / 9.0 * rest))
+
+
+@device
+def split_stress(
+    f: Floats, jacobian: Float, power: Float, bulk: float, shear: float, stress: Floats,
+    spacing: tuple[float, ...],
+) -> None:  # fmt: skip
+    """``stress`` of F of a point, or of points in lanes; ``power`` is J^(−5/3)."""
+    dim = len(spacing)
+    for d in range(dim):
+        for e in range(dim):
+            stress[d, e] = f[d, 0] * f[e, 0]
+            for a in range(1, dim):
+                stress[d, e] += f[d, a] * f[e, a]
+    trace = (1.0 if dim == 2 else 0.0) + stress[0, 0]
+    for d in range(1, dim):
+        trace += stress[d, d]
+    factor = shear * power
+    pressure = 0.5 * bulk * (jacobian - 1.0 / jacobian) - factor * trace / 3.0
+    for d in range(dim):
+        for e in range(dim):
+            stress[d, e] *= factor
+        stress[d, d] += pressure
 
 
 @kernel
@@ -41,25 +66,20 @@ def neo_hookean_split(
 
     From W = K/2 [(J² − 1)/2 − ln J] + G/2 [J^(−2/3) tr b − 3].
     """
-    dim = len(spacing)
-    f, b = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
-    for p in range(first, last):
-        for d in range(dim):
-            for e in range(dim):
-                f[d, e] = deformation_gradient[p, d, e]
+    f, result = lanes.matrix(spacing, spacing), lanes.matrix(spacing, spacing)
+    for p in range(first, last, lanes.WIDTH):
+        points = lanes.points_from(p, last)
+        lanes.read(deformation_gradient, points, f, spacing)
         jacobian = determinant(f, spacing)
-        trace = 1.0 if dim == 2 else 0.0
-        for d in range(dim):
-            for e in range(dim):
-                b[d, e] = 0.0
-                for a in range(dim):
-                    b[d, e] += f[d, a] * f[e, a]
-            trace += b[d, d]
-        factor = shear * inverse_five_thirds(jacobian)
-        pressure = 0.5 * bulk * (jacobian - 1.0 / jacobian) - factor * trace / 3.0
-        for d in range(dim):
-            for e in range(dim):
-                stress[p, d, e] = factor * b[d, e] + (pressure if d == e else 0.0)
+        if lanes.within(jacobian - 1.0, -SMALL, SMALL):
+            split_stress(f, jacobian, inverse_five_thirds(jacobian), bulk, shear, result, spacing)
+            lanes.write(stress, points, result, spacing)
+        else:
+            for q in points:
+                volume = determinant(deformation_gradient[q], spacing)
+                small = abs(volume - 1.0) < SMALL
+                power = inverse_five_thirds(volume) if small else math.exp(-5.0 / 3.0 * math.log(volume))
+                split_stress(deformation_gradient[q], volume, power, bulk, shear, stress[q], spacing)
 
 
 @kernel

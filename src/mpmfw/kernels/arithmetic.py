@@ -43,7 +43,7 @@ def _repeated(builder: Any, value: Any, width: int) -> Any:
     return vector
 
 
-def _multiply_add(builder: Any, a: Any, b: Any, c: Any) -> Any:
+def fused(builder: Any, a: Any, b: Any, c: Any) -> Any:
     """``a * b + c`` of vectors, in one operation where the processor has it."""
     name = f"llvm.fmuladd.v{a.type.count}f64"
     fused = _cgutils.get_or_insert_function(builder.module, ir.FunctionType(a.type, [a.type] * 3), name)
@@ -58,7 +58,7 @@ def _emit(context: Any, builder: Any, signature: Any, args: Any, *, accumulate: 
     factor = context.cast(builder, args[2], signature.args[2], types.float64)
     factors, values = _repeated(builder, factor, width), builder.load(source, align=8)
     if accumulate:
-        value = _multiply_add(builder, factors, values, builder.load(target, align=8))
+        value = fused(builder, factors, values, builder.load(target, align=8))
     else:
         value = builder.fmul(factors, values)
     builder.store(value, target, align=8)
@@ -124,7 +124,7 @@ def add_outer_product(_typing: Any, out: Any, a: Any, i: Any, b: Any, j: Any, sp
         for first in range(0, dim, rows):
             target = _row_at(context, builder, signature, args, 0, _INT(first // rows), rows * dim)
             factor = _chosen(builder, left, [first + d for d in range(rows) for _ in range(dim)])
-            value = _multiply_add(builder, factor, right, builder.load(target, align=8))
+            value = fused(builder, factor, right, builder.load(target, align=8))
             builder.store(value, target, align=8)
         return context.get_dummy_value()
 
@@ -218,9 +218,8 @@ def determinant(a: Floats, spacing: tuple[float, ...]) -> Float:
 
 
 @device
-def invert(a: Floats, out: Floats, spacing: tuple[float, ...]) -> Float:
-    """Write a⁻¹ to ``out`` and return det a; a singular matrix gives inf or nan, as in NumPy."""
-    det = determinant(a, spacing)
+def adjugate(a: Floats, out: Floats, spacing: tuple[float, ...]) -> Float:
+    """Write det(a) a⁻¹ to ``out`` and return det a."""
     if len(spacing) == 2:
         out[0, 0], out[0, 1], out[1, 0], out[1, 1] = a[1, 1], -a[0, 1], -a[1, 0], a[0, 0]
     else:
@@ -229,5 +228,12 @@ def invert(a: Floats, out: Floats, spacing: tuple[float, ...]) -> Float:
             for m in range(3):
                 n, o = (m + 1) % 3, (m + 2) % 3
                 out[m, i] = a[j, n] * a[k, o] - a[j, o] * a[k, n]
+    return determinant(a, spacing)
+
+
+@device
+def invert(a: Floats, out: Floats, spacing: tuple[float, ...]) -> Float:
+    """Write a⁻¹ to ``out`` and return det a; a singular matrix gives inf or nan, as in NumPy."""
+    det = adjugate(a, out, spacing)
     divide(out, det, spacing)
     return det

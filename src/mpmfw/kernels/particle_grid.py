@@ -5,7 +5,9 @@ Arguments are those of the table in :mod:`mpmfw.kernels`, where shapes and units
 
 from __future__ import annotations
 
-from mpmfw.kernels import scratch
+import numpy as np
+
+from mpmfw.kernels import lanes, scratch
 from mpmfw.kernels._jit import device, kernel
 from mpmfw.kernels.arithmetic import (
     add_outer_product,
@@ -268,14 +270,15 @@ def transport_affine(points: Points, affine: Floats, dt: float, spacing: tuple[f
     A field v(x) = C x carried along x ← (1 + Δt C) x has, at the new positions, the gradient C (1 + Δt C)⁻¹.
     Without it a spinning disc loses angular momentum at second order in Δt every step.
     """
-    c, inverse = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
-    motion = scratch.matrix(spacing, spacing)
-    for p in range(len(points.mass)):
-        copy_matrix(c, 0, affine, p, spacing)
+    c, inverse = lanes.matrix(spacing, spacing), lanes.matrix(spacing, spacing)
+    motion = lanes.matrix(spacing, spacing)
+    for p in range(0, len(points.mass), lanes.WIDTH):
+        own = lanes.points_from(p, len(points.mass))
+        lanes.read(affine, own, c, spacing)
         set_to_motion(motion, dt, c, spacing)
-        invert(motion, inverse, spacing)
-        multiply(c, inverse, motion, spacing)
-        copy_matrix(affine, p, motion, 0, spacing)
+        lanes.invert(motion, inverse, spacing)
+        lanes.multiply(c, inverse, motion, spacing)
+        lanes.write(affine, own, motion, spacing)
 
 
 @kernel
@@ -284,17 +287,22 @@ def update_deformation(points: Points, dt: float, spacing: tuple[float, ...]) ->
 
     Return the first one whose det F is not positive (NaN included), or −1.
     """
-    f = scratch.matrix(spacing, spacing)
-    motion, l = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
+    f, l = lanes.matrix(spacing, spacing), lanes.matrix(spacing, spacing)
+    motion, volume = lanes.matrix(spacing, spacing), lanes.matrix((0.0,), (0.0,))
     bad = -1
-    for p in range(len(points.volume)):
-        copy_matrix(f, 0, points.deformation_gradient, p, spacing)
-        copy_matrix(l, 0, points.velocity_gradient, p, spacing)
+    for p in range(0, len(points.volume), lanes.WIDTH):
+        own = lanes.points_from(p, len(points.volume))
+        lanes.read(points.deformation_gradient, own, f, spacing)
+        lanes.read(points.velocity_gradient, own, l, spacing)
         set_to_motion(motion, dt, l, spacing)
-        multiply(motion, f, l, spacing)
-        copy_matrix(points.deformation_gradient, p, l, 0, spacing)
+        lanes.multiply(motion, f, l, spacing)
+        lanes.write(points.deformation_gradient, own, l, spacing)
         jacobian = determinant(l, spacing)
-        points.volume[p] = jacobian * points.initial_volume[p]
-        if bad < 0 and not jacobian > 0.0:
-            bad = p
+        lanes.read(points.initial_volume, own, volume, spacing)
+        volume[0, 0] = jacobian * volume[0, 0]
+        lanes.write(points.volume, own, volume, spacing)
+        if bad < 0 and not lanes.within(jacobian, 0.0, np.inf):
+            for q in own:
+                if bad < 0 and not points.volume[q] > 0.0:
+                    bad = q
     return bad

@@ -21,20 +21,21 @@ from mpmfw.kernels._jit import intrinsic
 _arrayobj: Any = arrayobj  # numba has no annotations here
 
 
-def _stack_array(context: Any, builder: Any, array_type: Any, shape: tuple[int, ...]) -> Any:
-    """Emit an ``alloca`` of 8-byte items in the entry block and wrap it as a numba array."""
+def stack_array(context: Any, builder: Any, array_type: Any, shape: tuple[int, ...]) -> Any:
+    """Emit an ``alloca`` of items in the entry block and wrap it as a numba array."""
     count = int(np.prod(shape))
     item, intp = context.get_data_type(array_type.dtype), context.get_value_type(types.intp)
+    size = context.get_abi_sizeof(item)
     with builder.goto_entry_block():
         data = builder.alloca(ir.ArrayType(item, count))
     array = _arrayobj.make_array(array_type)(context, builder)
-    strides = [8 * int(np.prod(shape[axis + 1 :])) for axis in range(len(shape))]
+    strides = [size * int(np.prod(shape[axis + 1 :])) for axis in range(len(shape))]
     _arrayobj.populate_array(
         array,
         data=builder.bitcast(data, item.as_pointer()),
         shape=[ir.Constant(intp, extent) for extent in shape],
         strides=[ir.Constant(intp, stride) for stride in strides],
-        itemsize=ir.Constant(intp, 8),
+        itemsize=ir.Constant(intp, size),
         meminfo=None,
     )
     return array._getvalue()
@@ -46,7 +47,7 @@ def vector(_typing: Any, like: Any) -> Any:
     array_type = types.Array(types.float64, 1, "C")
 
     def codegen(context: Any, builder: Any, signature: Any, _args: Any) -> Any:
-        return _stack_array(context, builder, signature.return_type, (len(signature.args[0]),))
+        return stack_array(context, builder, signature.return_type, (len(signature.args[0]),))
 
     return array_type(like), codegen
 
@@ -57,7 +58,7 @@ def integers(_typing: Any, like: Any) -> Any:
     array_type = types.Array(types.int64, 1, "C")
 
     def codegen(context: Any, builder: Any, signature: Any, _args: Any) -> Any:
-        return _stack_array(context, builder, signature.return_type, (len(signature.args[0]),))
+        return stack_array(context, builder, signature.return_type, (len(signature.args[0]),))
 
     return array_type(like), codegen
 
@@ -68,9 +69,7 @@ def matrix(_typing: Any, rows: Any, columns: Any) -> Any:
     array_type = types.Array(types.float64, 2, "C")
 
     def codegen(context: Any, builder: Any, signature: Any, _args: Any) -> Any:
-        return _stack_array(
-            context, builder, signature.return_type, tuple(len(arg) for arg in signature.args)
-        )
+        return stack_array(context, builder, signature.return_type, tuple(len(arg) for arg in signature.args))
 
     return array_type(rows, columns), codegen
 

@@ -1,0 +1,103 @@
+"""Numbers in lanes give what floats give, to the bit, and whatever number of points there is."""
+
+import math
+
+import numpy as np
+import pytest
+
+from mpmfw.kernels import kernel, lanes
+from mpmfw_material.neo_hookean import SMALL, inverse_five_thirds, neo_hookean_split
+
+COUNTS = range(1, 2 * lanes.WIDTH + 2)
+
+
+@kernel
+def transform(a, b, factor, out, spacing):
+    """All that numbers in lanes can do, point by point."""
+    x, y, z = lanes.matrix(spacing, spacing), lanes.matrix(spacing, spacing), lanes.matrix(spacing, spacing)
+    for p in range(0, len(a), lanes.WIDTH):
+        points = lanes.points_from(p, len(a))
+        lanes.read(a, points, x, spacing)
+        lanes.read(b, points, y, spacing)
+        lanes.invert(x, z, spacing)
+        for d in range(len(spacing)):
+            for e in range(len(spacing)):
+                z[d, e] = lanes.multiply_add(z[d, e], y[d, e], -x[d, e]) - 1 + (x[d, e] + factor) * y[e, d]
+                z[d, e] += 2.0
+                z[d, e] *= factor / y[d, e]
+        lanes.multiply(z, y, x, spacing)
+        lanes.write(out, points, x, spacing)
+
+
+@kernel
+def copy(a, out, spacing):
+    """From points to lanes and back."""
+    x = lanes.matrix(spacing, spacing)
+    for p in range(0, len(a), lanes.WIDTH):
+        lanes.read(a, lanes.points_from(p, len(a)), x, spacing)
+        lanes.write(out, lanes.points_from(p, len(a)), x, spacing)
+
+
+@kernel
+def all_within(values, low, high):
+    """Whether the first numbers are, in all lanes."""
+    x = lanes.matrix((0.0,), (0.0,))
+    lanes.read(values, lanes.points_from(0, len(values)), x, (0.0,))
+    return lanes.within(x[0, 0], low, high)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_arithmetic_is_that_of_floats_whatever_shares_the_lanes(dim):
+    rng, spacing = np.random.default_rng(0), (1.0,) * dim
+    a = np.eye(dim) + 0.3 * rng.random((9, dim, dim))
+    b = 1.0 + rng.random((9, dim, dim))
+    z = (np.linalg.inv(a) * b - a - 1.0 + (a + 3.0) * b.swapaxes(1, 2) + 2.0) * 3.0 / b
+    for count in COUNTS:
+        out, alone = np.zeros((count, dim, dim)), np.zeros((count, dim, dim))
+        transform(a[:count], b[:count], 3.0, out, spacing)
+        np.testing.assert_allclose(out, (z @ b)[:count], rtol=1e-13)
+        for p in range(count):
+            transform(a[p : p + 1], b[p : p + 1], 3.0, alone[p : p + 1], spacing)
+        np.testing.assert_array_equal(out, alone)
+
+
+@pytest.mark.parametrize("shape", [(), (2,), (3,), (2, 2), (3, 3)])
+def test_points_go_to_lanes_and_back(shape):
+    spacing = (1.0,) * (shape[0] if shape else 2)
+    for count in COUNTS:
+        a = np.random.default_rng(count).random((count, *shape))
+        out = np.zeros((count + 1, *shape))
+        copy(a, out[:count], spacing)
+        np.testing.assert_array_equal(out[:count], a)
+        assert not out[count].any()
+
+
+def test_within_is_asked_of_every_lane():
+    for lane in range(lanes.WIDTH):
+        values = np.full(lanes.WIDTH, 0.5)
+        assert all_within(values, 0.0, 1.0)
+        for outside in (0.0, 1.0, np.inf, -np.inf, np.nan):
+            values[lane] = outside
+            assert not all_within(values, 0.0, 1.0)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_stress_does_not_depend_on_the_points_beside(dim):
+    """Small and large changes of volume in one vector, on both sides of where the series end."""
+    spacing = (1.0,) * dim
+    jacobian = np.array([0.3, 1.0, 1.0 - SMALL, 1.0 - 0.999 * SMALL, 1.0 + 0.999 * SMALL, 1.0 + SMALL, 2.0])
+    f = np.eye(dim) * jacobian[:, None, None] ** (1.0 / dim)
+    together, alone = np.zeros_like(f), np.zeros_like(f)
+    neo_hookean_split(0, len(f), f, together, 2.0, 1.0, spacing)
+    for p in range(len(f)):
+        neo_hookean_split(p, p + 1, f, alone, 2.0, 1.0, spacing)
+    np.testing.assert_array_equal(together, alone)
+    b = jacobian ** (2.0 / dim)
+    pressure = jacobian - 1.0 / jacobian - jacobian ** (-5.0 / 3.0) * (dim * b + 3 - dim) / 3.0
+    expected = np.eye(dim) * (pressure + jacobian ** (-5.0 / 3.0) * b)[:, None, None]
+    np.testing.assert_allclose(together, expected, rtol=1e-13, atol=1e-15)
+
+
+def test_the_series_are_exact_to_rounding_where_they_are_used():
+    for jacobian in np.linspace(1.0 - SMALL, 1.0 + SMALL, 101):
+        assert math.isclose(inverse_five_thirds(jacobian), jacobian ** (-5.0 / 3.0), rel_tol=5e-16)
