@@ -13,7 +13,13 @@ from typing import Any
 import numpy as np
 
 from mpmfw.effects.ledger_works import EnergyGuard, HalfStep, add_change, grid_energy, impulse_work
-from mpmfw.effects.series import StrainEnergies, energy_unit, motion_energy, negligible_energy
+from mpmfw.effects.series import (
+    StrainEnergies,
+    affine_energies,
+    energy_unit,
+    kinetic_energy_of,
+    negligible_energy,
+)
 from mpmfw.plugin.hooks import Observer
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Effect, Setup
@@ -70,6 +76,11 @@ CONTACT_HALF_STEP = _series(
 
 #: Works that a contact with springs reports, as ``State.arrays`` of each pair [J/m].
 SPRING_RECORDS = ("energy", "frictional_work", "damping_work", "spring_work")
+
+
+def motion_energy(state: State) -> float:
+    """Return the kinetic and affine energy of the material points [J/m]."""
+    return kinetic_energy_of(state) + float(affine_energies(state).sum())
 
 
 class EnergyLedger(Observer):

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
 
+from mpmfw.kernels import kernel, scratch
+from mpmfw.kernels.types import Floats, Ints, Points
 from mpmfw.plugin.checks import of_points
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Effect, Setup
@@ -24,6 +25,62 @@ from mpmfw.state.structs import State
 NOTHING = 1e-12
 
 
+@kernel
+def sum_motion(
+    first: Ints, points: Points, total: Floats, centre: Floats, mean: Floats, spin: Floats, second: Floats,
+    kinetic: Floats, spacing: tuple[float, ...],
+) -> None:  # fmt: skip
+    """Mass, centre, mean velocity, spin, second moment and kinetic energy of every body.
+
+    ``total`` is m = Σ m_p, (B,) [kg/m]; ``centre`` c = Σ m_p x_p / m and ``mean`` v = Σ m_p v_p / m, (B, dim)
+    [m, m/s]; ``spin`` Σ m_p r × w with r = x_p − c and w = v_p − v, (B, 1) in 2D and (B, 3) in 3D [kg m/s];
+    ``second`` Σ m_p r rᵀ [kg m], (B, dim, dim); ``kinetic`` Σ m_p |v_p|² / 2, (B,) [J/m]. Points
+    ``first[b]:first[b + 1]`` belong to body b."""
+    dim = len(spacing)
+    r, w = scratch.vector(spacing), scratch.vector(spacing)
+    c, v = scratch.vector(spacing), scratch.vector(spacing)
+    turned, inertia = scratch.vector((0.0, 0.0, 0.0)), scratch.matrix(spacing, spacing)
+    axes = 1 if dim == 2 else 3
+    for b in range(len(first) - 1):
+        body_mass = energy = 0.0
+        for d in range(dim):
+            c[d] = v[d] = 0.0
+            for e in range(dim):
+                inertia[d, e] = 0.0
+        for a in range(axes):
+            turned[a] = 0.0
+        for p in range(first[b], first[b + 1]):
+            body_mass += points.mass[p]
+            for d in range(dim):
+                velocity = points.velocity[p, d]
+                c[d] += points.mass[p] * points.position[p, d]
+                v[d] += points.mass[p] * velocity
+                energy += 0.5 * points.mass[p] * velocity * velocity
+        for d in range(dim):
+            c[d] /= body_mass
+            v[d] /= body_mass
+        for p in range(first[b], first[b + 1]):
+            for d in range(dim):
+                r[d] = points.position[p, d] - c[d]
+                w[d] = points.velocity[p, d] - v[d]
+            if dim == 2:
+                turned[0] += points.mass[p] * (r[0] * w[1] - r[1] * w[0])
+            else:
+                for a in range(axes):
+                    d, e = (a + 1) % 3, (a + 2) % 3
+                    turned[a] += points.mass[p] * (r[d] * w[e] - r[e] * w[d])
+            for d in range(dim):
+                for e in range(dim):
+                    inertia[d, e] += points.mass[p] * r[d] * r[e]
+        total[b], kinetic[b] = body_mass, energy
+        for d in range(dim):
+            centre[b, d], mean[b, d] = c[d], v[d]
+            for e in range(dim):
+                second[b, d, e] = inertia[d, e]
+        for a in range(axes):
+            spin[b, a] = turned[a]
+
+
 def cross(arm: FloatArray, vector: FloatArray) -> FloatArray:
     """Return a × b of vectors (n, dim): about z in the plane (n, 1), or (n, 3)."""
     if arm.shape[1] == 3:
@@ -34,7 +91,7 @@ def cross(arm: FloatArray, vector: FloatArray) -> FloatArray:
 def kinetic_energy_of(state: State) -> float:
     """Return the kinetic energy of the material points and of free rigid bodies [J/m]."""
     p = state.particles
-    of_points = 0.5 * float(p.mass @ np.einsum("nd,nd->n", p.velocity, p.velocity))
+    of_points = float(np.einsum("n,nd,nd->", 0.5 * p.mass, p.velocity, p.velocity))  # threads of BLAS wait
     return of_points if state.rigid is None else of_points + float(state.rigid.kinetic_energy.sum())
 
 
@@ -48,11 +105,6 @@ def affine_energies(state: State) -> FloatArray:
     return state.sums(p.mass * p.volume ** (2.0 / p.dim) * square / 24.0)
 
 
-def motion_energy(state: State) -> float:
-    """Return the kinetic and affine energy of the material points [J/m]."""
-    return kinetic_energy_of(state) + float(affine_energies(state).sum())
-
-
 def energy_unit(state: State) -> str:
     """Return the unit of a state's energies, J in space, and of bodies of a thickness or of revolution."""
     return "J/m" if state.grid.dim == 2 and state.particles.thickness is None else "J"
@@ -64,11 +116,6 @@ def negligible_energy(state: State) -> float:
     volumes = [volume[body.particles].sum() for body in state.soft_bodies]
     stiffness = [body.bulk_modulus + body.shear_modulus for body in state.soft_bodies]
     return NOTHING * float(np.dot(volumes, stiffness))
-
-
-def made_of(materials: Iterable[Any]) -> Iterator[tuple[slice, Any]]:
-    """Yield slices of material points with the material that they are made of."""
-    return ((own, material) for material in materials for own in material.slices)
 
 
 class StrainEnergies:
@@ -98,8 +145,9 @@ class StrainEnergies:
 
     def _sums(self, state: State, density: str) -> FloatArray:
         values = np.empty(state.particles.count)
-        for own, material in made_of(self.materials):
-            values[own] = of_points(density, material, state, own)
+        for material in self.materials:
+            for own in material.slices:
+                values[own] = of_points(density, material, state, own)
         return state.energies(values)
 
 
@@ -131,18 +179,17 @@ class BodySeries:
     @hookimpl
     def diagnostics(self, state: State) -> dict[str, AnyArray]:
         """All series, (body, …)."""
-        p, owner, total = state.particles, state.point_body, state.sums(state.particles.mass)
-        mass, known = p.mass[:, None], np.where(total > 0.0, total, 1.0)[:, None]
-        centre, mean = state.sums(mass * p.position) / known, state.sums(mass * p.velocity) / known
-        r = p.position - centre[owner]
-        spin = state.sums(mass * cross(r, p.velocity - mean[owner]))
-        second = state.sums((mass * r)[:, :, None] * r[:, None])
-        kinetic = state.sums(0.5 * p.mass * np.einsum("nd,nd->n", p.velocity, p.velocity))
+        count, dim = len(state.bodies), state.grid.dim
+        first = np.array([0, *(body.particles.stop for body in state.soft_bodies)], dtype=np.int64)
+        total, kinetic = np.empty(count), np.empty(count)
+        centre, mean, second = np.empty((count, dim)), np.empty((count, dim)), np.empty((count, dim, dim))
+        spin = np.empty((count, 1 if dim == 2 else 3))
+        sum_motion(first, state.particles, total, centre, mean, spin, second, kinetic, state.grid.spacing)
         if state.rigid is not None:
             state.rigid.write_sums(total, centre, mean, spin, second, kinetic)
         turning = np.array([_solve_inertia(*each) for each in zip(second, spin, strict=True)])
         if state.rigid is not None:
-            turning[len(state.soft_bodies) :] = state.rigid.angular_velocity
+            turning[len(first) - 1 :] = state.rigid.angular_velocity
         series = {
             "centre_of_mass": centre,
             "mean_velocity": mean,
@@ -201,10 +248,11 @@ class VonMises:
         if not points:
             return {}
         values = np.empty(state.particles.count)
-        for own, material in made_of(self.materials):
-            stress = of_points("stress_of_points", material, state, own)
-            deviator = stress - np.trace(stress, axis1=1, axis2=2)[:, None, None] / 3.0 * np.eye(3)
-            values[own] = np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator))
+        for material in self.materials:
+            for own in material.slices:
+                stress = of_points("stress_of_points", material, state, own)
+                deviator = stress - np.trace(stress, axis1=1, axis2=2)[:, None, None] / 3.0 * np.eye(3)
+                values[own] = np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator))
         return {"von_mises": values}
 
 

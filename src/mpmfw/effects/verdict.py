@@ -130,7 +130,8 @@ class Verdict:
         The strain energy changes by Δt Σ V σ:L in a step: in bodies two cells wide half of this is a fifth of
         all energy."""
         p = state.particles.in_space
-        power = p.times_thickness(p.volume) @ np.einsum("pij,pij->p", p.stress, p.velocity_gradient)
+        volume = p.times_thickness(p.volume)
+        power = np.einsum("p,pij,pij->", volume, p.stress, p.velocity_gradient)  # threads of BLAS wait
         strain = float(self.strain.of(state).sum()) + self.half_step * state.dt * float(power)
         return kinetic_energy_of(state) + strain
 
@@ -169,9 +170,7 @@ class Verdict:
                 self.passed.setdefault(pair.label, state.time)
         self.next_sides = state.steps + SIDES_EVERY
         self.latest_sides = state.steps + SIDES_LATEST
-        fastest = float(
-            np.sqrt((np.ptp(state.particles.velocity, axis=0) ** 2).sum())
-        )  # at most, of approach
+        fastest = float(np.linalg.norm(np.ptp(state.particles.velocity, axis=0)))  # at most, of approach
         fastest += 0.0 if state.rigid is None else state.rigid.fastest
         self.due = state.time + (self.stride / fastest if fastest > 0.0 else np.inf)
 
@@ -242,7 +241,7 @@ class VerdictOfSteps(Verdict):
 
 def _moment(state: State) -> FloatArray:
     """Σ m x of the material points and of free rigid bodies (dim,) [kg]."""
-    moment = np.asarray(state.particles.mass @ state.particles.position)
+    moment = np.asarray(np.einsum("p,pd->d", state.particles.mass, state.particles.position))
     return moment if state.rigid is None else moment + state.rigid.mass @ state.rigid.centre
 
 

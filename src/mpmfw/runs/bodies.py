@@ -200,7 +200,9 @@ def initial_velocity(scene: Scene, state: State, interpolate: Callable[[], Stenc
         if model.velocity is not None:
             p.velocity[own] += np.array(model.velocity)
         if model.angular_velocity is not None:
-            spin = _spin_matrix(np.atleast_1d(np.array(model.angular_velocity, dtype=float)), scene.dim)
+            from mpmfw.effects.rigid_kinematics import matrix_of
+
+            spin = matrix_of(np.atleast_1d(np.array(model.angular_velocity, dtype=float)), scene.dim)
             centre = p.mass[own] @ p.position[own] / p.mass[own].sum()
             p.velocity[own] += (p.position[own] - centre) @ spin.T
             if p.affine is not None:
@@ -217,9 +219,3 @@ def _spread(state: State, phi: Stencil) -> FloatArray:
     spread = np.zeros((p.count, p.dim, p.dim))
     np.add.at(spread, point, phi.weight[:, None, None] * q[:, :, None] * q[:, None, :])
     return spread
-
-
-def _spin_matrix(omega: FloatArray, dim: int) -> FloatArray:
-    """W with W r = ω × r."""
-    x, y, z = (0.0, 0.0, omega[0]) if dim == 2 else omega
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])[:dim, :dim].copy()

@@ -6,6 +6,7 @@ window of the background grid.
 
 from __future__ import annotations
 
+import bisect
 import dataclasses
 from dataclasses import dataclass, field
 from typing import Any
@@ -309,26 +310,20 @@ class State:
     @property
     def centres_of_mass(self) -> FloatArray:
         """Centres of mass of all bodies, (n_bodies, dim) [m]."""
-        p, mass = self.particles, self.sums(self.particles.mass)[:, None]
-        centres = self.sums(p.mass[:, None] * p.position) / np.where(mass > 0.0, mass, 1.0)
+        p, soft = self.particles, len(self.soft_bodies)
+        centres = self.sums(p.mass[:, None] * p.position)
+        centres[:soft] /= self.sums(p.mass)[:soft, None]
         if self.rigid is not None:
-            centres[len(self.soft_bodies) :] = self.rigid.centroid
+            centres[soft:] = self.rigid.centroid
         return centres
 
-    @property
-    def point_body(self) -> IntArray:
-        """Index of the body of every material point (n,)."""
-        counts = [body.particles.stop - body.particles.start for body in self.bodies]
-        return np.repeat(np.arange(len(counts)), counts)
-
     def sums(self, values: FloatArray) -> FloatArray:
-        """Return the sums of ``values`` (n, …) over every body's points, in their order (n_bodies, …)."""
-        owner, count, columns = self.point_body, len(self.bodies), values.reshape(len(values), -1).T
-        found: list[AnyArray] = [np.bincount(owner, column, count) for column in columns]
-        return np.asarray(np.stack(found, axis=1).reshape(count, *values.shape[1:]), dtype=float)
+        """Return the sums of ``values`` (n, …) over every body's points (n_bodies, …), 0 of rigid ones."""
+        soft = np.add.reduceat(values, [body.particles.start for body in self.soft_bodies])
+        return np.concatenate([soft, np.zeros((len(self.bodies) - len(soft), *values.shape[1:]))])
 
     def energies(self, density: FloatArray) -> FloatArray:
-        """Return Σ V_0 w of every body (n_bodies,) [J/m], w (n,) per reference volume; 0 of rigid ones."""
+        """Return Σ V_0 w of every body (n_bodies,) [J/m], w (n,) per reference volume."""
         p = self.particles
         return self.sums(density * p.times_thickness(p.initial_volume))
 
@@ -348,12 +343,12 @@ class State:
         advice: str | None = None,
     ) -> SimulationError:  # fmt: skip
         """Return the error of a material point, or a ``surface`` node: body, index there, place, time."""
-        position, owner = self.particles.position, self.point_body
+        position, first = self.particles.position, [body.particles.start for body in self.bodies]
         if surface:
-            position, owner = self.tracked_surface.position, self.tracked_surface.body
-        own = int(owner[index])
+            position, first = self.tracked_surface.position, self.tracked_surface.body_first[:-1].tolist()
+        own = bisect.bisect_right(first, index) - 1  # a rigid body, which has no points, starts at the end
         return kind(
-            text, body=self.bodies[own].name, index=index - int(np.searchsorted(owner, own)),
+            text, body=self.bodies[own].name, index=index - first[own],
             position=position[index].tolist(), time=self.time, advice=advice,
         )  # fmt: skip
 
