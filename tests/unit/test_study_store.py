@@ -59,8 +59,8 @@ def test_prune_removes_what_a_store_wrote_and_nothing_else(tmp_path):
     folder, elsewhere = a_store(tmp_path / "runs"), tmp_path / "elsewhere.json"
     elsewhere.write_text((folder / f"{KEYS[0]}.json").read_text())
     foreign = {
-        "notes.json": "{}", f"{'b' * 32}.json": '{"key": "another"}', "thesis.nc": "mine",
-        f"{'b' * 32}.nc": "mine", "download.part": "half", f".{KEYS[2]}.{KEYS[1]}.part.json": "mine",
+        "notes.json": "{}", f"{'b' * 31}.json": '{"key": "another"}', "thesis.nc": "mine",
+        f"{'b' * 33}.nc": "mine", "download.part": "half", f".{KEYS[2]}.part.json": "mine",
     }  # fmt: skip
     for name, text in foreign.items():
         (folder / name).write_text(text)

@@ -20,7 +20,7 @@ from pydantic import TypeAdapter
 
 from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.results.reading import read_run
-from mpmfw.results.replacing import kind_of_file, replace_bytes
+from mpmfw.results.replacing import replace_bytes
 from mpmfw.state.fields import COSTS as RUN_COSTS
 
 #: Root attributes of a run that are its costs: name, unit, meaning.
@@ -125,12 +125,16 @@ class Store:
         folders.
         """
         try:
-            own = own_files(self.folder)
+            own, long_ago = own_files(self.folder), time.time() - _ABANDONED
             if not own and any(self.folder.iterdir()):
                 raise SceneError(f"{self.folder}: holds no finished runs; expected one such as FILE.nc.runs")
-            known = {key for path in own if (key := key_in(path, "json"))}
+            known = {key for path, key in own.items() if path.suffix == ".json"} - {""}
             keep = self._current(known, takes, days)
-            past = {path: path.stat().st_size for path in own if _is_past(path, known, keep)}
+            past = {
+                path: path.stat().st_size
+                for path, key in own.items()
+                if (key not in keep if key in known else path.stat().st_mtime < long_ago)
+            }
             for path in past:
                 path.unlink(missing_ok=True)
         except OSError as error:
@@ -158,54 +162,16 @@ class Store:
         return found if complete else None
 
 
-def _is_past(path: Path, known: set[str], keep: set[str]) -> bool:
-    key = key_in(path, "json") or key_in(path, "nc")
-    if key in known:
-        return key not in keep
-    return time.time() - path.stat().st_mtime > _ABANDONED
-
-
 def store_of(output: str | os.PathLike[str] | None) -> Path | None:
     """The folder of finished runs beside an output; none without."""
     return None if output is None else Path(f"{os.fspath(output)}.runs")
 
 
-# A store's files are known by their names and by what they hold.
-
-#: Fields of every outcome.
-_FIELDS = frozenset({"key", "status", "name", "digest", "costs"})
-_WHOLE = re.compile(r"([0-9a-f]{32})\.(json|nc)")
-_HALF = re.compile(r"\.[0-9a-f]{32}\.[0-9a-f]{32}\.part\.(json|nc)")
-#: First bytes of the files, by ending.
-_HEADS = {"nc": b"\x89HDF\r\n\x1a\n", "json": b"{\n"}
+#: Names of a store's files, whole or half written.
+_NAME = re.compile(r"(?:([0-9a-f]{32})|\.[0-9a-f]{32}\.[0-9a-f]{32}\.part)\.(?:json|nc)")
 
 
-def key_in(path: Path, ending: str) -> str:
-    """Return the key in a file's name, or nothing."""
-    found = _WHOLE.fullmatch(path.name)
-    return found.group(1) if found and found.group(2) == ending else ""
-
-
-def own_files(folder: Path) -> list[Path]:
-    """Return the files of a folder that a store wrote, whole or by half; links are left out."""
-    return [path for path in sorted(folder.iterdir()) if _is_own(path)]
-
-
-def _is_own(path: Path) -> bool:
-    if path.is_symlink() or not path.is_file():
-        return False
-    if half := _HALF.fullmatch(path.name):
-        head = _HEADS[half.group(1)]
-        with path.open("rb") as file:
-            return head.startswith(file.read(len(head)))
-    if key_in(path, "nc"):
-        return kind_of_file(path) == "run"
-    return key_in(path, "json") != "" and _holds_outcome(path)
-
-
-def _holds_outcome(path: Path) -> bool:
-    try:
-        fields = json.loads(path.read_bytes())
-    except (OSError, ValueError, RecursionError):
-        return False
-    return isinstance(fields, dict) and fields.keys() >= _FIELDS and fields["key"] == path.stem
+def own_files(folder: Path) -> dict[Path, str]:
+    """Return the files of a store, each with its key, "" of one that is half written; links are left out."""
+    named = ((path, _NAME.fullmatch(path.name)) for path in sorted(folder.iterdir()))
+    return {path: name[1] or "" for path, name in named if name and path.is_file() and not path.is_symlink()}
