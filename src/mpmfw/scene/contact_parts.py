@@ -6,7 +6,7 @@ module knows of two forms."""
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Literal
 
 from mpmfw.errors import SceneError
@@ -24,16 +24,6 @@ class Parts:
 
     table: dict[str, Any]  #: with the method that they make, and with its options in one table
     names: tuple[str, str]  #: of the tables that the options came from: detection, law
-    options: Mapping[str, str]  #: names of these tables, by option
-
-    def placed(self, problem: Problem) -> Problem:
-        """Return a problem of the method at the key of a part that it is about."""
-        path = problem.path
-        if path == ("contact", "method"):
-            path = ("contact", "law")
-        elif path[:2] == ("contact", "+".join(self.names)) and path[2:] and path[2] in self.options:
-            path = ("contact", self.options[str(path[2])], *path[2:])
-        return replace(problem, path=path)
 
 
 def latest_spelling(mapping: dict[str, Any], set_paths: Iterable[Path]) -> None:
@@ -47,15 +37,6 @@ def latest_spelling(mapping: dict[str, Any], set_paths: Iterable[Path]) -> None:
             table.pop(part, None)
     elif set_parts and ("contact", "method") not in paths and all(part in table for part in PARTS):
         table.pop("method", None)
-    if "method" in table or not all(isinstance(table.get(part), str) for part in PARTS):
-        return
-    names = tuple(table[part] for part in PARTS)
-    whole = "+".join(names)
-    for path in paths:
-        if len(path) == 3 and path[0] == "contact" and path[1] in (*names, whole):
-            for other in (whole,) if path[1] in names else names:
-                if isinstance(table.get(other), dict):
-                    table[other].pop(path[2], None)
 
 
 def parts_of(table: Mapping[str, Any]) -> tuple[Parts | None, list[Problem]]:
@@ -103,7 +84,7 @@ def _joined(table: Mapping[str, Any], names: tuple[str, str]) -> tuple[Parts | N
     if problems:
         return None, problems
     options = {key: value for own in tables.values() for key, value in own.items()}
-    return Parts({**beside, "method": method, **({method: options} if options else {})}, names, places), []
+    return Parts({**beside, "method": method, **({method: options} if options else {})}, names), []
 
 
 def without_effect(overrides: Iterable[tuple[str, Path]], table: Any) -> list[Problem]:

@@ -63,9 +63,7 @@ def separate_options(mapping: Mapping[str, Any]) -> Chosen:
         if parts is not None:
             chosen.core["contact"], chosen.contact_tables = parts.table, parts.names
         chosen.whole = dict(chosen.core)
-        table = _method_table(chosen, "contact", chosen.core["contact"])
-        if parts is not None:
-            chosen.problems = [parts.placed(problem) for problem in chosen.problems]
+        table = _method_table(chosen, "contact", chosen.core["contact"], "method" if parts is None else "law")
         if "pairs" in table:
             table = {**table, "pairs": _pairs(chosen, table["pairs"])}
         # what is wrong with the parts was told
@@ -122,7 +120,10 @@ def _contact_of_pair(chosen: Chosen, path: Path, table: Mapping[str, Any]) -> di
     return core
 
 
-def _method_table(chosen: Chosen, kind: Kind, table: Mapping[str, Any]) -> dict[str, Any]:
+def _method_table(
+    chosen: Chosen, kind: Kind, table: Mapping[str, Any], named_by: str = "method"
+) -> dict[str, Any]:
+    """Return the core's part of a table; problems of the method are those of the key ``named_by``."""
     core_keys, installed = CORE_KEYS[kind], choices(kind)
     if kind == "contact":
         for part in ("detection", "law", "friction"):
@@ -139,13 +140,13 @@ def _method_table(chosen: Chosen, kind: Kind, table: Mapping[str, Any]) -> dict[
         elif not isinstance(value, Mapping):
             message = f"expected a table of options of '{key}', not {shown(value)}"
             chosen.problems.append(Problem((kind, key), message))
-    named: list[tuple[str, Kind]] = [("method", kind)]
+    named: list[tuple[str, str, Kind]] = [("method", named_by, kind)]
     if kind == "contact":
-        named.append(("friction_law", "friction"))
-    for key, of in named:
+        named.append(("friction_law", "friction_law", "friction"))
+    for key, at, of in named:
         name = table.get(key)
         if isinstance(name, str) and isinstance(options := table.get(name, {}), Mapping):
-            _validate(chosen, of, name, (kind, key), (kind, name), options)
+            _validate(chosen, of, name, (kind, at), (kind, name), options)
     return {key: value for key, value in table.items() if key in core_keys and key not in PARTS}
 
 
