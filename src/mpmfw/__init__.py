@@ -28,32 +28,26 @@ if TYPE_CHECKING:
     from mpmfw.studies.study import study
     from mpmfw_testing.parametrised import check_plugin
 
-_MODULES = {
-    **dict.fromkeys(
-        ("Interrupted", "MpmfwError", "PluginError", "ResultsWarning", "SceneError", "SimulationError"),
-        "mpmfw.errors",
+_NAMES = {
+    "mpmfw.campaigns.campaign": ("campaign", "compare"),
+    "mpmfw.errors": (
+        "Interrupted", "MpmfwError", "PluginError", "ResultsWarning", "SceneError", "SimulationError",
     ),
-    "Simulation": "mpmfw.runs.simulation",
-    "animate": "mpmfw.plots",
-    "check_plugin": "mpmfw_testing.parametrised",
-    "campaign": "mpmfw.campaigns.campaign",
-    "choose": "mpmfw.studies.choosing",
-    "compare": "mpmfw.campaigns.campaign",
-    "difference": "mpmfw.results.selection",
-    "export": "mpmfw.paraview",
-    "field": "mpmfw.results.fields",
-    "gap": "mpmfw.results.notebook",
-    "history": "mpmfw.results.notebook",
-    "load_scene": "mpmfw.scene",
-    "open": "mpmfw.results",
-    "pareto": "mpmfw.results.notebook",
-    "rank": "mpmfw.studies.ranking",
-    "resume": "mpmfw.runs.run",
-    "run": "mpmfw.runs.run",
-    "select": "mpmfw.results.selection",
-    "study": "mpmfw.studies.study",
-    "table": "mpmfw.results.notebook",
-}
+    "mpmfw.paraview": ("export",),
+    "mpmfw.plots": ("animate",),
+    "mpmfw.results": ("open",),
+    "mpmfw.results.fields": ("field",),
+    "mpmfw.results.notebook": ("gap", "history", "pareto", "table"),
+    "mpmfw.results.selection": ("difference", "select"),
+    "mpmfw.runs.run": ("resume", "run"),
+    "mpmfw.runs.simulation": ("Simulation",),
+    "mpmfw.scene": ("load_scene",),
+    "mpmfw.studies.choosing": ("choose",),
+    "mpmfw.studies.ranking": ("rank",),
+    "mpmfw.studies.study": ("study",),
+    "mpmfw_testing.parametrised": ("check_plugin",),
+}  # fmt: skip
+_MODULES = {name: module for module, names in _NAMES.items() for name in names}
 
 #: Functions whose results have the accessor ``.mpmfw``.
 _GIVE_RESULTS = {"campaign", "choose", "compare", "open", "resume", "run", "select", "study"}

@@ -13,7 +13,17 @@ from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from mpmfw.plots.style import Look, combinations, dress, entry, head, journal_style, legend_below, new_panels
+from mpmfw.plots.style import (
+    Look,
+    combinations,
+    dress,
+    entry,
+    head,
+    journal_style,
+    legend_below,
+    new_panels,
+    on_lines,
+)
 from mpmfw.results.selection import points_of
 from mpmfw.state.fields import STEP_STAGES
 
@@ -108,7 +118,7 @@ def front(dataset: xr.Dataset) -> Figure:
         axes.axhline(100.0 * float(dataset.attrs["under"]), zorder=0, **_LIMIT)
         quantity = str(dataset.attrs["quantity"]).replace("-", " ")
         ylabel = f"error of {quantity} [%]" if axes is panels[0] else ""
-        dress(axes, "CPU time [s]", ylabel, _title(title, problem))
+        dress(axes, "CPU time [s]", ylabel, title)
         _plain_ticks(axes)
     key = _key(named, look, resolution)
     most = max(map(len, key))
@@ -121,14 +131,6 @@ def _size(dataset: xr.Dataset, resolution: str | None, row: dict[str, Any]) -> f
         return 5.0
     order = order_of(dataset, resolution)
     return float(np.interp(order.index(row[resolution]), (0, max(1, len(order) - 1)), _SIZES))
-
-
-def _title(title: str, problem: xr.Dataset) -> str:
-    without = sum(
-        not np.isfinite(row["run"]["error"]) and str(row["run"]["status"].item()) != "ok"
-        for row in runs_of(problem)
-    )
-    return f"{title} ({without} failed)" if without else title
 
 
 def _failed(dataset: xr.Dataset) -> str:
@@ -229,7 +231,7 @@ def stages(dataset: xr.Dataset) -> Figure:
 def _bars(
     bars: dict[str, list[dict[str, Any]]], names: list[str], label: str, compared: xr.Dataset | None = None
 ) -> Figure:
-    longest = max(len(rows) + len(_places(rows)[1]) for rows in bars.values())
+    longest = max(map(len, bars.values()))
     figure, panels = new_panels(len(bars), 16.0 + 4.2 * longest, sharex=True, sharey=True)
     if compared is not None:
         head(figure, compared)
@@ -255,31 +257,15 @@ def _finest(problem: xr.Dataset, resolution: str | None) -> xr.Dataset:
     )
 
 
-def _places(rows: list[dict[str, Any]]) -> tuple[list[float], dict[float, str]]:
-    if not rows or not {"contact", "shape"} <= set(rows[0]["dims"]):
-        return [float(k) for k in range(len(rows))], {}
-    places: list[float] = []
-    heads: dict[float, str] = {}
-    for row in rows:
-        if str(row["contact"]) not in heads.values():
-            heads[float(len(places) + len(heads))] = str(row["contact"])
-        places.append(float(len(places) + len(heads)))
-    return places, heads
-
-
 def _draw_bars(axes: Any, rows: list[dict[str, Any]], names: list[str]) -> None:
-    places, heads = _places(rows)
-    left = np.zeros(len(rows))
+    places, left = np.arange(len(rows)), np.zeros(len(rows))
     for name, colour in zip(names, itertools.cycle(_COLOURS), strict=False):
         widths = np.array([float(np.nan_to_num(row["run"]["stage_time"].sel(stage=name))) for row in rows])
         axes.barh(places, widths, left=left, color=colour, label=name, height=0.72)
         left += widths
-    dims = ("shape",) if heads else ("contact", "shape")
-    labels = [", ".join(str(row[dim]) for dim in row["dims"] if dim in dims) for row in rows]
-    axes.set_yticks(places, labels)
-    axes.set_ylim(-0.8, max(places, default=0.0) + 0.8)
-    for place, contact in heads.items():
-        axes.text(0.01, place, contact, va="center", transform=axes.get_yaxis_transform())
+    labels = (", ".join(str(row[dim]) for dim in row["dims"] if dim in ("contact", "shape")) for row in rows)
+    axes.set_yticks(places, list(map(on_lines, labels)))
+    axes.set_ylim(-0.8, len(rows) - 0.2)
     for k, row in enumerate(rows):
         status = str(row["run"]["status"].item()).partition(":")[0]
         if status != "ok":
