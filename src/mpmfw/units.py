@@ -222,7 +222,7 @@ def vector_in_time(quantity: Any) -> Any:
 
 def axial_in_time(quantity: Any) -> Any:
     """Return the annotation of a ``quantity`` about axes: a number in 2D, a vector in 3D; or rows in time."""
-    row = row_in_time(quantity, in_plane=1)
+    row: Any = row_in_time(quantity, in_plane=1)
     return Annotated[
         Annotated[quantity, Tag("single")]
         | Annotated[tuple[quantity, quantity, quantity], Strict(False), Tag("vector")]
@@ -233,7 +233,7 @@ def axial_in_time(quantity: Any) -> Any:
 
 def row_in_time(quantity: Any, in_plane: int = 2) -> Any:
     """Return the annotation of a row (t, x, y, z) of a ``quantity``, or of fewer components ``in_plane``."""
-    short, long = (tuple[(Time, *[quantity] * count)] for count in (in_plane, 3))  # type: ignore[misc]
+    short, long = (tuple[(Time, *[quantity] * count)] for count in (in_plane, 3))  # type: ignore[misc, valid-type]
     return Annotated[
         Annotated[short, Strict(False), Tag("two")] | Annotated[long, Strict(False), Tag("three")],
         Discriminator(length_of_row),

@@ -8,13 +8,8 @@ from hypothesis import strategies as st
 
 from mpmfw.report.table import gap_measures
 from mpmfw.results import analysis
-from mpmfw.results.references import (
-    RingsReference,
-    RollingReference,
-    cell_size_of,
-    reference_of,
-    scene_of,
-)
+from mpmfw.results.references import RingsReference, RollingReference, reference_of
+from mpmfw.results.stored_scene import cell_size
 from mpmfw.scene.loading import shipped_scenes
 
 SLIP = (np.radians(60.0), 0.286, 10.0, 1.6)
@@ -96,7 +91,7 @@ def test_shipped_scenes_are_recognised():
         assert isinstance(reference, RollingReference)
         assert reference.body == "cylinder"
         assert reference.solution == analysis.rolling_solution(*case)
-        assert cell_size_of(scene_of(texts[name])) == 0.4
+        assert cell_size(xr.Dataset(attrs=texts[name])) == 0.4
     sphere = reference_of(texts["rolling-sphere-slip"])
     known = analysis.rolling_solution(np.radians(60.0), 0.286, 10.0, 1.6, inertia=0.4)
     assert (sphere.body, sphere.solution.slips) == ("sphere", True)
@@ -105,7 +100,7 @@ def test_shipped_scenes_are_recognised():
         10.0 / np.sqrt(2.0) * 5 / 7
     )
     assert reference_of(texts["colliding-rings"]) == RingsReference("left", "right")
-    assert cell_size_of(scene_of(texts["colliding-rings"])) == pytest.approx(0.002)
+    assert cell_size(xr.Dataset(attrs=texts["colliding-rings"])) == pytest.approx(0.002)
 
 
 def test_other_scenes_have_no_reference():
@@ -132,7 +127,7 @@ def test_other_scenes_have_no_reference():
         assert reference_of({"scene": rolling.replace(old, new)}) is None
     assert reference_of({"scene": "no scene ["}) is None
     assert reference_of({}) is None
-    assert np.isnan(cell_size_of({}))
+    assert np.isnan(cell_size(xr.Dataset()))
 
 
 def test_penetration_is_the_depth_over_the_outputs():

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from incline import forces
 
-from mpmfw.results.references import scene_of
+from mpmfw.results.stored_scene import scene_of
 
 FRICTION, GRAVITY = 0.3, 10.0  # [1], [m/s²]
 LENGTH = 0.6  # of the block [m]

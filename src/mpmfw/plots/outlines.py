@@ -23,7 +23,7 @@ from mpmfw.plots.style import (
     new_panels,
     time_scale,
 )
-from mpmfw.results.references import own_attributes, scene_of_results
+from mpmfw.results.stored_scene import own_attributes, scene_of_results
 
 #: Bodies by colour, in the scene's order; those that stand still are grey.
 _BODIES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")

@@ -12,7 +12,8 @@ from mpmfw.plots.histories import Beside, beside_reference, history
 from mpmfw.plots.style import at_last, drawn_reference, drawn_values
 from mpmfw.results import analysis
 from mpmfw.results.analysis import GAP_ROUND_OFF, energy_sums
-from mpmfw.results.references import RingsReference, RollingReference, cell_size, rings_table
+from mpmfw.results.references import RingsReference, RollingReference, rings_table
+from mpmfw.results.stored_scene import cell_size
 from mpmfw.state.fields import FloatArray
 
 #: Bodies that move no further than this part of the largest motion stand still.

@@ -20,8 +20,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from mpmfw.plugin.discovery import Kind, available, distribution_of
-from mpmfw.results.references import Reference, own_attributes, reference_of
+from mpmfw.results.references import Reference, reference_of
 from mpmfw.results.selection import points_of
+from mpmfw.results.stored_scene import own_attributes
 
 #: Width of one panel [inch]: 85 mm, a journal's column.
 PANEL = 85.0 / 25.4

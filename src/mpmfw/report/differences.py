@@ -11,8 +11,8 @@ import xarray as xr
 from mpmfw.errors import is_complete
 from mpmfw.plots.style import at_last
 from mpmfw.results.analysis import GAP_ROUND_OFF, energy_sums, without_round_off
-from mpmfw.results.references import cell_size
 from mpmfw.results.selection import points_of
+from mpmfw.results.stored_scene import cell_size
 from mpmfw.state.fields import FloatArray
 
 

@@ -18,9 +18,9 @@ from mpmfw.campaigns.measures import names_of_measures
 from mpmfw.errors import SceneError
 from mpmfw.plots.records import Dot
 from mpmfw.report.table import CHOICES, COLUMNS, COSTS, column_of, method_dims, table
-from mpmfw.results.references import own_attributes, scene_of, scene_of_results
 from mpmfw.results.replacing import replace_bytes
 from mpmfw.results.selection import points_of
+from mpmfw.results.stored_scene import own_attributes, scene_of, scene_of_results
 from mpmfw.runs.identity import meaning_of
 from mpmfw.scene import Scene
 from mpmfw.scene.sources import code_in

@@ -12,8 +12,9 @@ import xarray as xr
 from mpmfw.results import analysis, references
 from mpmfw.results.analysis import GAP_ROUND_OFF, ROUND_OFF
 from mpmfw.results.conservation import dissipation
-from mpmfw.results.references import RingsReference, RollingReference, cell_size, own_attributes, rings_table
+from mpmfw.results.references import RingsReference, RollingReference, rings_table
 from mpmfw.results.selection import points_of
+from mpmfw.results.stored_scene import cell_size, own_attributes, scene_of_results
 from mpmfw.state.fields import FloatArray
 
 
@@ -129,7 +130,7 @@ def table(dataset: xr.Dataset) -> list[dict[str, Any]]:
             forces = one["contact_force"].transpose("pair", "time", ...).values
             most = int(np.argmax(np.nansum(forces.reshape(len(forces), -1) ** 2, axis=1)))
             row |= {"force_noise": 100.0 * analysis.force_noise(one["time"].values, forces[most])}
-        if (scene := references.scene_of_results(own_attributes(one))) is not None:
+        if (scene := scene_of_results(own_attributes(one))) is not None:
             row |= {"dissipation": 100.0 * dissipation(one, scene)}
         if "min_gap" in one:
             row |= gap_measures(one["min_gap"].min("pair").values / cell_size(one))

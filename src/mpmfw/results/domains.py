@@ -11,7 +11,7 @@ from mpmfw.errors import MpmfwError
 from mpmfw.geometry import discretise
 from mpmfw.geometry.base import context_of_cells
 from mpmfw.geometry.layout import parallelogram_corners
-from mpmfw.results.references import scene_of
+from mpmfw.results.stored_scene import scene_of
 from mpmfw.scene.sources import code_in
 from mpmfw.scene.tables import Body
 from mpmfw.state.fields import FloatArray, IntArray

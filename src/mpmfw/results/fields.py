@@ -11,8 +11,8 @@ import xarray as xr
 from mpmfw.errors import SceneError
 from mpmfw.results.domains import facets_of, surfaces_of
 from mpmfw.results.point_fields import CONTACT_FIELDS, point_field
-from mpmfw.results.references import scene_of
 from mpmfw.results.selection import Results, bodies_of, checked_name, frame_at, frame_of, opened_run
+from mpmfw.results.stored_scene import scene_of
 from mpmfw.state.fields import FloatArray, IntArray
 from mpmfw.units import to_si
 

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import functools
-import json
-import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.resources import files
@@ -14,16 +12,14 @@ from typing import Any, ClassVar
 import numpy as np
 import xarray as xr
 
-from mpmfw.errors import MpmfwError, SceneError
+from mpmfw.errors import SceneError
 from mpmfw.geometry import Ball, Box, Disc, Rectangle, Ring
 from mpmfw.results.analysis import RollingSolution, rolling_solution
 from mpmfw.results.selection import points_of
-from mpmfw.scene import Body, Scene, load_scene
+from mpmfw.results.stored_scene import loaded, own_attributes, scene_of_results
+from mpmfw.scene import Body, Scene
 from mpmfw.scene.loading import shipped_scenes
-from mpmfw.scene.override import merge, parse_value
-from mpmfw.scene.sources import code_in
 from mpmfw.state.fields import FloatArray
-from mpmfw.units import to_si
 
 #: Source of the cylinder's motion.
 EQUATION = " (eq. 13 of Hamad, Giridharan & Moormann 2017, Procedia Engineering 175, 116-123)"
@@ -86,44 +82,6 @@ class PressedBlocks:
 Reference = RollingReference | SlidingReference | RingsReference | PressedBlocks
 
 
-def scene_of(attributes: Mapping[Any, Any]) -> dict[str, Any]:
-    """Parse the scene of a result; empty if there is none."""
-    text = attributes.get("scene")
-    if not isinstance(text, str):
-        return {}
-    for parse in (tomllib.loads, json.loads):
-        try:
-            scene = parse(text)
-        except ValueError:
-            continue
-        return scene if isinstance(scene, dict) else {}
-    return {}
-
-
-def cell_size(run: xr.Dataset) -> float:
-    """Return the cell size of one combination of a comparison [m], or NaN."""
-    return cell_size_of(scene_of(own_attributes(run)))
-
-
-def cell_size_of(scene: Mapping[str, Any]) -> float:
-    """Return the cell size in a scene's tables [m], or NaN."""
-    try:
-        return float(to_si(scene["grid"]["cell_size"], "m"))  # type: ignore[arg-type]
-    except (LookupError, TypeError, ValueError):
-        return float("nan")
-
-
-def own_attributes(run: xr.Dataset) -> dict[str, Any]:
-    """Return attributes of one combination, with its varied keys in the scene."""
-    keys = json.loads(run.attrs.get("varied", "{}"))
-    own = {key: run.coords[dim].item() for dim, key in keys.items() if dim in run.coords}
-    if not own:
-        return dict(run.attrs)
-    values = {key: parse_value(value) if isinstance(value, str) else value for key, value in own.items()}
-    scene, _ = merge(scene_of(run.attrs), values)
-    return {**run.attrs, "scene": json.dumps(scene, default=str)}
-
-
 def described(dataset: xr.Dataset) -> str:
     """Return the reference of a comparison in words, if it has one."""
     texts = (str(array.attrs["against"]) for array in dataset.data_vars.values() if "against" in array.attrs)
@@ -143,38 +101,6 @@ def reference_of(attributes: Mapping[str, Any]) -> Reference | None:
         return None if scene is None else declared(scene)
     except SceneError:
         return None  # the campaign said why
-
-
-#: Stands for a material whose code is not imported.
-_RIGID = {"model": "neo_hookean", "density": 1.0, "bulk_modulus": 1.0, "shear_modulus": 1.0}
-
-
-def scene_of_results(attributes: Mapping[str, Any]) -> Scene | None:
-    """Return the scene of a result, or None."""
-    text = attributes.get("scene")
-    return _loaded(text) if isinstance(text, str) else None
-
-
-@functools.lru_cache(maxsize=64)
-def _loaded(text: str) -> Scene | None:
-    """Return a scene without its methods and without code; None if it cannot be read."""
-    scene = scene_of({"scene": text})
-    contact, materials = scene.get("contact"), scene.get("materials")
-    scene.pop("stepping", None)
-    scene["shape"] = {"method": "linear"}
-    if isinstance(contact, dict):
-        kept = ("friction", "friction_law", "pairs", contact.get("friction_law"))
-        scene["contact"] = {"method": "none"} | {key: contact[key] for key in contact if key in kept}
-    if isinstance(materials, dict):
-        scene["materials"] = {
-            name: _RIGID if next(code_in(table), None) else table for name, table in materials.items()
-        }
-    if next(code_in(scene), None):
-        return None
-    try:
-        return load_scene(scene)
-    except MpmfwError:
-        return None
 
 
 def declared(scene: Scene) -> Reference | None:
@@ -285,7 +211,7 @@ def _pressed(scene: Scene) -> PressedBlocks:
 
 
 def _rings(scene: Scene) -> RingsReference:
-    shipped = _loaded(shipped_scenes()["colliding-rings"])
+    shipped = loaded(shipped_scenes()["colliding-rings"])
     assert shipped is not None
     _need(scene.gravity is None, "the scene has gravity")
     _need(len(scene.bodies) == 2, "expected two bodies")
