@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextvars
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
@@ -80,9 +80,16 @@ class Violation(AssertionError):
         self.counterexample = {**numbers, **self.counterexample}
         return self
 
+    @property
+    def numbers(self) -> list[str]:
+        """Lines with what was measured, if it was, and the counterexample's numbers."""
+        lines = [f"{name} = {shown(value)}" for name, value in self.counterexample.items()]
+        if self.measured is not None and self.bound is not None:
+            lines.insert(0, f"measured {shown(self.measured)}, bound {shown(self.bound)}")
+        return lines
+
     def __str__(self) -> str:
-        lines = [self.message, *_numbers(self, "  "), *self.where]
-        return "\n".join(lines)
+        return "\n".join([self.message, *(f"  {line}" for line in self.numbers), *self.where])
 
 
 class Inapplicable(Exception):
@@ -123,14 +130,11 @@ class Outcome:
     statement: str  #: what must hold
     status: Status  #: passed, failed, or why it is neither
     message: str = ""  #: of the violation, why the check does not apply, or a note
-    counterexample: Mapping[str, object] = field(default_factory=dict)  #: the smallest case, by name
-    measured: float | None = None  #: what was found
-    bound: float | None = None  #: what it must not exceed
+    violation: Violation | None = None  #: of the smallest case
     justification: str = ""  #: of an expected failure
     picture: Path | None = None  #: file of the counterexample's picture
     saved: tuple[Path, ...] = ()  #: its scene, and the program that runs it
     seconds: float = 0.0  #: wall time [s]
-    where: tuple[str, ...] = ()  #: lines of the traceback, of an error that was raised
     same_as: str = ""  #: the first check that the same line of code made fail in the same way
 
     @property
@@ -146,13 +150,10 @@ class Outcome:
         lines = [f"{self.check}: {self.status}", f"  what must hold: {self.statement}"]
         if self.message:
             lines.append(f"  what happened: {self.message}")
-        numbers = _numbers(self, "    ")
-        if self.measured is not None and self.bound is not None:
-            lines.append(numbers.pop(0)[2:])
-        if numbers:
-            lines += ["  smallest counterexample:", *numbers]
-        if self.where:
-            lines += ["  where:", *(f"    {line}" for line in self.where)]
+        if self.violation is not None:
+            told = {"smallest counterexample": self.violation.numbers, "where": self.violation.where}
+            for name, text in told.items():
+                lines += [f"  {name}:", *(f"    {line}" for line in text)] if text else []
         if self.justification:
             lines.append(f"  justification: {self.justification}")
         if self.picture is not None:
@@ -160,14 +161,6 @@ class Outcome:
         for path in self.saved:
             lines.append(f"  run it: python {path}" if path.suffix == ".py" else f"  scene: {path}")
         return "\n".join(lines)
-
-
-def _numbers(of: Violation | Outcome, indent: str) -> list[str]:
-    """Return lines with what was measured, if it was, and the counterexample's numbers."""
-    lines = [f"{indent}{name} = {shown(value)}" for name, value in of.counterexample.items()]
-    if of.measured is not None and of.bound is not None:
-        lines.insert(0, f"{indent}measured {shown(of.measured)}, bound {shown(of.bound)}")
-    return lines
 
 
 def shown(value: object) -> str:

@@ -61,9 +61,9 @@ def examine(
 
 def named(outcome: Outcome, causes: dict[tuple[str, ...], str]) -> Outcome:
     """Return the outcome with the check that failed before by the same line; ``causes`` notes it."""
-    if not outcome.where:
+    if outcome.violation is None or not outcome.violation.where:
         return outcome
-    first = causes.setdefault(outcome.where[-2:], outcome.check)
+    first = causes.setdefault(outcome.violation.where[-2:], outcome.check)
     return outcome if first == outcome.check else replace(outcome, same_as=first)
 
 
@@ -93,12 +93,9 @@ def examine_one(
             outcome,
             status="failed" if unexpected else "expected failure",
             message=violation.message,
-            counterexample=violation.counterexample,
-            measured=violation.measured,
-            bound=violation.bound,
+            violation=violation,
             picture=draw(pictures, subject, check, violation) if pictures and unexpected else None,
             saved=save(folder, subject, check, violation) if folder and unexpected else (),
-            where=violation.where,
         )
     if justification:
         what = "the check passes" if outcome.status == "passed" else f"it does not apply ({outcome.message})"

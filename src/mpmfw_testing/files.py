@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from mpmfw.scene.toml_text import toml_text
-from mpmfw_testing.check import Check, Violation, shown
+from mpmfw_testing.check import Check, Violation
 from mpmfw_testing.subject import Subject
 
 #: Kinds whose checks run no scene that names the plug-in, or none that a simulation is given.
@@ -32,10 +32,7 @@ def draw(folder: Path, subject: Subject, check: Check, violation: Violation) -> 
             axes.get_legend().remove()
         if handles:  # above the axes, where it covers nothing
             figure.legend(handles, labels, loc="outside upper left", ncols=2, columnspacing=1.2)
-        case = [f"{name} = {shown(value)}" for name, value in violation.counterexample.items()]
-        if violation.measured is not None and violation.bound is not None:
-            case.insert(0, f"measured {shown(violation.measured)}, bound {shown(violation.bound)}")
-        text = "\n".join(textwrap.wrap("; ".join(case), 74))
+        text = "\n".join(textwrap.wrap("; ".join(violation.numbers), 74))
         figure.supxlabel(text, x=0.02, horizontalalignment="left")
         folder.mkdir(parents=True, exist_ok=True)
         figure.savefig(path)
@@ -52,8 +49,7 @@ def save(folder: Path, subject: Subject, check: Check, violation: Violation) -> 
         return ()
     folder.mkdir(parents=True, exist_ok=True)
     scene = folder / f"{_file_name(subject, check)}.toml"
-    numbers = [f"{key} = {shown(value)}" for key, value in violation.counterexample.items()]
-    lines = [line for text in (violation.message, *numbers) for line in text.splitlines()]
+    lines = [line for text in (violation.message, *violation.numbers) for line in text.splitlines()]
     comment = "".join(f"# {line}\n" for line in lines)
     scene.write_text(comment + toml_text(dict(mapping)), encoding="utf-8")
     if subject.plugin is None or subject.kind in NO_PROGRAM:

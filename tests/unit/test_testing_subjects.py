@@ -164,5 +164,6 @@ def test_the_first_array_and_the_hook_that_made_it_are_named(plugin, array, made
     checks = [check for check in checks_of("contact") if check.name in ("runs", "energy")]
     for outcome in examine(subject_of(plugin, "contact"), checks):
         assert outcome.status == "failed"
-        assert str(outcome.counterexample["first that is no number"]).startswith(array), outcome.report
-        assert str(outcome.counterexample["made"]).startswith(made), outcome.report
+        case = outcome.violation.counterexample
+        assert str(case["first that is no number"]).startswith(array), outcome.report
+        assert str(case["made"]).startswith(made), outcome.report
