@@ -17,7 +17,7 @@ from mpmfw.kernels.types import Float, Floats, Table
 #: Least part of a distance that is left when the stiffness of the step's end is foreseen.
 LEFT = 0.25
 
-#: Least part of a place's area that bears, however it lies: nothing comes past a corner.
+#: Least part of a place's area that counts at any angle, so that nothing passes a corner.
 LEAST_SHARE = 0.1
 
 #: Part of a distance within reach, or of the reach, that a step may use up.

@@ -13,7 +13,7 @@ LINEAR_TO = 0.25
 #: By how much: f = k (d + GROWTH (d − l)² / l) beyond that depth l.
 GROWTH = 4.0
 
-#: Share below which a spring hardly bears.
+#: Share below which a spring hardly carries force.
 WEAK = 0.1
 
 #: Depth in cells up to which a node that came in by the side of a corner bears at once where a face takes it.
@@ -90,7 +90,7 @@ def set_springs(
     rows: Rows, count: int, own: ChangingSprings, old: Rows, old_count: int, old_own: ChangingSprings,
     modulus: Floats, stiffest: float, cell_size: float, linear_to: float, begins: bool,
 ) -> None:  # fmt: skip
-    """Area that bears, rest gap and stiffness of every row; ``modulus`` is κ M / h of each pair.
+    """Effective area, rest gap and stiffness of every row; ``modulus`` is κ M / h of each pair.
 
     A place keeps what it bore, as :func:`changed_spring` says, shared by its rows as their areas are. In
     the step that ``begins`` the run bodies overlap as the scene has them.

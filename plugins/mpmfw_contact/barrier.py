@@ -79,7 +79,7 @@ class BarrierLaw(SpringLaw):
         """Return None: barriers give by no more than their reach."""
 
     def estimate_frequency(self, bulk_frequency: float) -> float:
-        """Return that of a place where barriers bear a thousandth of κ M."""
+        """Return the frequency of a place where barriers give a pressure of a thousandth of κ M."""
         return FIRST / self.options.reach * super().estimate_frequency(bulk_frequency)
 
     def list_pairs(self, state: State) -> None:

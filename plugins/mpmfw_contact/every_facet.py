@@ -54,7 +54,7 @@ def find_penetrated(
 
 
 class EveryFacet(Surfaces):
-    """One body of a pair is master; its facets meet every node behind them (eq. 10 and 7)."""
+    """One body of a pair is master; its facets act on every node behind them (eq. 10 and 7)."""
 
     Options: ClassVar[type[FacetOptions]] = FacetOptions
     every_facet = True

@@ -1,7 +1,7 @@
 """Impulses that a spring bounds: overlapping bodies exchange no more than a penalty force gives in the step.
 
 Source: J. E. Guilkey, R. Lander, L. Bonnell (2021), A hybrid penalty and grid based contact method for the
-material point method, CMAME 379, 113739 (not at hand), as far as the public code of Uintah tells (branch
+material point method, CMAME 379, 113739 (not at hand), known from the public code of Uintah (branch
 yoyodyne, Materials/Contact/PenaltyContact.cc and LineSegment/LSTasks.cc). There the penalty force of surface
 points is mapped to the nodes, its direction is the normal, and the velocity of a body at a node changes by
 the lesser of what the force would give and of what takes it to the velocity of the centre of mass; friction
@@ -10,7 +10,7 @@ bulk moduli, times a segment's length in a cell as deep as it is wide. Bodies th
 pushed as well, since the lesser is that of sizes.
 
 Assumed here. The cap is that of a row, so that impulses are equal and opposite; there it is a body's at a
-node. All overlaps bear; there those below 0.1 cells do. The limit of 0.1 on a step's strain is left out.
+node. All overlaps act; there those below 0.1 cells do. The limit of 0.1 on a step's strain is left out.
 """
 
 from __future__ import annotations
@@ -81,6 +81,6 @@ class Hybrid(Impulse):
 
 
 class HybridContact(Hybrid):
-    """Rows between surfaces, each stopped as far as its spring bears."""
+    """Rows between surfaces, each stopped by no more than its spring's impulse."""
 
     Detection = Surfaces

@@ -9,7 +9,7 @@ penalty of 1e-7 h² on the slope, until 1 − cos of the normal's turn is below 
 1e-7 (Uintah, 50). The separation is that of the points' outermost reaches along the normal.
 
 Assumed here. A point reaches as far as the tangent of its ellipse across the normal; in NairnMPM as the
-ellipse along it, in Uintah as its corners. Each pair of bodies has planes of its own.
+ellipse along it, in Uintah as its corners. Each pair of bodies has its own planes.
 """
 
 from __future__ import annotations

@@ -204,7 +204,7 @@ class Midplane(OnFacets):
     of_facets = True
 
     def rank_bodies(self, setup: Setup, owner: str) -> IntArray:  # noqa: ARG002
-        """Rank by index: segments of each body meet those of bodies with a higher one."""
+        """Rank by index: segments of each body are tested against bodies with a higher one."""
         return np.arange(len(setup.bodies))
 
     def new_rows(self, own: dict[str, int | None]) -> ContactRows:

@@ -76,7 +76,7 @@ class PenaltyLawOptions(SpringOptions):
 
 
 class PenaltyLaw(SpringLaw):
-    """A spring bears by its area across the normal, and changes with it without gain of energy."""
+    """Springs whose stiffness follows their area across the normal, without gain of energy."""
 
     name = "penalty"
     leaves_bodies_out = True
@@ -108,7 +108,7 @@ class PenaltyLaw(SpringLaw):
         self.change = state.lengthen(f"{self.name}/{SPRING_WORK.name}", len(state.pairs))
 
     def stiffness(self, rows: ContactRows, old: ContactRows) -> FloatArray:
-        """Write k = κ M A / h with the area that bears, and return the tangent stiffness."""
+        """Write k = κ M A / h with the area across the normal, and return the tangent stiffness."""
         set_springs(
             rows, rows.count, rows.own, old, old.count, old.own, self.modulus, self.stiffest,
             self.cell_size, self.linear_to, self.state.steps == 0,

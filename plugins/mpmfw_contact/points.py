@@ -7,7 +7,7 @@ method, CMAME 373, 113503: points of different bodies repel each other along the
 sphere's radius is half the edge of a cube of its present volume, as in Karamelo, the public code of the
 second.
 
-Assumed here: a row bears with the area of the smaller point's cube, and acts at the place between the two.
+Assumed here: a row has the area of the smaller point's cube, and acts at the place between the two.
 The published law, :mod:`mpmfw_contact.particles`, acts on the centres.
 """
 

@@ -1,4 +1,4 @@
-"""Contact of tracked surfaces by impulses, row by row: no stiffness, no history, no step limit of its own."""
+"""Contact of tracked surfaces by impulses, row by row: without stiffness, history or limit of the step."""
 
 from __future__ import annotations
 

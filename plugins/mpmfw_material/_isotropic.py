@@ -22,7 +22,7 @@ class Moduli(OptionsModel):
     bulk_modulus: Pressure = Field(gt=0, description="bulk modulus K")
     shear_modulus: Pressure = Field(gt=0, description="shear modulus G")
     youngs_modulus: Pressure | None = Field(
-        None, gt=0, description="Young's modulus E, with poissons_ratio in place of K and G"
+        None, gt=0, description="Young's modulus E, with poissons_ratio instead of K and G"
     )
     poissons_ratio: float | None = Field(
         None, gt=-1, lt=0.5, description="Poisson's ratio ν, with youngs_modulus"

@@ -104,7 +104,7 @@ class CompactKernel(AtPoints):
 
     name = "ck"
     staggered = True
-    #: A cell's corners are of no one grid, so that it has no spin of its own.
+    #: A cell's corners belong to two grids, so that it has no spin.
     auto_rotation = "exact"
     functions = (fill_compact, WIDTH)
 

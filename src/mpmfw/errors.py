@@ -1,4 +1,4 @@
-"""Errors that a user meets: each carries one message that says what is wrong, where, and what to do."""
+"""Errors that users see: each has one message that says what is wrong, where, and what to do."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class SceneProblem:
 
     @property
     def plain(self) -> str:
-        """The text without the option that set the key; a file and its line stay."""
+        """Return the text without the option that set the key; file and line stay."""
         return str(replace(self, source="") if self.override else self)
 
 
@@ -48,7 +48,7 @@ class SceneError(MpmfwError):
 
 
 class NoSuchFileError(SceneError):
-    """A file is not there, and nothing of that name ships."""
+    """A file does not exist, and no shipped scene or study has its name."""
 
 
 class SimulationError(MpmfwError):
@@ -118,7 +118,7 @@ class Interrupted(KeyboardInterrupt):
 
 
 class ResultsWarning(UserWarning):
-    """A run ended, and its results need a remark."""
+    """A run ended with a remark on its results."""
 
 
 def status_code(status: str) -> str:

@@ -25,7 +25,7 @@ _NUMBER = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?
 _FACTOR = r"[^\W\d]+[²³]?(?:(?:\^|\*\*)-?[0-9])?"
 _UNIT = re.compile(rf"%|°|(?:1?\s*/\s*)?{_FACTOR}(?:\s*[*/·\s]\s*{_FACTOR})*")
 
-#: Units that are read without pint, which takes a second to know them all: the SI unit that each is a
+#: Units that are read without pint, whose import takes a second: the SI unit that each is a
 #: multiple of, and the factor, whose product with a number is the one that pint gives to the last digit.
 _COMMON = {
     f"{prefix}{unit}": (unit, factor)

@@ -59,6 +59,18 @@ def compared(tmp_path_factory):
     return folder, asked, result, xr.load_dataset(folder / "c.nc")
 
 
+def test_a_page_has_figures_before_the_last_run_ends(scene, monkeypatch):
+    written = []
+
+    def write(results, _page):
+        status = results["status"] if isinstance(results, xr.Dataset) else xr.load_dataset(results)["status"]
+        written.append([text.partition(":")[0] for text in status.values[:, 0].tolist()])
+
+    monkeypatch.setattr("mpmfw.report.write_report", write)
+    called("compare", scene, "--contact", "separate,bardenhagen,penalty", "--report", "r.html")
+    assert written == [["failed", "ok", "not run"], ["failed", "ok", "ok"]]
+
+
 def test_run_writes_what_mpmfw_opens(scene):
     result = called("run", scene, "--set", "grid.cell_size=0.2", "--set", "time.end=20 ms")
     assert (result.stdout, result.stderr) == ("drop.nc\n", "")

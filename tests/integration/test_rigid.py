@@ -366,7 +366,7 @@ def test_what_counts_as_a_plate_without_thickness():
         ({"bodies": {"disc": FREE}}, "every body is rigid; expected one that deforms"),
         (
             {"contact": {"method": "penalty", "penalty": {"passes": "one", "master": "block"}}},
-            "'block' meets rigid bodies alone, which are always master",
+            "'block' touches rigid bodies alone, which are always master",
         ),
         (
             {"loads": {"air": {"model": "drag", "bodies": ["disc"], "rate": 1.0}}},

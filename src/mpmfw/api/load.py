@@ -1,6 +1,4 @@
-"""Base classes of plug-ins that a scene names as often as it likes: loads, boundary conditions and
-outputs.
-"""
+"""Base classes of loads, boundary conditions and outputs, which a scene may name several times."""
 
 from __future__ import annotations
 

@@ -88,10 +88,10 @@ def run_grid(
     runs = GridRuns(grid, "campaign", execution, threads=threads)
 
     def tell(event: Event) -> None:
-        if execution.progress is not None:
-            execution.progress(event)
         if grown is not None and event.name and event.status != "repeat":
             grown(dataset_of(runs, fields=False))
+        if execution.progress is not None:
+            execution.progress(event)
 
     runs.complete(progress=tell)
     runs.warn()

@@ -96,7 +96,7 @@ class Pool:
                     try:
                         with unbroken():  # a process whose start is broken off complains
                             under_way[process.submit(work, waiting[0])] = waiting[0], process
-                    except BrokenExecutor:  # it died while nobody needed it
+                    except BrokenExecutor:  # it died while idle
                         continue
                     waiting.popleft()
                 done, _ = wait(under_way, return_when=FIRST_COMPLETED)
@@ -108,7 +108,7 @@ class Pool:
                     idle.append(process)
                     yield task, future.result()
         finally:
-            for _, process in under_way.values():  # an interruption: nobody would take what they are doing
+            for _, process in under_way.values():  # an interruption: their results would be lost
                 for one in list((getattr(process, "_processes", None) or {}).values()):
                     one.kill()
             for process in (*idle, *(process for _, process in under_way.values())):

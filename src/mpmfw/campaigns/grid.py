@@ -129,7 +129,7 @@ def _combination(
         for kind in ("contact", "shape")
         if (value := methods.get(f"{kind}.method")) is not None and not isinstance(value, str)
     }
-    if isinstance(objects.get("contact"), Code):  # it has methods of its own
+    if isinstance(objects.get("contact"), Code):  # it has its own methods
         values = {key: value for key, value in values.items() if not is_own_method(key)}
     try:
         overrides = dict(shared)

@@ -1,4 +1,4 @@
-"""The runs of a grid: what does them, where they are kept, and what is known of them."""
+"""The runs of a grid: their executor, their store and their outcomes."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ class GridRuns:
         return None if outcome is None or not outcome.digest else self.store.results(outcome.key)
 
     def known(self) -> Iterator[tuple[Index, Combination, Outcome]]:
-        """The points of which something is known, in order."""
+        """Yield the points that have an outcome, in order."""
         for index, one in self.grid.combinations.items():
             outcome = self.outcome(index)
             if outcome is not None:
@@ -130,7 +130,7 @@ class GridRuns:
         return begun | {index: outcome.status for index, _, outcome in self.known()}
 
     def costs(self) -> dict[Index, list[Cost]]:
-        """The costs that count, of points that have any."""
+        """Return the costs that count, of points that have any."""
         every = {index: counted(outcome, self.exclusive) for index, _, outcome in self.known()}
         return {index: costs for index, costs in every.items() if costs}
 
@@ -141,7 +141,7 @@ class GridRuns:
         return {"processor": ", ".join(processors), "cores": self.executor.cores, "timing": timing_of(every)}
 
     def notes(self) -> dict[str, list[str]]:
-        """Remarks on results, by the name of a point."""
+        """Return remarks on results, by the name of a point."""
         return {one.name: [*outcome.notes] for _, one, outcome in self.known() if outcome.notes}
 
     def warn(self) -> None:

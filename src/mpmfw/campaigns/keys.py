@@ -41,7 +41,7 @@ _OWN_METHODS = re.compile(
     r"contact\.(?!friction|pairs|method)|shape\.|stepping\.|time\.(safety|step)$|bodies\.[^.]+\.(segment|rotation|volumetric)"
 )
 
-#: Names that a dataset has for itself.
+#: Names that a dataset reserves.
 _TAKEN = ("scene", "stage", "time", "body", "pair", "axis", "rotation", "frame", "repeat", "load")
 
 

@@ -92,7 +92,7 @@ class Store:
         return self._known[key]
 
     def results(self, key: str) -> xr.DataTree | None:
-        """What a run wrote; None if it wrote nothing."""
+        """Return what a run wrote, or None."""
         path = self._path(key, "nc")
         return read_run(path) if path.is_file() else None
 

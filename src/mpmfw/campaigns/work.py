@@ -181,7 +181,7 @@ def _warnings() -> Iterator[list[warnings.WarningMessage]]:
 def _cost(tree: xr.DataTree, task: Task, others: float, first: bool) -> Cost:
     timing = task.timing if task.threads == 1 else "shared cores"  # threads that wait take CPU time as well
     attributes = {"settle_steps": 0, **tree.attrs}
-    if not first and not isinstance(task.contact, Code):  # a code has a process of its own
+    if not first and not isinstance(task.contact, Code):  # a code runs in a separate process
         attributes.pop("peak_memory", None)
     values = {name: float(attributes.get(name, math.nan)) for name, _, _ in COSTS}
     stages = {stage: float(attributes.get(f"cpu_{stage}", math.nan)) for stage in STEP_STAGES}

@@ -11,9 +11,12 @@ from typer import Option
 
 from mpmfw.cli import arguments as args
 from mpmfw.cli.tables import Format, FormatOption, campaign_progress, print_table, write_rows
+from mpmfw.errors import is_complete
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from mpmfw.campaigns.running import Event, Progress
 
 #: Columns of the page that a terminal does without.
 _LEFT_OUT = {"largest_penetration", "material_points", "steps"}
@@ -74,6 +77,8 @@ def compare(
     }
     with campaign_progress() as reports:
         methods: dict[str, Any] = {"contact": contacts, "shape": shapes, "code": codes or ()}
+        if report is not None:
+            reports["progress"] = _first_page(reports["progress"], path, report)
         dataset = run_all(loaded, vary=varied, **methods, **running, **reports)
     alone = form is not Format.table
     if alone:
@@ -90,6 +95,25 @@ def compare(
         typer.echo(f"{report}: tables and figures", err=alone)
     else:
         typer.echo(f"For figures: mpmfw plot {path}, or --report FILE.html the next time", err=alone)
+
+
+def _first_page(progress: Progress | None, results: Path, page: Path) -> Progress:
+    """Return a progress that also writes the page of the first run as soon as that has ended."""
+    from mpmfw.report import write_report
+
+    written = False
+
+    def tell(event: Event) -> None:
+        nonlocal written
+        if not written and event.done < event.total and is_complete(event.status):
+            write_report(results, page)
+            written = True
+            if progress is not None:
+                typer.echo(f"{page}: first figures, of {event.name}", err=True)
+        if progress is not None:
+            progress(event)
+
+    return tell
 
 
 def print_comparison(dataset: xr.Dataset) -> None:

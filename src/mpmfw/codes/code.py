@@ -149,7 +149,7 @@ class Code(PlugIn):
         return os.path.abspath(path)  # of a link, as environments of Python are known by it
 
     def identify(self) -> None:
-        """Look once for the program and its version; a SceneError says how to install the code."""
+        """Find the program and its version, once; a SceneError says how to install the code."""
         if not self.installed:
             self.installed = self.version(self.find())
 
@@ -197,7 +197,7 @@ class Code(PlugIn):
 
 
 def codes_of(given: Iterable[Any]) -> list[Any]:
-    """Return the adapters that names and objects stand for; raise SceneError if one is not installed."""
+    """Return the adapters of names and objects; raise SceneError if one is not installed."""
     codes: list[Any] = []
     for one in given:
         codes += Code.named(one) if isinstance(one, str) else [one]

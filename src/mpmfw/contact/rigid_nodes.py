@@ -49,7 +49,7 @@ class NearRigid:
 
 
 class RigidSurfaces:
-    """The rigid bodies of a scene as nodes of the grid meet them."""
+    """The rigid bodies of a scene as contact at grid nodes takes them."""
 
     def __init__(self, state: State) -> None:
         self.state, self.surface = state, state.tracked_surface

@@ -171,7 +171,7 @@ class Detection(PlugIn):
         return np.array([self.acts_on is None or self.acts_on(pair) for pair in state.pairs], dtype=bool)
 
     def parts(self) -> list[Any]:
-        """Return the plug-ins that it brings along."""
+        """Return the plug-ins that the detection needs."""
         return []
 
     def reach(self, cell_size: float) -> float | None:  # noqa: ARG002

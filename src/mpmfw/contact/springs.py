@@ -25,7 +25,7 @@ from mpmfw.state.structs import State
 class SpringArrays(Struct):
     """Arrays of n rows that every law of springs has."""
 
-    effective_area: Floats  #: (n,) area that bears [m^(dim−1)]
+    effective_area: Floats  #: (n,) area that carries force [m^(dim−1)]
     k: Floats  #: (n,) normal stiffness [N m^(dim−4)]
     limit_k: Floats  #: (n,) stiffness that limits the step [N m^(dim−4)]
     normal: Floats  #: (n,) N, the normal force, along the row's normal [N m^(dim−3)]

@@ -30,7 +30,7 @@ MOMENT = Field("side_moment", ("body", "side", "rotation"), "N m m-1",
                "moment of a prescribed side on the body about output.side_moment, mean over the interval",
                "series", output=True, missing=True, mean=True)  # fmt: skip
 
-#: Largest number of passes over rows that share nodes; two sides may ask for different velocities at their
+#: Largest number of passes over rows that share nodes; two sides may prescribe different velocities at their
 #: corner.
 PASSES = 100
 

@@ -270,7 +270,7 @@ class EnergyLedger(Observer):
 
 
 def _terms(setup: Setup) -> dict[str, list[str]]:
-    """Return the works that the ledger can meet in this scene, and what does each."""
+    """Return the works that can occur in this scene, and what does each."""
     terms: dict[str, list[str]] = {"gravity": [], "external": [], "contact": [], "inertia": []}
     for plugin in setup.plugins:
         if (does := getattr(plugin, "ledger_term", None)) is not None:

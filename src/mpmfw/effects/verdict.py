@@ -226,7 +226,7 @@ class Verdict:
 
 
 class VerdictOfSteps(Verdict):
-    """A verdict that looks at steps, too: surfaces may meet, or gravity changes."""
+    """A verdict that also judges steps: surfaces may meet, or gravity changes."""
 
     @hookimpl
     def end_step(self, state: State) -> None:

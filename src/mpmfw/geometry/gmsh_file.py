@@ -41,7 +41,7 @@ def started_gmsh(needed_for: str) -> Iterator[Any]:
 def _keep_python_s_answer_to_broken_pipes() -> None:
     """Restore Python's handling of SIGPIPE, which gmsh sets to end the process."""
     if hasattr(signal, "SIGPIPE") and threading.current_thread() is threading.main_thread():
-        # What Python knows, gmsh has not told it
+        # An error of Python, not of gmsh
         signal.signal(signal.SIGPIPE, signal.getsignal(signal.SIGPIPE))
 
 

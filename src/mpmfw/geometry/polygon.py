@@ -117,7 +117,7 @@ def polygon_mesh(loops: tuple[FloatArray, ...], size: float) -> FloatArray:
             largest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max()
             if largest <= 1.0:
                 return size * corners
-            # gmsh takes a size as an average: ask for less until the largest edge fits
+            # gmsh takes a size as an average: request less until the largest edge fits
             target *= max(0.5, 0.98 / largest)
     raise ValueError(f"gmsh made no quadrilaterals with edges below {size} m: choose layout = 'lattice'")
 

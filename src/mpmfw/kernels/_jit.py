@@ -153,7 +153,7 @@ class _KernelFiles(_CacheFile):  # type: ignore[misc]
         return super()._load_data(name)
 
     def save(self, key: Any, content: Any) -> None:
-        """Save an entry; a full disk is no reason to fail, the kernel is compiled."""
+        """Save an entry; a full disk does not fail the run, since the kernel is compiled."""
         with contextlib.suppress(OSError):
             Path(self._cache_path).mkdir(exist_ok=True)
             super().save(key, content)
@@ -237,11 +237,11 @@ def intrinsic(function: Callable[..., Any]) -> Callable[..., Any]:
 def import_numba_without_scipy() -> None:
     """Import numba's functions of arrays before numba does, and without ``scipy.linalg``.
 
-    numba asks whether there is a BLAS as it imports them, which loads scipy and a dozen of its and NumPy's
-    packages. No kernel of ours calls BLAS, and numba asks once more as it compiles one that does."""
+    numba looks for a BLAS as it imports them, which loads scipy and a dozen of its and NumPy's
+    packages. No kernel of ours calls BLAS, and numba looks again as it compiles one that does."""
     linalg: Any = importlib.import_module("numba.np.linalg")
     ensure_blas = getattr(linalg, "ensure_blas", None)
-    if "numba.np.arraymath" in sys.modules or ensure_blas is None:  # another numba asks in another way
+    if "numba.np.arraymath" in sys.modules or ensure_blas is None:  # another version of numba
         return
     linalg.ensure_blas = lambda: None
     try:

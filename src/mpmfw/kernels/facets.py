@@ -51,7 +51,7 @@ def closest_on_triangle(x: Floats, corners: Floats, share: Floats) -> None:
     """Barycentric coordinates of the point of a triangle that is closest to x, into ``share``; those of other
     corners are exactly 0.
 
-    Products of the edges with x − corner tell the regions of the plane: those of the corners, of the
+    Products of the edges with x − corner give the regions of the plane: those of the corners, of the
     edges, and the face (C. Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
     """
     # of corner i: along the edge to the second corner, and along that to the third

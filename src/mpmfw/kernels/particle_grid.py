@@ -161,7 +161,7 @@ def affine_from_moment(
 def velocity_of_momentum(
     mass: Floats, momentum: Floats, velocity: Floats, spacing: tuple[float, ...]
 ) -> None:
-    """v_i = (m v)_i / m_i where there is mass, else 0; a mass of −1 tells that no force moves the node."""
+    """v_i = (m v)_i / m_i where there is mass, else 0; a mass of −1 marks a node that no force moves."""
     for i in range(len(mass)):
         inverse = 1.0 / mass[i] if mass[i] != 0.0 else 0.0
         for d in range(len(spacing)):

@@ -61,7 +61,7 @@ def find_inside(
                     x, math.inf, closest, facet_first[b], facet_first[b + 1], start, surface, boxes, spacing
                 )
                 gap = signed_distance(x, closest, surface, share, normal, spacing)
-                # Where a corner is folded over normals do not tell inside from outside
+                # Where a corner is folded over, normals do not separate inside from outside
                 folded = gap < 0.0 and len(spacing) == 2
                 if folded and turns_round(x, facet_first[b], facet_first[b + 1], surface) <= 0:
                     gap = -gap

@@ -54,7 +54,7 @@ def own_entries(row: Ints, nodes: Indices, p: int, own_nodes: NodeRange | None) 
 def read_window(grid: Nodes, f: int, origin: Floats, shape: Ints, spacing: tuple[float, ...]) -> None:
     """Position of the first node of velocity field ``f``'s window [m] and its number of nodes.
 
-    On the stack the compiler knows that writing to the table does not change them.
+    On the stack the compiler can assume that writing to the table does not change them.
     """
     for d in range(len(spacing)):
         origin[d] = grid.lower[d] + grid.window_lower[f, d] * spacing[d]

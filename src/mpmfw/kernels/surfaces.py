@@ -250,7 +250,7 @@ def least_gap(
         if m >= 0:
             closest = m
             gap = signed_distance(x, m, surface, share, normal, spacing)
-            # Where a corner is folded over normals do not tell inside from outside
+            # Where a corner is folded over, normals do not separate inside from outside
             if gap < min(least, 0.0) and dim == 2 and turns_round(x, first_b, last_b, surface) <= 0:
                 gap = -gap
             least = min(least, gap)

@@ -103,7 +103,7 @@ def distances_in_space(points: FloatArray, nodes: FloatArray, facets: IntArray) 
 
     On edges and nodes the angle-weighted normal decides (J. A. Bærentzen, H. Aanæs, 2005).
     """
-    mesh: Any = mesh_library().PolyData  # its annotations know no fixed width of integers
+    mesh: Any = mesh_library().PolyData  # its annotations lack integers of fixed width
     cloud = mesh(points).compute_implicit_distance(mesh.from_regular_faces(nodes, facets))
     return np.asarray(cloud["implicit_distance"])
 

@@ -76,7 +76,7 @@ class Available(dict[str, EntryPoint]):
         return EntryPoint(name, next(part for part in name.split("+") if ":" in part), "mpmfw")
 
     def get(self, name: str, default: Any = None) -> Any:
-        """The plug-in, or the default if there is none."""
+        """Return the plug-in, or the default if there is none."""
         return self[name] if name in self else default  # noqa: SIM401
 
 

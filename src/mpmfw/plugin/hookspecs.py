@@ -47,7 +47,7 @@ class HookSpecs:
 
     @hookspec
     def add_pairs(self, state: State) -> None:
-        """When bodies have come near that were apart: ``state.pairs`` has more pairs, at its end.
+        """When bodies come near each other: ``state.pairs`` has more pairs, at its end.
 
         In a scene of many bodies a plug-in that implements it has pairs only as they come near, before
         anything can act between them, and lengthens its arrays of pairs

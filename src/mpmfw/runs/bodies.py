@@ -1,4 +1,4 @@
-"""Bodies of a scene as material points and outlines, and what must hold of them at the start."""
+"""Bodies of a scene as material points and outlines, and checks of them at the start."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def _moduli(material: Material) -> tuple[float, float]:
 
 
 def check_bodies(scene: Scene, layouts: tuple[Layout, ...], bodies: tuple[Body, ...]) -> None:
-    """Refuse bodies that leave the grid, or overlap without leave."""
+    """Refuse bodies that leave the grid, or overlap without permission."""
     for body, layout in zip(bodies, layouts, strict=True):
         if body.rigid:
             continue

@@ -1,4 +1,4 @@
-"""From a scene to its bodies, methods and effects, the :class:`mpmfw.plugin.setup.Setup`."""
+"""Build bodies, methods and effects of a scene, the :class:`mpmfw.plugin.setup.Setup`."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ class Recorder:
         self._constant = self._sums()
 
     def header(self, attributes: Mapping[str, Any]) -> RunHeader:
-        """All that is known before the first step."""
+        """Return what is known before the first step."""
         state, surface, counts, connectivity = self.state, self.state.surface, {}, {}
         if surface is not None and any(group == "surface" for group, _ in self.fields):
             for body in state.bodies:

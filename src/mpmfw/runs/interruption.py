@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM: a run stops between two things, never within a frame."""
+"""Ctrl-C and SIGTERM: a run stops between steps or files, never within a frame."""
 
 from __future__ import annotations
 

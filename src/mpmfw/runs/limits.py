@@ -1,4 +1,4 @@
-"""Upper bounds of memory, steps, frames and results, and a refusal of what cannot be meant."""
+"""Upper bounds of memory, steps, frames and results, and refusal of unreasonable values."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Restart: now and then the values that a run keeps, in a file beside its results, from which it goes on.
+"""Restart: checkpoints of a run, files beside its results from which it can continue.
 
 The file is an archive of NumPy (``.npz``) of arrays by place, with checksums. It names no class and no
 function."""
@@ -34,7 +34,7 @@ from mpmfw.state.fields import AnyArray
 from mpmfw.state.history import TYPES
 
 #: First array of a file: the number of the others and the facts, as JSON. Its name begins at byte 30 of the
-#: archive and tells the format.
+#: archive and names the format.
 _FACTS = "mpmfw checkpoint 5"
 
 #: Place of the copy of the results.

@@ -1,7 +1,7 @@
 """``[contact] detection = "nodes"``, ``law = "penalty"``: another form of ``method = "nodes+penalty"``.
 
 Options stand in the tables of the parts, ``[contact.nodes]`` and ``[contact.penalty]``. Nothing behind this
-module knows of two forms."""
+module has both forms."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ CORE_KEYS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("loads", "boundaries", "outputs"), ("model", "bodies")),
 }
 
-#: Groups of tables that the scene names as it likes, each with a model and its options, and the models' kind.
+#: Groups of tables with names of the scene's choice, each with a model and its options, and the models' kind.
 NAMED: dict[str, Kind] = {
     "materials": "material",
     "loads": "load",

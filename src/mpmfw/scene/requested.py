@@ -22,7 +22,7 @@ _TABLES: dict[Kind, str] = {"contact": "contact", "shape": "shape", "friction": 
 def check_compared(
     scene: Any, methods: Mapping[str, Sequence[Any]], shared: Mapping[str, Any], varied: Mapping[str, Any]
 ) -> None:
-    """Refuse keys of a comparison that are none, choose methods, are set twice, or have no effect.
+    """Refuse keys of a comparison that do not exist, choose methods, are set twice, or have no effect.
 
     ``methods`` are the names or strategy objects that run, by kind.
     """

@@ -55,7 +55,7 @@ class Scene(Tables):
 
     @property
     def text(self) -> str:
-        """A TOML document of this very scene: the file's own text or, with overrides, the merged tables."""
+        """A TOML document of this scene: the file's own text or, with overrides, the merged tables."""
         if self._source.text is not None and not self._source.overrides:
             return self._source.text
         set_keys = [f"# {key} was set to {value!r}\n" for key, value in self._source.overrides.items()]

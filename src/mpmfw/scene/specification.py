@@ -82,7 +82,7 @@ def written(kind: Kind, text: str, said: str) -> str:
 
 
 def specification_of(name: str, options: Mapping[str, Any]) -> str:
-    """The text that names a method and its options; those that are None are not said."""
+    """The text that names a method and its options; values of None are left out."""
     return str(Specification(name, {key: value for key, value in options.items() if value is not None}))
 
 

@@ -254,7 +254,7 @@ class Boundary(Named):
 
 
 class Series(Named):
-    """Series of a user's own, and the bodies that they are of."""
+    """Series of a plug-in, and the bodies that it measures."""
 
 
 class Gravity(Table):
@@ -317,7 +317,7 @@ class Output(Table):
     #: Energy balance: work, dissipation and residual, measured in every step; a run whose energy grows is
     #: stopped.
     ledger: bool = False
-    #: The time step, its limit and who sets it; what the contact strategy knows of its own stability.
+    #: The time step, its limit and what sets it; stability series of the contact strategy.
     stability: bool = False
     #: What moments of contact are about: each body's ``centre_of_mass``, or a point [m]; None has none.
     contact_moment: MomentPoint | None = None

@@ -106,7 +106,7 @@ def _value_message(item: Any, expectation: str) -> str:
     if kind == "finite_number":
         return _join(f"{item['input']} is not finite", expectation)
     if kind == "too_short" and isinstance(item["input"], dict):
-        return "is empty; expected at least one table in it, named as you like"
+        return "is empty; expected at least one table in it, of any name"
     if kind in ("too_short", "too_long"):
         bound = f"at least {item['ctx']['min_length']}" if kind == "too_short" else item["ctx"]["max_length"]
         return _join(f"has {len(item['input'])} entries, not {bound}", expectation)

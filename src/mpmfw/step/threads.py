@@ -221,7 +221,7 @@ class _Team:
         #: The last round that was called, then for each part the last round in which another thread did it.
         self.rounds = np.zeros(2 * count * APART, dtype=np.int64)
         self.results: list[Any] = [None] * count
-        #: Parts that nobody has begun, and their round.
+        #: Parts that no thread has begun, and their round.
         self.left: deque[tuple[Callable[[int], Any], int, int]] = deque()
         self.asleep = [False] * count
         self.calls: list[SimpleQueue[None]] = [SimpleQueue() for _ in range(count)]
@@ -269,7 +269,7 @@ class _Team:
         while not self.ended:
             taken = self._take()
             if taken is None:
-                number, done = self.count + k, seen  # nobody looks at this number
+                number, done = self.count + k, seen  # this number is not read
             else:
                 part, number, done = taken
                 self._do(part, number)

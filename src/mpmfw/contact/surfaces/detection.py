@@ -71,7 +71,7 @@ class OnFacets(Detection):
     options: Any
     selects_pairs = True
     of_facets = False  #: whether the items are facets
-    rank: IntArray  #: (body,) items of a body meet facets of bodies of the same or a higher rank
+    rank: IntArray  #: (body,) items are tested against facets of bodies of the same or a higher rank
 
     def parts(self) -> list[Any]:
         """Return the limit of travel."""
@@ -123,7 +123,7 @@ class Surfaces(OnFacets):
     options: FacetOptions
     provides = frozenset({"facets", "nodes", "steady gap"})
     has_radius = True
-    #: Whether a node meets every facet that it penetrates (eq. 10), not the closest alone.
+    #: Whether a node has a row for every facet that it penetrates (eq. 10), not the closest alone.
     every_facet: bool = False
     history = ("count",)
     #: Number of candidates in the last step.
@@ -170,7 +170,7 @@ class Surfaces(OnFacets):
             raise SceneError(f"no body '{master}'; expected one of {names}", key=f"contact.{owner}.master")
         soft = [body.name for body in setup.state.soft_bodies]
         if len(bodies) > 1 and soft == [master]:
-            text = f"'{master}' meets rigid bodies alone, which are always master; leave it out"
+            text = f"'{master}' touches rigid bodies alone, which are always master; leave it out"
             raise SceneError(text, key=f"contact.{owner}.master")
         ranks = np.zeros(len(bodies), dtype=np.int64)
         if getattr(self.options, "passes", "one") == "one":
