@@ -1,5 +1,5 @@
-"""Base classes of plug-ins: a name, and options validated by a model; materials, shape functions, and plug-ins
-that a scene may name several times."""
+"""Base classes of plug-ins: a name, and options validated by a model; materials, shape functions, and
+plug-ins that a scene may name several times."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """From a plug-in manager to the calls of a step.
 
-pluggy checks the arguments of every call anew, 3-4 µs a hook, a large share of a small scene's step. The calls
-are therefore bound once, in pluggy's order. Each plug-in's time goes to its own stage of the clock.
+pluggy checks the arguments of every call anew, 3-4 µs a hook, a large share of a small scene's step. The
+calls are therefore bound once, in pluggy's order. Each plug-in's time goes to its own stage of the clock.
 """
 
 from __future__ import annotations
