@@ -360,14 +360,19 @@ def _made_of(model: str, **changes: Any) -> dict[str, Any]:
 VALUES: dict[str, tuple[Any, Any]] = {
     "bulk_modulus": (6e6, 5e6), "shear_modulus": (3e6, 2e6), "youngs_modulus": (5e6, 4e6),
     "poissons_ratio": (0.3, 0.2), "yield_stress": (1e2, 1e3), "hardening_modulus": (0.0, 1e6),
+    "hardening_exponent": (1.0, 0.3), "rate_factor": (0.0, 0.05), "reference_rate": (1.0, 1e-3),
     "friction_angle": (0.5, 0.3), "dilation_angle": (0.0, 0.2), "cohesion": (1e2, 2e2), "tension": (1e1, 5e1),
     "fit": ("plane_strain", "extension"), "energy": ("split", "log"),
 }  # fmt: skip
+#: Options without which another has no effect.
+BESIDE = {"hardening_exponent": {"hardening_modulus": 1e6}, "reference_rate": {"rate_factor": 0.05}}
 YOUNG = {"youngs_modulus": 5e6, "poissons_ratio": 0.3}
 
 
 def _material(model: str, option: str) -> Acts:
     scene = _made_of(model, **({"gravity": {"vector": [0.0, 100.0]}} if option == "tension" else {}))
+    if needed := BESIDE.get(option):
+        scene = _made_of(model, **{f"materials__soft__{key}": value for key, value in needed.items()})
     if option in YOUNG:
         soft = {"model": model, "density": 1000.0, **YOUNG, **FLOW.get(model, {})}
         scene = {**scene, "materials": {"soft": soft}}

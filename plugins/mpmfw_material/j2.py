@@ -1,15 +1,15 @@
-"""Metal plasticity: von Mises' yield criterion at finite strain, with linear isotropic hardening; plane
-strain in 2D."""
+"""Metal plasticity: von Mises' yield criterion at finite strain, with isotropic hardening, linear or after
+Johnson & Cook (1985) without their softening by temperature; plane strain in 2D."""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from mpmfw.api.types import FloatArray, Particles, Setup, hookimpl
-from mpmfw.api.units import Pressure
+from mpmfw.api.units import Pressure, quantity
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.arithmetic import determinant, invert
 from mpmfw.kernels.types import Float, Floats
@@ -60,18 +60,48 @@ def set_plastic_metric(p: int, f: Floats, jacobian: Float, be: Floats, flow: Flo
             flow.metric[p, i, j] = total
 
 
+@device
+def johnson_cook_slip(
+    excess: Float, stiffness: Float, strain: Float, yield_stress: float, hardening: float, exponent: float,
+    rate: float, times: Float,
+) -> Float:  # fmt: skip
+    """Δα of ``excess`` − ``stiffness`` Δα = (σ_y + H (α + Δα)^n) (1 + C ln(Δα ``times``)), the logarithm at
+    least 0: Newton's method, within the bounds known so far. The left side is the stress over √(2/3)."""
+    low, high = 0.0, excess / stiffness
+    found = high
+    for _ in range(60):
+        total = strain + found
+        static, fast = yield_stress + hardening * total**exponent, found * times > 1.0
+        factor = 1.0 + (rate * math.log(found * times) if fast else 0.0)
+        left = excess - stiffness * found - static * factor
+        if left > 0.0:
+            low = found
+        else:
+            high = found
+        slope = stiffness + factor * hardening * exponent * total ** (exponent - 1.0)
+        slope += static * rate / found if fast else 0.0
+        change = left / slope
+        if abs(change) <= 1e-12 * found:
+            break
+        found += change
+        if not low < found < high:
+            found = 0.5 * (low + high)
+    return found
+
+
 @kernel
 def j2_stress(
     first: int, last: int, deformation_gradient: Floats, flow: Flow, stress: Floats, bulk: float,
-    shear: float, yield_stress: float, hardening: float, spacing: tuple[float, ...],
+    shear: float, yield_stress: float, hardening: float, exponent: float, rate: float, times: float,
+    spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
-    """σ = K/2 (J − 1/J) 1 + s/J, |s| ≤ √(2/3) (σ_y + H α): elastic predictor s = G dev b_e, and its radial
-    return.
+    """σ = K/2 (J − 1/J) 1 + s/J, |s| ≤ √(2/3) (σ_y + H α^n) (1 + C ln(Δα ``times``)): elastic predictor
+    s = G dev b_e, and its radial return. ``times`` is 1/(Δt ε̇₀).
 
     Simo & Hughes (1998), box 9.1, with tr b_e after the return from det b_e = 1. Plastic work is that of the
-    mean of the yield stresses before and after.
+    mean of the yield stresses before and after, at the rate of the step.
     """
-    dim = len(spacing)
+    dim, linear = len(spacing), exponent == 1.0 and rate == 0.0
     f, be = scratch.matrix(SPACE, SPACE), scratch.matrix(SPACE, SPACE)
     for p in range(first, last):
         pad(deformation_gradient, p, f, spacing)
@@ -84,18 +114,28 @@ def j2_stress(
             for j in range(3):
                 be[i, j] *= shear  # s now
                 square += be[i, j] * be[i, j]
-        norm, limit = math.sqrt(square), ROOT * (yield_stress + hardening * flow.strain[p])
+        before = yield_stress + hardening * (flow.strain[p] if linear else flow.strain[p] ** exponent)
+        norm, limit = math.sqrt(square), ROOT * before
         yields = norm > limit
         if yields:
             effective = shear * mean
-            slip = (norm - limit) / (2.0 * effective + 2.0 / 3.0 * hardening)
+            if linear:
+                slip = (norm - limit) / (2.0 * effective + 2.0 / 3.0 * hardening)
+            else:
+                slip = johnson_cook_slip(
+                    norm / ROOT, 3.0 * effective, flow.strain[p], yield_stress, hardening, exponent, rate,
+                    times,
+                ) / ROOT  # fmt: skip
             factor = 1.0 - 2.0 * effective * slip / norm
             for i in range(3):
                 for j in range(3):
                     be[i, j] *= factor
-            before = yield_stress + hardening * flow.strain[p]
             flow.strain[p] += ROOT * slip
-            flow.work[p] += (before + 0.5 * hardening * ROOT * slip) * ROOT * slip
+            if linear:
+                flow.work[p] += (before + 0.5 * hardening * ROOT * slip) * ROOT * slip
+            else:
+                after = yield_stress + hardening * flow.strain[p] ** exponent
+                flow.work[p] += 0.5 * (before / after + 1.0) * norm * factor * slip
             norm *= factor
         pressure = 0.5 * bulk * (jacobian - 1.0 / jacobian)
         for i in range(dim):
@@ -114,8 +154,26 @@ class J2Options(Moduli):
 
     yield_stress: Pressure = Field(gt=0, description="yield stress σ_y under uniaxial tension (Kirchhoff's)")
     hardening_modulus: Pressure = Field(
-        0.0, ge=0, description="rise H of the yield stress with the equivalent plastic strain"
+        0.0, ge=0, description="rise H of the yield stress with the equivalent plastic strain α"
     )
+    hardening_exponent: float = Field(
+        1.0, gt=0, le=1, description="n of the hardening H α^n (Johnson & Cook)"
+    )
+    rate_factor: float = Field(
+        0.0,
+        ge=0,
+        description="C of the factor 1 + C ln(rate of α / reference_rate), at least 1 (Johnson & Cook)",
+    )
+    reference_rate: quantity("1/s") = Field(  # type: ignore[valid-type]
+        1.0, gt=0, description="rate of α below which it has no effect (Johnson & Cook)"
+    )
+
+    @model_validator(mode="after")
+    def _options_have_an_effect(self) -> J2Options:
+        for name, other in (("hardening_exponent", "hardening_modulus"), ("reference_rate", "rate_factor")):
+            if name in self.model_fields_set and getattr(self, other) == 0.0:
+                raise ValueError(f"'{name}' has no effect without '{other}'")
+        return self
 
 
 class J2(Plastic):
@@ -134,13 +192,17 @@ class J2(Plastic):
         """Allocate the history, and remember the constants."""
         super().setup(setup)
         o = self.options
-        self.constants = o.bulk_modulus, o.shear_modulus, o.yield_stress, o.hardening_modulus
+        self.constants = (
+            o.bulk_modulus, o.shear_modulus, o.yield_stress, o.hardening_modulus, o.hardening_exponent,
+            o.rate_factor,
+        )  # fmt: skip
 
     @hookimpl
-    def update_stress(self, particles: Particles) -> None:
+    def update_stress(self, particles: Particles, dt: float) -> None:
         """σ of this material's bodies, and what has flowed."""
         f, stress = particles.deformation_gradient, particles.stress
-        self.over_points(j2_stress, particles, f, self.flow, stress, *self.constants, self.spacing)
+        times = 1.0 / (dt * self.options.reference_rate) if dt > 0.0 else 0.0
+        self.over_points(j2_stress, particles, f, self.flow, stress, *self.constants, times, self.spacing)
 
     def _elastic(self, particles: Particles, own: slice) -> tuple[FloatArray, FloatArray]:
         """J and b_e of points."""

@@ -14,11 +14,12 @@ BULK, SHEAR, YIELD = 160e9, 80e9, 400e6
 YOUNG = 9.0 * BULK * SHEAR / (3.0 * BULK + SHEAR)
 
 
-def j2_point(hardening=0.0, dim=3):
+def j2_point(hardening=0.0, dim=3, exponent=1.0, rate=0.0, times=0.0):
     """A point of J2."""
+    flows = hardening, exponent, rate, times
 
     def update(f, flow, stress, spacing):
-        j2_stress(0, 1, f, flow, stress, BULK, SHEAR, YIELD, hardening, spacing)
+        j2_stress(0, 1, f, flow, stress, BULK, SHEAR, YIELD, *flows, spacing)
 
     return PlasticPoint(update, dim)
 
@@ -69,6 +70,34 @@ def test_a_bar_hardens_with_the_tangent_modulus():
         assert stress == pytest.approx(expected, rel=0.01, abs=1.0)
     (unloaded,) = pulled(point, [1.0 + strains[-1] - 0.001])
     assert stresses[-1] - unloaded == pytest.approx(0.001 * YOUNG, rel=0.01)
+
+
+@pytest.mark.parametrize("speed", [1e-2, 10.0, 1e4])
+def test_a_bar_hardens_by_its_strain_and_rate(speed):
+    """Johnson & Cook: τ = (σ_y + B α^n) (1 + C ln(rate / ε̇₀)), and the work is ∫ τ dα; below ε̇₀ the rate has
+    no effect. Tolerances are the elastic strain: J departs from 1 by it, and α by Simo's flow rule."""
+    exponent, factor, reference, strains = 0.3, 0.02, 0.1, np.linspace(0.0, 0.2, 201)
+    times = speed / (reference * strains[1])
+    point = j2_point(500e6, exponent=exponent, rate=factor, times=times)
+    work, flowed, stresses = [], [], []
+    for strain in strains:
+        stresses += pulled(point, [math.exp(strain)])
+        work.append(point.work), flowed.append(point.strain)
+    flowed, stresses = np.array(flowed), np.array(stresses)
+    known = 1.0 + factor * max(math.log(speed / reference), 0.0)
+    expected = (YIELD + 500e6 * flowed**exponent) * known
+    np.testing.assert_allclose(stresses[20:], expected[20:], rtol=5e-3)
+    np.testing.assert_allclose(flowed[20:], strains[20:] - stresses[20:] / YOUNG, rtol=5e-3)
+    total = known * (YIELD * flowed[-1] + 500e6 * flowed[-1] ** (1.0 + exponent) / (1.0 + exponent))
+    assert work[-1] == pytest.approx(total, rel=5e-3)
+
+
+def test_johnson_and_cook_without_their_numbers_are_linear_hardening():
+    """n just below 1 takes the other way to the same stress."""
+    linear, other = j2_point(20e9), j2_point(20e9, exponent=1.0 - 1e-12)
+    for f in random_path(1):
+        np.testing.assert_allclose(other.stress(f), linear.stress(f), rtol=1e-8, atol=1.0)
+    assert other.work == pytest.approx(linear.work, rel=1e-9)
 
 
 def test_a_cycle_of_shear_dissipates_the_area_of_its_loop():
@@ -122,3 +151,11 @@ def test_moduli_that_cannot_be_meant_are_refused(options, said):
     make = NeoHookean
     with pytest.raises(ValueError, match=said):
         make(**options)
+
+
+@pytest.mark.parametrize(
+    ("option", "other"), [("hardening_exponent", "hardening_modulus"), ("reference_rate", "rate_factor")]
+)
+def test_an_option_of_what_is_absent_is_refused(option, other):
+    with pytest.raises(ValueError, match=f"'{option}' has no effect without '{other}'"):
+        J2(youngs_modulus=2e11, poissons_ratio=0.3, yield_stress=4e8, **{option: 0.5})
