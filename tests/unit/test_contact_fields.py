@@ -8,6 +8,7 @@ from command_line import called
 from mpmfw.errors import SceneError
 from mpmfw.geometry.solids import box_surface
 from mpmfw.results.fields import LEVEL, carried_areas, pressed_bodies
+from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import DENSITY, SOFT, ball_on_a_box, solid, with_changes
 
 FRICTION, TILT = 0.2, 0.5
@@ -78,6 +79,31 @@ def test_a_thin_block_has_the_same_pressure(file):
         np.testing.assert_allclose(
             mpmfw.field(thin, name, time=0.05), mpmfw.field(file, name, time=0.05), rtol=1e-5, atol=1.0
         )
+
+
+@pytest.mark.filterwarnings("ignore::mpmfw.errors.ResultsWarning")  # settling is cut short
+@pytest.mark.parametrize("scheme", ["usl", "musl", "usf"])
+@pytest.mark.parametrize("method", ["penalty", "lcp", "impulse", "hybrid"])
+def test_the_forces_of_nodes_add_up_to_that_of_contact(method, scheme):
+    changed = sliding(contact__method=method, stepping={"scheme": scheme}, settle__max_time=0.02)
+    simulation, sums = Simulation(changed), []
+
+    def add(frame):
+        surface, force = simulation.state.surface, frame.surface["force"]
+        both = [force[surface.of(body.index)].sum(axis=0) for body in simulation.state.bodies]
+        sums.append([*both, frame.series["contact_force"][0]])
+
+    simulation.advance(10, add)
+    block, plane, contact = np.array(sums)[1:].swapaxes(0, 1)
+    assert np.abs(contact).max() > 1e3
+    np.testing.assert_allclose(block, contact, atol=1e-9)
+    np.testing.assert_allclose(plane, -contact, atol=1e-9)
+
+
+def test_impulses_give_the_pressure_of_the_weight():
+    run = mpmfw.run(sliding(time={"end": 1e-4, "output_interval": 1e-4}), contact="lcp")
+    x, values = along(mpmfw.field(run, "contact_pressure", time=0.0))
+    assert np.trapezoid(values, x) == pytest.approx(-DENSITY * 0.5 * GRAVITY[1], rel=5e-3)
 
 
 def test_the_pressure_under_a_cylinder_on_its_axis_is_that_of_its_rings():

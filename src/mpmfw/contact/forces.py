@@ -12,9 +12,9 @@ from mpmfw.contact.rows import ContactRows
 from mpmfw.kernels.contact import add_records, match_rows, relative_motion
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup
-from mpmfw.state.fields import AnyArray, Field, FloatArray
+from mpmfw.state.fields import FloatArray
 from mpmfw.state.history import IndexMap, check_indices
-from mpmfw.state.structs import Grid, Particles, State, Stencil
+from mpmfw.state.structs import Grid, Particles, Stencil
 
 
 class ForceLaw(ContactLaw):
@@ -55,16 +55,6 @@ class ForceLaw(ContactLaw):
         from mpmfw.contact.events import ContactEvents
 
         return [ContactEvents(self)]
-
-    @hookimpl
-    def declare_fields(self) -> list[Field]:
-        """Add the declarations of the detection's output fields."""
-        return [*self.detection.fields(), *super().declare_fields()]
-
-    @hookimpl
-    def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
-        """Add the detection's output fields of the last step's rows."""
-        return {**self.detection.outputs(self.old), **super().diagnostics(state, interval)}
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
@@ -151,6 +141,7 @@ class ImpulseLaw(ContactLaw):
 
     #: Whether it corrects the projected momentum with USF alone, whose strain follows from that.
     waits_for_forces: ClassVar[bool] = False
+    history: ClassVar[tuple[str, ...]] = ("rows",)
     #: Length of the step [s], known whenever impulses are asked for.
     dt: float = 0.0
 
@@ -179,19 +170,25 @@ class ImpulseLaw(ContactLaw):
         self.dt = dt
         self.rows.cohesion[:] = 0.0
         self._correct(grid, projected=True)
+        self.of_projected = self.rows.force[: self.rows.count].copy()
 
     @hookimpl
     def after_momentum_update(self, grid: Grid, dt: float) -> None:
-        """Correct the updated momentum, at the same rows; ``dt`` is the step [s]."""
+        """Correct the updated momentum, at the same rows, which keep both impulses.
+
+        ``dt`` is the step [s]."""
         self.rows.cohesion[:] = dt * self.cohesion
         self._correct(grid, projected=False)
+        self.rows.force[: self.rows.count] += self.of_projected
 
     @hookimpl
     def after_second_projection(self, grid: Grid) -> None:
         """Correct MUSL's second momentum; it moves no point, and is in no record."""
         if self.rows.count:
+            of_step = self.rows.force[: self.rows.count].copy()
             self.impulses(self.rows, grid, None, projected=False)
             self.rows.add_to(grid.momentum, grid.spacing)
+            self.rows.force[: self.rows.count] = of_step
 
     def _correct(self, grid: Grid, *, projected: bool) -> None:
         rows, records = self.rows, self.records

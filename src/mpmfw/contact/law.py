@@ -168,8 +168,8 @@ class ContactLaw(ContactStrategy):
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        """Return the declarations of the pairs' series."""
-        return list(CONTACT_SERIES)
+        """Return the declarations of the detection's output fields and of the pairs' series."""
+        return [*self.detection.fields(), *CONTACT_SERIES]
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
@@ -251,9 +251,18 @@ class ContactLaw(ContactStrategy):
         self.detection.restart()
 
     @hookimpl
-    def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:  # noqa: ARG002
-        """Return the pairs' series; ``interval`` [s] is since the last output."""
-        return self.records.series(interval)
+    def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
+        """Return the pairs' series, and the detection's output fields of the last step.
+
+        ``interval`` [s] is since the last output."""
+        rows = self.last_rows
+        if self.gives_forces or rows.count == 0:
+            return {**self.detection.outputs(rows), **self.records.series(interval)}
+        impulse = rows.force[: rows.count].copy()
+        rows.force[: rows.count] /= state.dt
+        fields = self.detection.outputs(rows)
+        rows.force[: rows.count] = impulse
+        return {**fields, **self.records.series(interval)}
 
     @hookimpl
     def concerns(self) -> list[str]:

@@ -73,7 +73,7 @@ def pressed_bodies(tree: xr.DataTree, selection: str | Sequence[str] | None = No
     """
     stored = [body for body in surfaces_of(tree) if "force" in tree[f"surface/{body}"].data_vars]
     if not stored:
-        expected = "a contact by forces on surfaces, such as penalty, and output.surface = true"
+        expected = "a contact on surfaces, such as penalty, and output.surface = true"
         raise SceneError(f"the run stored no contact force of surface nodes; expected {expected}")
     if selection is not None:
         names = [selection] if isinstance(selection, str) else selection
