@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from mpmfw.contact.springs import SpringArrays
+from mpmfw.contact.springs import SpringArrays, add_friction
 from mpmfw.contact.surfaces import search
 from mpmfw.contact.surfaces.assembly import assemble
 from mpmfw.contact.surfaces.detection import SurfaceRows
@@ -12,11 +12,12 @@ from mpmfw.contact.surfaces.near_facets import VerletList
 from mpmfw.contact.surfaces.outline import Candidates
 from mpmfw.geometry.layout import neighbours_of, stars_of, tributaries_of
 from mpmfw.kernels import struct
-from mpmfw.kernels.contact import Records
+from mpmfw.kernels.contact import Records, match_rows
 from mpmfw.kernels.contact import pair_table as pair_of_bodies
 from mpmfw.kernels.surfaces import signed_distance
 from mpmfw.state.structs import Surface
 from mpmfw_contact.every_facet import find_penetrated
+from mpmfw_contact.penalty import spring_forces
 
 #: Tells kernels that they work in the plane.
 PLANE = (1.0, 1.0)
@@ -141,6 +142,18 @@ def find(loops, *, h=0.25, radius=None, literal=False, slots=3):
     return found.locate(loops)
 
 
+@dataclass
+class Law:
+    """What the pair force is told of the law."""
+
+    stiffness: float = 1e4
+    damping: float = 0.0
+    friction: float = 0.3
+    tangential_ratio: float = 1.0
+    keep_q: bool = False
+    pull: float = 0.0  #: beside the spring's force, which friction goes by as well [N/m]
+
+
 def pair_table(n_bodies):
     """The table of all pairs' indices, and the pairs' first bodies."""
     first, second = np.triu_indices(n_bodies, 1)
@@ -173,8 +186,57 @@ def rows_of(loops, found, *, across=False, ties=True, friction=True, tilts=False
     return rows
 
 
+def history_of(loops, found, old_master=None, old_tangential=None):
+    """Rows of a last step with the same normals: bodies touched and forces along e_t, (n, slots) each."""
+    old = rows_of(loops, empty_candidates(len(loops.body), 1))
+    kept = []
+    for s, j in zip(*np.nonzero([] if old_master is None else old_master >= 0), strict=True):
+        slot = np.flatnonzero((found.facet[s] >= 0) & (found.master[s] == old_master[s, j]))
+        e = found.normal[s, slot[0]] if len(slot) else np.array([1.0, 0.0])
+        kept.append(
+            (s * loops.n_bodies + old_master[s, j], e, old_tangential[s, j] * np.array([-e[1], e[0]]))
+        )
+    old.make_room(len(kept) + 1, 1)
+    old.count, old.gap[:], old.own.k_t[:] = len(kept), -1.0, 1.0
+    for c, each in enumerate(sorted(kept, key=lambda each: each[0])):
+        old.identity[c], old.normal[c], old.own.tangential[c] = each
+    return old
+
+
 def no_records(n_pairs):
     """Records of pairs to which nothing has happened."""
     sums = {name: np.zeros(n_pairs) for name in Records.member_names}
     vectors = {name: np.zeros((n_pairs, 2)) for name in ("impulse", "friction_impulse")}
     return Records(**{**sums, **vectors})
+
+
+def forces(loops, found, law, old_master=None, old_tangential=None):
+    """The law's forces on the surface nodes, tangential forces along e_t, and the pairs' frictional work."""
+    n, slots = found.facet.shape
+    n_pairs = len(pair_table(loops.n_bodies)[1])
+    rows = rows_of(loops, found, tilts=law.keep_q)
+    old = history_of(loops, found, old_master, old_tangential)
+    match_rows(rows, rows.count, old, old.count)
+    own, m, records = rows.own, rows.count, no_records(n_pairs)
+    own.k[:m] = own.effective_area[:m] = law.stiffness * rows.area[:m] / whole_of(rows)
+    rows.friction[:m] = law.friction
+    own.entered[:m] = 1.0
+    spring_forces(rows, m, own, old, law.tangential_ratio, law.damping / law.stiffness, np.inf, records)
+    own.pull[:m] = law.pull
+    add_friction(rows, m, own, old, old.count, old.own, records, np.zeros(n_pairs))
+    force, tangential = np.zeros((n, 2)), np.zeros((n, slots))
+    rows.add_to(force, (1.0, 1.0))
+    for c in range(m):
+        if rows.gap[c] < 0.0:
+            s, e = rows.places.slave[c], rows.normal[c]
+            j = np.flatnonzero(
+                (found.facet[s] >= 0) & (found.master[s] == rows.identity[c] % loops.n_bodies)
+            )[0]
+            tangential[s, j] += own.tangential[c] @ (-e[1], e[0])
+    return force, tangential, records.frictional_work
+
+
+def whole_of(rows):
+    """Area of the whole place that every row belongs to."""
+    identity = rows.identity[: rows.count]
+    return np.array([rows.tributary_area[: rows.count][identity == each].sum() for each in identity])

@@ -1,11 +1,13 @@
 """Search, forces, map and frequency of penalty contact against plain NumPy."""
 
+import itertools
+
 import numpy as np
 import numpy_twins as twin
 import pytest
 import shapely
 
-from contact_kernels import PLANE, empty_candidates, find, flat, join, rows_of, star
+from contact_kernels import PLANE, Law, empty_candidates, find, flat, forces, join, rows_of, star
 from mpmfw.contact.surfaces.layer import gather_layer
 from mpmfw.kernels import struct
 from mpmfw.kernels.contact import couplings
@@ -111,6 +113,64 @@ def test_literal_detection_takes_every_segment_that_eq_10_names():
             if near and gap < 0.0 and 0.0 <= xi <= 1.0:
                 expected.add(int(m))
         assert set(found.facet[s][found.facet[s] >= 0].tolist()) == expected
+
+
+def force_twin(loops, found, law, old_master, old_tangential):
+    """Forces of all contacts and the pairs' frictional work, in NumPy and without Q."""
+    pairs = list(itertools.combinations(range(loops.n_bodies), 2))
+    force, work = np.zeros_like(loops.position), np.zeros(len(pairs))
+    x, u = loops.position, loops.displacement
+    for s, j in zip(*np.nonzero((found.facet >= 0) & (found.gap < 0.0)), strict=True):
+        g, e_n, m = found.gap[s, j], found.normal[s, j], found.facet[s, j]
+        e_t = np.array([-e_n[1], e_n[0]])
+        point = x[m] + found.share[s, j, 1] * (x[loops.following[m]] - x[m])
+        masters = [m]
+        if found.share[s, j, 1] in (0.0, 1.0):  # both segments that meet at the vertex
+            vertex = m if found.share[s, j, 1] == 0.0 else loops.following[m]
+            masters = [loops.previous[vertex], vertex]
+        along = np.array([max((x[loops.following[k]] - x[k]) @ e_t, 0.0) for k in masters])
+        known = old_master[s] == loops.body[m]
+        pair = tuple(sorted((int(loops.body[s]), int(loops.body[m]))))
+        for k, part in zip(masters, along**2 / (along @ along), strict=True):
+            if part == 0.0:
+                continue
+            end = loops.following[k]
+            t = x[end] - x[k]
+            xi = (point - x[k]) @ t / (t @ t)
+            rows = np.array([1.0, xi - 1.0, -xi])
+            couple = np.array([0.0, -1.0, 1.0]) * g / (t @ e_t)
+            normal, tangential = np.zeros((2, *x.shape))
+            normal[[s, k, end]] = np.outer(rows, e_n)
+            tangential[[s, k, end]] = np.outer(rows, e_t) + np.outer(couple, e_n)
+            slip, approach = (tangential * u).sum(), (normal * u).sum()
+            stiffness = part * law.stiffness
+            f_n = -stiffness * g
+            dashpot = part * law.damping * approach
+            f_n += np.clip(-dashpot, -f_n, 2.0 * stiffness * abs(approach))
+            if not known.any() and approach < 0.0:
+                slip *= min(1.0, g / approach)
+            k_t = law.tangential_ratio * stiffness
+            trial = (part * old_tangential[s][known][-1] if known.any() else 0.0) - k_t * slip
+            limit = law.friction * (f_n + law.pull)
+            f_t = np.clip(trial, -limit, limit)
+            work[pairs.index(pair)] += abs(f_t) * abs(trial - f_t) / k_t
+            force += f_n * normal + f_t * tangential
+    return force, work
+
+
+@every_scene
+@pytest.mark.parametrize(("damping", "pull"), [(0.0, 20.0), (2e3, 0.0)])
+def test_contact_forces_agree_with_numpy(name, damping, pull):
+    rng = np.random.default_rng(2)
+    loops, law = join(SCENES[name]), Law(damping=damping, pull=pull, tangential_ratio=0.7, friction=0.4)
+    loops.displacement[:] = 0.01 * rng.normal(size=loops.position.shape)
+    found = find(loops, h=H)
+    old_master = np.where(rng.random(found.facet.shape) < 0.5, found.master, -1)
+    old_tangential = 100.0 * rng.normal(size=found.facet.shape)
+    expected, work = force_twin(loops, found, law, old_master, old_tangential)
+    force, _, friction_work = forces(loops, found, law, old_master, old_tangential)
+    np.testing.assert_allclose(force, expected, rtol=1e-10, atol=1e-9)
+    np.testing.assert_allclose(friction_work, work, rtol=1e-10, atol=1e-12)
 
 
 def test_a_candidate_ahead_of_a_segment_s_end_has_finite_rows():
