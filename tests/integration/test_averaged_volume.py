@@ -128,6 +128,21 @@ def test_a_spinning_disc_keeps_its_spin_and_volume(scheme: str) -> None:
     assert spins[0] == pytest.approx(spins[1], rel=1e-3)
 
 
+@pytest.mark.parametrize("method", ["none", "penalty"])
+def test_bodies_at_one_node_are_averaged_apart(method: str) -> None:
+    """One body of two has a mean: the other's points move as without it, until they feel each other."""
+    scene = two_blocks(method, bodies__left__volumetric="averaged")
+    simulation = Simulation(scene)
+    simulation.start()
+    p = simulation.state.particles
+    left, right = (body.particles for body in simulation.state.bodies)
+    p.velocity_gradient[:] = np.random.default_rng(1).normal(size=p.velocity_gradient.shape)
+    before = p.velocity_gradient.copy()
+    simulation.hook.after_velocity_gradient(particles=p, grid=simulation.state.grid, phi=None, dt=1e-4)
+    assert np.array_equal(p.velocity_gradient[right], before[right])
+    assert not np.array_equal(p.velocity_gradient[left], before[left])
+
+
 @pytest.mark.parametrize("volumetric", ["auto", "averaged"])
 def test_bodies_that_share_nodes_are_averaged_both(volumetric: str) -> None:
     """Without contact they stick; each has sums of its own points alone, whatever the other's."""
