@@ -4,8 +4,9 @@ They import numpy and numba alone. The dimension is the length of the tuple ``sp
 specialises by type and the disk cache hits. A plug-in marks its own kernels with :func:`kernel`, what they
 call with :func:`device`, and takes scratch memory from :mod:`mpmfw.kernels.scratch`.
 
-- **Files**: the time step in ``particle_grid``, tables in ``stencil``, one facet in ``facets``, closed
-  ``surfaces`` and their ``boxes``, rows of ``contact``, short rows and small matrices in ``arithmetic``.
+- **Files**: the time step in ``particle_grid`` and ``motion``, numbers of several points in ``lanes``,
+  tables in ``stencil``, one facet in ``facets``, closed ``surfaces`` and their ``boxes``, rows of
+  ``contact``, short rows and small matrices in ``arithmetic``.
 - **Types** of arguments: ``Floats``, ``Ints``, ``Indices`` are arrays of float64, int64 and int32, ``Float``
   a compiled scalar.
 - **Structs**: a class derived from :class:`Struct` has arrays that kernels take as one argument,

@@ -31,6 +31,9 @@ _signature: Any = signature
 #: Number of lanes: that of doubles in the vectors of most processors.
 WIDTH = 4
 
+#: As long as there are lanes: the number of scratch matrices whose numbers go to lanes.
+LANES = (0.0,) * WIDTH
+
 _VECTOR = ir.VectorType(ir.DoubleType(), WIDTH)
 _INDEX = ir.IntType(32)
 

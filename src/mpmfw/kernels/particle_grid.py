@@ -5,20 +5,17 @@ Arguments are those of the table in :mod:`mpmfw.kernels`, where shapes and units
 
 from __future__ import annotations
 
-import numpy as np
-
 from mpmfw.kernels import lanes, scratch
 from mpmfw.kernels._jit import device, kernel
 from mpmfw.kernels.arithmetic import (
     add_outer_product,
     add_scaled_row,
     copy_matrix,
-    determinant,
     invert,
     multiply,
     set_scaled_row,
-    set_to_motion,
 )
+from mpmfw.kernels.lanes import LANES, WIDTH
 from mpmfw.kernels.stencil import NodeRange, entries, is_apart, node_of, own_entries
 from mpmfw.kernels.types import Floats, Nodes, Points, Table
 
@@ -204,6 +201,8 @@ def gather(
     q, v = scratch.matrix((0.0,), spacing), scratch.matrix((0.0,), spacing)
     new, start = scratch.matrix((0.0,), spacing), scratch.matrix((0.0,), spacing)
     moment, spread = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
+    moments = scratch.matrices(LANES, spacing, spacing)
+    spreads = scratch.matrices(LANES, spacing, spacing)
     for p in range(len(points.mass)):
         set_scaled_row(x, 0, 1.0, points.position, p, spacing)
         set_scaled_row(v, 0, 1.0, points.velocity, p, spacing)
@@ -233,21 +232,32 @@ def gather(
         set_scaled_row(points.velocity, p, 1.0, v, 0, spacing)
         copy_matrix(points.velocity_gradient, p, l, 0, spacing)
         if affine is not None:
-            _store_affine(moment, spread, least_squares, affine, p, spacing)
+            lane = p % WIDTH
+            end = WIDTH if p + 1 == len(points.mass) else lane + 1
+            for own in range(lane, end):  # past the last point it is that one again
+                copy_matrix(moments, own, moment, 0, spacing)
+                copy_matrix(spreads, own, spread, 0, spacing)
+            if end == WIDTH:
+                points_in_lanes = lanes.points_from(p - lane, len(points.mass))
+                _store_affine(moments, spreads, least_squares, affine, points_in_lanes, spacing)
 
 
 @device
 def _store_affine(
-    moment: Floats, spread: Floats, least_squares: bool, affine: Floats, p: int, spacing: tuple[float, ...]
-) -> None:
-    """affine[p] = B D⁻¹ if ``least_squares``, else B."""
-    inverse, product = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
+    moments: Floats, spreads: Floats, least_squares: bool, affine: Floats,
+    points: tuple[int, int, int, int], spacing: tuple[float, ...],
+) -> None:  # fmt: skip
+    """affine[p] = B D⁻¹ of the points p if ``least_squares``, else B."""
+    moment, spread = lanes.matrix(spacing, spacing), lanes.matrix(spacing, spacing)
+    inverse, product = lanes.matrix(spacing, spacing), lanes.matrix(spacing, spacing)
+    lanes.read(moments, (0, 1, 2, 3), moment, spacing)
     if least_squares:
-        invert(spread, inverse, spacing)
-        multiply(moment, inverse, product, spacing)
-        copy_matrix(affine, p, product, 0, spacing)
+        lanes.read(spreads, (0, 1, 2, 3), spread, spacing)
+        lanes.invert(spread, inverse, spacing)
+        lanes.multiply(moment, inverse, product, spacing)
+        lanes.write(affine, points, product, spacing)
     else:
-        copy_matrix(affine, p, moment, 0, spacing)
+        lanes.write(affine, points, moment, spacing)
 
 
 @kernel
@@ -261,48 +271,3 @@ def gather_velocity_gradient(points: Points, table: Table, grid: Nodes, spacing:
         for k in entries(table.row, p):
             add_outer_product(l, grid.velocity, table.nodes[k], table.gradient, k, spacing)
         copy_matrix(points.velocity_gradient, p, l, 0, spacing)
-
-
-@kernel
-def transport_affine(points: Points, affine: Floats, dt: float, spacing: tuple[float, ...]) -> None:
-    """C ← C (1 + Δt C)⁻¹ of every point.
-
-    A field v(x) = C x carried along x ← (1 + Δt C) x has, at the new positions, the gradient C (1 + Δt C)⁻¹.
-    Without it a spinning disc loses angular momentum at second order in Δt every step.
-    """
-    c, inverse = lanes.matrix(spacing, spacing), lanes.matrix(spacing, spacing)
-    motion = lanes.matrix(spacing, spacing)
-    for p in range(0, len(points.mass), lanes.WIDTH):
-        own = lanes.points_from(p, len(points.mass))
-        lanes.read(affine, own, c, spacing)
-        set_to_motion(motion, dt, c, spacing)
-        lanes.invert(motion, inverse, spacing)
-        lanes.multiply(c, inverse, motion, spacing)
-        lanes.write(affine, own, motion, spacing)
-
-
-@kernel
-def update_deformation(points: Points, dt: float, spacing: tuple[float, ...]) -> int:
-    """F ← (1 + Δt L) F and V = det(F) V⁰ of all points.
-
-    Return the first one whose det F is not positive (NaN included), or −1.
-    """
-    f, l = lanes.matrix(spacing, spacing), lanes.matrix(spacing, spacing)
-    motion, volume = lanes.matrix(spacing, spacing), lanes.matrix((0.0,), (0.0,))
-    bad = -1
-    for p in range(0, len(points.volume), lanes.WIDTH):
-        own = lanes.points_from(p, len(points.volume))
-        lanes.read(points.deformation_gradient, own, f, spacing)
-        lanes.read(points.velocity_gradient, own, l, spacing)
-        set_to_motion(motion, dt, l, spacing)
-        lanes.multiply(motion, f, l, spacing)
-        lanes.write(points.deformation_gradient, own, l, spacing)
-        jacobian = determinant(l, spacing)
-        lanes.read(points.initial_volume, own, volume, spacing)
-        volume[0, 0] = jacobian * volume[0, 0]
-        lanes.write(points.volume, own, volume, spacing)
-        if bad < 0 and not lanes.within(jacobian, 0.0, np.inf):
-            for q in own:
-                if bad < 0 and not points.volume[q] > 0.0:
-                    bad = q
-    return bad

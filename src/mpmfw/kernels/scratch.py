@@ -74,4 +74,15 @@ def matrix(_typing: Any, rows: Any, columns: Any) -> Any:
     return array_type(rows, columns), codegen
 
 
-__all__ = ["integers", "matrix", "vector"]
+@intrinsic
+def matrices(_typing: Any, number: Any, rows: Any, columns: Any) -> Any:
+    """As many scratch matrices of shape ``(len(rows), len(columns))`` as ``number`` is long."""
+    array_type = types.Array(types.float64, 3, "C")
+
+    def codegen(context: Any, builder: Any, signature: Any, _args: Any) -> Any:
+        return stack_array(context, builder, signature.return_type, tuple(len(arg) for arg in signature.args))
+
+    return array_type(number, rows, columns), codegen
+
+
+__all__ = ["integers", "matrices", "matrix", "vector"]

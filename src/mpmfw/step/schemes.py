@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from mpmfw.errors import Diverged, OutsideGrid
-from mpmfw.kernels import integrate_momentum, particle_grid, velocity_of_momentum
+from mpmfw.kernels import integrate_momentum, motion, particle_grid, velocity_of_momentum
 from mpmfw.state.fields import FloatArray
 from mpmfw.state.structs import Grid, Particles, State, Stencil
 from mpmfw.state.windows import fit_windows
@@ -258,13 +258,13 @@ def gather_velocity_gradient(p: Particles, phi: Stencil, g: Grid) -> None:
 def transport_affine(p: Particles, transfer: Transfer, g: Grid, dt: float) -> None:
     """C ← C (1 + Δt C)⁻¹, for a transfer whose affine field is transported."""
     if transfer.transported and p.affine is not None:
-        _over_points(p, particle_grid.transport_affine, p.affine, dt, g.spacing)
+        _over_points(p, motion.transport_affine, p.affine, dt, g.spacing)
 
 
 def update_deformation(state: State, dt: float) -> None:
     """F ← (1 + Δt L) F, V = det(F) V_0; raise Diverged unless det F > 0."""
     p = state.particles
-    bad = _over_points(p.in_space, particle_grid.update_deformation, dt, state.grid.tensor_spacing)
+    bad = _over_points(p.in_space, motion.update_deformation, dt, state.grid.tensor_spacing)
     if bad < 0:
         if p.space is not None:
             p.deformation_gradient[...] = p.space.deformation_gradient[:, :2, :2]
