@@ -14,7 +14,7 @@ import xarray as xr
 import mpmfw
 from mpmfw.errors import SceneError
 from mpmfw.plots.animation import Movie
-from mpmfw.plots.space import Bodies
+from mpmfw.plots.bodies import Bodies
 from mpmfw.report import pictures, write_report
 from mpmfw.results.selection import runs_of
 from scenes_for_tests import ball_on_a_box, two_blocks

@@ -237,6 +237,8 @@ def _scales(
     size, unit = with_prefix(units, max(abs(low), abs(high)))
     box = _with_margin(np.array(boxes))
     forces = [panel.largest_force(frames[label]) for label, panel in panels.items()] if arrows else [0.0]
+    if arrows and not any(panel.stores_force for panel in panels.values()):
+        raise SceneError("the run stored no contact force of surface nodes; leave the arrows out")
     length, _ = length_scale(box[1] - box[0])
     norm = Normalize(low / size, high / size)
     below, above = min(least for least, _ in found) < low, max(largest for _, largest in found) > high

@@ -12,12 +12,11 @@ import xarray as xr
 from matplotlib.collections import EllipseCollection, PolyCollection
 from matplotlib.colors import Normalize
 
-from mpmfw.errors import SceneError
+from mpmfw.plots.bodies import Bodies
 from mpmfw.plots.style import on_lines, time_scale
-from mpmfw.results.domains import Corners, corners_of, loops
+from mpmfw.results.domains import loops
 from mpmfw.results.point_fields import point_field
-from mpmfw.results.selection import bodies_of, frame_of, rigid_bodies_of, times_of
-from mpmfw.state.fields import FloatArray
+from mpmfw.results.selection import frame_of, times_of
 
 #: Width of a title above a panel of a journal's column, in letters.
 TITLE_WIDTH = 44
@@ -42,49 +41,22 @@ class Scales:
     extend: str  #: ends of the colours that values lie beyond, as matplotlib names them
 
 
-class FieldPanel:
+class FieldPanel(Bodies):
     """A field of one run in 2D on the material points of ``bodies``."""
 
     def __init__(self, tree: xr.DataTree, name: str, bodies: Sequence[str] | None = None) -> None:
-        self.tree = tree
-        self.bodies = bodies_of(tree, bodies)
-        self.name = name
-        points = tree[f"particles/{self.bodies[0]}"].to_dataset()
-        #: ``long_name`` and ``units`` of the field.
-        self.about = point_field(points.isel(time=slice(0), missing_dims="ignore"), name).attrs
-        self.corners: dict[str, Corners | None] = {body: corners_of(tree, body) for body in self.bodies}
-        outlined = tree["surface"].children if "surface" in tree.children else {}
-        rigid = rigid_bodies_of(tree, bodies)
-        self.outlined = [*(body for body in self.bodies if body in outlined), *rigid]
+        super().__init__(tree, bodies)
+        self.name, self.about = name, self.attributes(name)
         self._drawn: list[Any] = []
 
     def survey(self, frames: Iterable[int]) -> tuple[tuple[float, float], Box]:
-        """Return the range of finite values, and the extent of the points."""
-        ends, corners = [], []
-        for frame in frames:
-            for body in self.bodies:
-                data = frame_of(self.tree, f"particles/{body}", frame)
-                values = point_field(data, self.name).values
-                known = values[np.isfinite(values)]
-                if len(known):
-                    ends += [known.min(), known.max()]
-                points, size = self._places(body, data)
-                flat = points.reshape(-1, 2)
-                corners += [np.nanmin(flat, axis=0) - size, np.nanmax(flat, axis=0) + size]
-        limits = (float(min(ends)), float(max(ends))) if ends else (float("nan"), float("nan"))
-        (x0, y0), (x1, y1) = np.min(corners, axis=0), np.max(corners, axis=0)
-        return limits, (float(x0), float(x1), float(y0), float(y1))
-
-    def largest_force(self, frames: Iterable[int]) -> float:
-        """Return the largest contact force on a surface node [N/m]."""
-        if not any("force" in self.tree[f"surface/{body}"].data_vars for body in self.outlined):
-            raise SceneError("the run stored no contact force of surface nodes; leave the arrows out")
-        sizes = [
-            np.linalg.norm(frame_of(self.tree, f"surface/{body}", frame)["force"].values, axis=1).max()
-            for frame in frames
-            for body in self.outlined
-        ]
-        return float(np.nanmax(sizes))
+        """Return the range of finite values, and the extent of the bodies."""
+        frames = list(frames)
+        discs = (body for body in self.bodies if self.corners[body] is None)
+        volumes = (frame_of(self.tree, f"particles/{body}", frames[0])["volume"].max() for body in discs)
+        radius = max((0.5 * float(np.sqrt(volume)) for volume in volumes), default=0.0)
+        (x0, y0, _), (x1, y1, _) = self.box(frames).tolist()
+        return self.extremes(self.name, frames), (x0 - radius, x1 + radius, y0 - radius, y1 + radius)
 
     def draw(self, axes: Any, frame: int, scales: Scales, title: str) -> None:
         """Draw another output."""
@@ -99,20 +71,14 @@ class FieldPanel:
             self._drawn += self._draw_surface(axes, frame_of(self.tree, f"surface/{body}", frame), scales)
         set_title(axes, self.tree, frame, title)
 
-    def _places(self, body: str, data: xr.Dataset) -> tuple[FloatArray, float]:
-        """Return corners of domains, or centres and the largest point's radius [m]."""
-        corners = self.corners[body]
-        if corners is not None:
-            return corners(data), 0.0
-        return data["position"].values, 0.5 * float(np.sqrt(data["volume"].max()))
-
     def _shapes(
         self, axes: Any, body: str, data: xr.Dataset, scales: Scales
     ) -> PolyCollection | EllipseCollection:
         """Return domains as polygons, or points as discs of their area."""
-        places, _ = self._places(body, data)
-        if places.ndim == 3:
-            return PolyCollection(list(scales.length * places), edgecolors="face", linewidths=0.25)
+        if (corners := self.corners[body]) is not None:
+            polygons = list(scales.length * corners(data))
+            return PolyCollection(polygons, edgecolors="face", linewidths=0.25)
+        places = data["position"].values
         diameter = scales.length * 2.0 * np.sqrt(data["volume"].values / np.pi)
         centres: dict[str, Any] = {"offsets": scales.length * places, "offset_transform": axes.transData}
         flat = np.zeros_like(diameter)

@@ -7,86 +7,14 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from scipy.spatial import cKDTree
 
 from mpmfw.paraview.meshes import mesh_library
+from mpmfw.plots.bodies import Bodies, in_space
 from mpmfw.plots.field_panel import Box, Scales, set_title
-from mpmfw.results.domains import corners_of, facets_of, surfaces_of
-from mpmfw.results.point_fields import point_field
-from mpmfw.results.selection import bodies_of, frame_of, rigid_bodies_of
-from mpmfw.state.fields import FloatArray, IntArray
+from mpmfw.results.selection import frame_of
 
-#: Pixels of a picture; length of the longest arrow over the diagonal of all bodies; of the longest rigid body
-#: that the picture holds, over that of the others.
-_SIZE, _ARROW, _LONG = (1000, 750), 0.15, 5.0
-
-
-class Bodies:
-    """The bodies of one run in space: their points, facets and values at every output.
-
-    Solids with a stored surface are drawn as this surface, coloured by the nearest material point. Other
-    bodies are drawn as the domains of their points, or as spheres. Rigid bodies have no values.
-    """
-
-    def __init__(self, tree: xr.DataTree, bodies: Sequence[str] | None = None) -> None:
-        self.tree = tree
-        self.bodies, self.rigid = bodies_of(tree, bodies), rigid_bodies_of(tree, bodies)
-        self.names = [*self.bodies, *self.rigid]
-        surfaces = set(surfaces_of(tree))
-        self.space = len(tree["series"].coords["axis"]) == 3
-        self.outlined = [body for body in self.names if body in surfaces]
-        self._solid = {body for body in self.outlined if self.space or body in self.rigid}
-        self._corners = {body: corners_of(tree, body) for body in self.bodies}
-        self._nearest = {
-            body: cKDTree(frame_of(tree, f"particles/{body}", 0)["position"].values).query(
-                self.places(body, 0)[:, : 3 if self.space else 2]
-            )[1]
-            for body in self._solid - set(self.rigid)
-        }
-
-    def places(self, body: str, frame: int) -> FloatArray:
-        """Return the points (n, 3) that are drawn of a body at one output [m]."""
-        if body in self._solid:
-            places = frame_of(self.tree, f"surface/{body}", frame)["position"].values
-        else:
-            data, corners = frame_of(self.tree, f"particles/{body}", frame), self._corners.get(body)
-            places = data["position"].values if corners is None else corners(data)
-        return _in_space(places.reshape(-1, places.shape[-1]))
-
-    def facets(self, body: str) -> IntArray | None:
-        """Return segments, triangles or quadrilaterals between the points; None of single points."""
-        if body in self._solid:
-            return facets_of(self.tree, body)
-        if self._corners.get(body) is None:
-            return None
-        return np.arange(len(self.places(body, 0))).reshape(-1, 4)
-
-    def values(self, body: str, field: str, frame: int) -> FloatArray:
-        """Return a field of a body at one output, as it is drawn."""
-        data = frame_of(self.tree, f"particles/{body}", frame)
-        values = np.asarray(point_field(data, field).values, dtype=float)
-        return values[self._nearest[body]] if body in self._nearest else values
-
-    def extremes(self, field: str, frames: Iterable[int]) -> tuple[float, float]:
-        """Return the least and the largest finite value of a field over some outputs."""
-        values = np.concatenate([self.values(body, field, k) for body in self.bodies for k in frames])
-        known = values[np.isfinite(values)]
-        return (float(known.min()), float(known.max())) if len(known) else (np.nan, np.nan)
-
-    def box(self, frames: Iterable[int]) -> FloatArray:
-        """Return the lower and the upper corner (2, 3) of the bodies over some outputs [m].
-
-        Rigid bodies count up to five times the length of the others: a half-space does not.
-        """
-        frames = list(frames)
-        boxes = {}
-        for body in self.names:
-            places = [self.places(body, frame) for frame in frames]
-            boxes[body] = np.array([np.min(places, axis=(0, 1)), np.max(places, axis=(0, 1))])
-        own = _around([boxes[body] for body in self.bodies])
-        longest = _LONG * np.ptp(own, axis=0).max()
-        near = [box for box in boxes.values() if np.ptp(box, axis=0).max() <= longest]
-        return _around([own, *near])
+#: Pixels of a picture; length of the longest arrow over the diagonal of all bodies.
+_SIZE, _ARROW = (1000, 750), 0.15
 
 
 class View(Bodies):
@@ -144,25 +72,14 @@ class View(Bodies):
         if largest_force > 0.0:
             self._add_arrows(frame, deformation, largest_force)
 
-    def largest_force(self, frames: Iterable[int]) -> float:
-        """Return the largest contact force on a surface node [N, in 2D N/m]; 0 where none is stored."""
-        sizes = [
-            np.linalg.norm(self._forces(body, frame), axis=1) for body in self.outlined for frame in frames
-        ]
-        return float(np.nanmax(np.concatenate(sizes), initial=0.0)) if sizes else 0.0
-
-    def _forces(self, body: str, frame: int) -> FloatArray:
-        data = frame_of(self.tree, f"surface/{body}", frame)
-        return _in_space(data["force"].values if "force" in data else 0.0 * data["position"].values)
-
     def _add_arrows(self, frame: int, deformation: float, largest: float) -> None:
         position, force = [], []
         for body in self.outlined:
             first, now = (
-                _in_space(frame_of(self.tree, f"surface/{body}", k)["position"].values) for k in (0, frame)
+                in_space(frame_of(self.tree, f"surface/{body}", k)["position"].values) for k in (0, frame)
             )
             position.append(first + deformation * (now - first))
-            force.append(np.nan_to_num(self._forces(body, frame)))
+            force.append(np.nan_to_num(self.forces(body, frame)))
         vectors = np.concatenate(force)
         acting = np.linalg.norm(vectors, axis=1) > 1e-3 * largest
         if acting.any():
@@ -172,14 +89,6 @@ class View(Bodies):
             self.plotter.add_arrows(centres, longest * vectors[acting], color="#D55E00", name="forces")
 
 
-def _around(boxes: Sequence[FloatArray]) -> FloatArray:
-    return np.array([np.min(boxes, axis=(0, 1)), np.max(boxes, axis=(0, 1))])
-
-
-def _in_space(places: FloatArray) -> FloatArray:
-    return np.pad(np.asarray(places, dtype=float), ((0, 0), (0, 3 - places.shape[1])))
-
-
 class SpacePanel(View):
     """A field of one run in space, as a picture; used as :class:`mpmfw.plots.field_panel.FieldPanel`."""
 
@@ -187,8 +96,7 @@ class SpacePanel(View):
         super().__init__(tree, bodies)
         self.name = name
         self._drawn: list[Any] = []
-        points = tree[f"particles/{self.bodies[0]}"].to_dataset()
-        self.about = point_field(points.isel(time=slice(0), missing_dims="ignore"), name).attrs
+        self.about = self.attributes(name)
 
     def survey(self, frames: Iterable[int]) -> tuple[tuple[float, float], Box]:
         """Return the range of finite values, and the extent of the picture, which shows all the outputs."""

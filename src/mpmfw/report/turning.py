@@ -12,8 +12,8 @@ import xarray as xr
 from markupsafe import Markup
 
 from mpmfw.plots.animation import frames_at
+from mpmfw.plots.bodies import Bodies
 from mpmfw.plots.field_figure import colour_range
-from mpmfw.plots.space import Bodies
 from mpmfw.plots.style import in_brackets
 from mpmfw.results.point_fields import point_field
 from mpmfw.results.selection import frame_of
