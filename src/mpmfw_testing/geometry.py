@@ -12,6 +12,7 @@ import shapely
 
 from mpmfw.geometry import BodyGeometry, Layout, PlaneGeometry, SolidGeometry
 from mpmfw.geometry.cut_cells import centroid_of, volume_of
+from mpmfw.geometry.solid import joined
 from mpmfw.geometry.surface_checks import check_surface
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 from mpmfw_testing.bench import Opened
@@ -71,7 +72,7 @@ def closed(subject: Subject) -> None:
         surfaces, case = geometry.surfaces(side), {"side [m]": side}
         try:
             if geometry.dim == 3:
-                check_surface(*_joined(surfaces))
+                check_surface(*joined(surfaces))
                 continue
             loops = [shapely.LinearRing(nodes[facets[:, 0]]) for nodes, facets in surfaces]
         except ValueError as error:
@@ -93,7 +94,7 @@ def oriented(subject: Subject) -> None:
     space normals point outwards: beside every facet inside is inside."""
     geometry = subject.make()
     side = SIDES[-1] * _extent(geometry)
-    nodes, facets = _joined(geometry.surfaces(side))
+    nodes, facets = joined(geometry.surfaces(side))
     case = {"side [m]": side}
     if _enclosed(nodes, facets) <= 0.0:
         raise Violation("facets run the wrong way round: what they enclose is negative", case)
@@ -115,7 +116,7 @@ def sides(subject: Subject) -> None:
     twice as long, and there are no more nodes than memory is planned for."""
     geometry = subject.make()
     for asked in (share * _extent(geometry) for share in SIDES):
-        nodes, facets = _joined(geometry.surfaces(asked))
+        nodes, facets = joined(geometry.surfaces(asked))
         corners, case = nodes[facets], {"asked [m]": asked}
         longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max()
         text = "a side is longer than was asked (over that)"
@@ -131,7 +132,7 @@ def in_bounds(subject: Subject) -> None:
     """The bounds are those of the surface. Nodes lie within them and reach each to 2 %."""
     geometry = subject.make()
     extent, (lower, upper) = _extent(geometry), geometry.bounds
-    nodes, _ = _joined(geometry.surfaces(SIDES[-1] * extent))
+    nodes, _ = joined(geometry.surfaces(SIDES[-1] * extent))
     least, most = nodes.min(axis=0), nodes.max(axis=0)
     outside = max((lower - least).max(), (most - upper).max())
     within(outside / extent, 1e-9, "the surface leaves the bounds (by a share of the extent)")
@@ -144,7 +145,7 @@ def volume(subject: Subject) -> None:
     finest; points have it to rounding, in space to 1e-3."""
     geometry = subject.make()
     true, extent = float(geometry.exact_volume), _extent(geometry)
-    off = [abs(_enclosed(*_joined(geometry.surfaces(side * extent))) / true - 1.0) for side in SIDES]
+    off = [abs(_enclosed(*joined(geometry.surfaces(side * extent))) / true - 1.0) for side in SIDES]
     case: dict[str, object] = {"exact_volume": true, "coarse": off[0]}
     within(off[-1], 0.02, "the surface does not enclose exact_volume (off by a share of it)", case)
     within(off[-1], 0.5 * off[0] + 1e-9, "with finer facets it comes no nearer to exact_volume", case)
@@ -158,7 +159,7 @@ def centroid(subject: Subject) -> None:
     """Surface and points have the body's centroid. To 1 % of the extent and of a point's size."""
     geometry = subject.make()
     true, extent = np.asarray(geometry.centroid), _extent(geometry)
-    off = np.abs(_centre(*_joined(geometry.surfaces(SIDES[-1] * extent))) - true).max()
+    off = np.abs(_centre(*joined(geometry.surfaces(SIDES[-1] * extent))) - true).max()
     case = {"centroid": true.tolist()}
     within(off / extent, 0.01, "the surface has another centroid (off by a share of the extent)", case)
     for layout, sizes in _layouts(geometry):
@@ -250,13 +251,6 @@ def _layouts(geometry: BodyGeometry) -> Iterator[tuple[Layout, dict[str, Any]]]:
         for shift in SHIFTS:
             layout = geometry.lattice(size, (shift,) * geometry.dim)
             yield layout, {"size [m]": size, "shift [cells]": shift}
-
-
-def _joined(surfaces: Any) -> tuple[FloatArray, IntArray]:
-    """Return nodes and facets of all surfaces as one."""
-    first = np.cumsum([0, *(len(nodes) for nodes, _ in surfaces)])
-    facets = [own + start for (_, own), start in zip(surfaces, first, strict=False)]
-    return np.concatenate([nodes for nodes, _ in surfaces]), np.concatenate(facets)
 
 
 def _enclosed(nodes: FloatArray, facets: IntArray) -> float:

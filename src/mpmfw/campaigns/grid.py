@@ -206,11 +206,8 @@ def in_words(labels: Mapping[str, Any]) -> str:
 def given_twice(values: Iterable[Any]) -> list[int]:
     """Return indices of repeated values; booleans are not numbers."""
     plainly = [plain(value) if is_value(value) else value for value in values]
-    same = [
-        [one == other and isinstance(one, bool) == isinstance(other, bool) for other in plainly[:k]]
-        for k, one in enumerate(plainly)
-    ]
-    return [k for k, found in enumerate(same) if any(found)]
+    told = [(isinstance(value, bool), value) for value in plainly]
+    return [k for k, one in enumerate(told) if one in told[:k]]
 
 
 def labels_of(values: list[Any]) -> list[Any]:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 from pydantic import Field
 
@@ -249,19 +250,17 @@ def judge_all(
 def _read_reference(error: ErrorTable, at: At, beside: Callable[[Any], Any]) -> Exact:
     path = Path(beside(error.file))
     try:
-        # NumPy takes the columns' names from the first line even if that is a comment
-        lines = [line for line in path.read_text("utf-8").splitlines() if line.strip() and line[0] != "#"]
-        table: Any = np.genfromtxt(lines, delimiter=",", names=True)
+        table = pd.read_csv(path, comment="#", skipinitialspace=True).apply(pd.to_numeric, errors="coerce")
     except (OSError, ValueError) as problem:
         raise at(("error", "file"), f"{error.file}: cannot be read as CSV: {problem}") from problem
-    columns = list(table.dtype.names or ())
+    columns = [str(name) for name in table]
     others = [name for name in columns if name != "time"]
     column = error.column or (others[0] if len(others) == 1 else None)
     if "time" not in columns or column not in others:
         target = f"'{error.column}'" if error.column else "one other (or error.column, which says which)"
         known = f"{error.file} has the columns {', '.join(columns) or 'none'}"
         raise at(("error", "column" if error.column else "file"), f"{known}; expected 'time' and {target}")
-    time, values = np.atleast_1d(table["time"]), np.atleast_1d(table[column])
+    time, values = table["time"].to_numpy(), table[column].to_numpy()
     if len(time) < 2 or not np.all(np.diff(time) > 0.0) or not np.isfinite(values).all():
         raise at(("error", "file"), f"{error.file}: expected rising times, and a number in every row")
 

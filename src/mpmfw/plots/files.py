@@ -111,13 +111,8 @@ def plot_file(
     MpmfwError
         A file cannot be read or written.
     """
-    results = open_results(path)
-    dataset = series_of(results)
-    if isinstance(results, xr.DataTree):
-        drawn = {"series": _overview(dataset)} if dataset.sizes.get("time", 0) > 1 else {}
-    else:
-        known = "status" in dataset or "class" in dataset
-        drawn = {name: figure for name, (figure, _) in figures_of(dataset).items()} if known else {}
+    found = figures_of(series_of(open_results(path)))
+    drawn = {name: figure for name, (figure, _) in found.items()}
     if not drawn:
         raise SceneError(f"'{os.fspath(path)}' holds no series with two outputs or more to draw")
     first = Path(path).with_suffix(".png") if output is None else Path(output)
