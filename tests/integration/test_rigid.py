@@ -297,6 +297,7 @@ def test_a_rigid_body_counts_as_stiffer_than_any_other():
         ({"rigid": {"motion": {"surface_velocity": [1, 2, 3]}}}, "has 3 entries; expected 2"),
         ({"rigid": {"density": 1.0, "held": ["z"]}}, "'z' is a component in 3D; expected x, y or rotation"),
         ({"rigid": {"density": 1.0, "held": ["x", "x"]}}, "names a component twice"),
+        ({"rigid": {"density": 1.0, "held": ["rotation-x"]}}, "'rotation-x' is a component in 3D; expected"),
         ({"rigid": {"density": 1.0, "held": ["x", "y", "rotation"]}}, "holds the whole motion; expected"),
         ({"rigid": {"held": ["x"], "motion": {"velocity": [1, 0]}}}, "held: has no effect: rigid.motion"),
         ({"rigid": {"density": 1.0, "force": [1, 2, 3]}}, "has 3 entries; expected 2"),

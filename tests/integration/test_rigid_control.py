@@ -85,6 +85,71 @@ def test_in_space_a_torque_turns_about_its_axis():
     assert series["mean_velocity"].values[-1, 1].tolist() == [0.0, 0.0, 3.0]
 
 
+def in_space(own, **rigid):
+    """A box of 8 kg in space that meets nothing, for a fifth of a turn, and its moments of inertia."""
+    sides = np.array([0.4, 0.2, 0.1])
+    body = {"geometry": box([0.0] * 3, sides.tolist()), "segment": 0.2, "rigid": rigid, **own}
+    scene = flight(body, time={"end": 0.3, "output_interval": 0.03})
+    scene["grid"] |= {"lower": [-1.0] * 3, "upper": [1.0] * 3}
+    scene["bodies"]["block"]["geometry"] = box([-0.7] * 3, [-0.5] * 3)
+    return scene, 8.0 * (np.square(sides).sum() - np.square(sides)) / 12.0
+
+
+def test_in_space_a_torque_does_not_turn_about_axes_that_are_held():
+    held = ["rotation-x", "rotation-y"]
+    scene, inertia = in_space({"angular_velocity": [0.0, 0.0, 2.0]}, torque=[0.0, 0.0, 0.5], held=held)
+    series = series_of(scene)
+    spin = 2.0 + 0.5 * series["time"].values / inertia[2]
+    energy = series["kinetic_energy"].values[:, 1]
+    assert energy == pytest.approx(0.5 * inertia[2] * spin**2, rel=1e-9)
+    assert np.abs(series["angular_momentum"].values[:, 1, :2]).max() < 1e-12
+
+
+def test_in_space_a_body_that_turns_about_two_axes_keeps_their_momentum_and_its_energy():
+    """Only a torque about x acts on it. Without the hold ω_x oscillates."""
+    own = {"angular_velocity": [0.0, 4.0, 1.0]}
+    energies = []
+    for held in ([], ["rotation-x"]):
+        scene, inertia = in_space(own, held=held)
+        simulation, spins = Simulation(scene), []
+        simulation.start()
+        bodies = simulation.state.rigid
+        for _ in range(100):
+            simulation.step(1e-3)
+            spins.append(bodies.angular_velocity[0])
+        energies.append(bodies.kinetic_energy[0])
+        moment = rigid.vector_of(bodies.moment)[0]
+        assert moment[1:] == pytest.approx(inertia[1:] * [4.0, 1.0], rel=1e-9)
+        assert np.ptp(np.array(spins)[:, 2]) > 0.01
+    assert np.abs(np.array(spins)[:, 0]).max() < 1e-12
+    assert energies == pytest.approx([0.5 * inertia @ np.square([0.0, 4.0, 1.0])] * 2, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("held", "torque", "message"),
+    [
+        (["rotation", "rotation-z"], None, "held: holds rotations about all axes; expected 'rotation' alone"),
+        (["rotation-x", "rotation-y", "rotation-z"], None, "held: holds rotations about all axes"),
+        (["rotation-y"], [1.0, 2.0, 0.0], "torque: has no effect: rotation-y is held; expected 0 there"),
+        (["rotation-w"], None, "did you mean 'rotation-z'"),
+    ],
+)
+def test_bad_holds_are_refused(held, torque, message):
+    scene, _ = in_space({}, held=held, **({"torque": torque} if torque else {}))
+    with pytest.raises(mpmfw.errors.SceneError, match=message):
+        mpmfw.load_scene(scene)
+
+
+def test_impulses_do_not_turn_a_body_about_an_axis_that_is_held():
+    scene, inertia = in_space({}, held=["rotation-x", "y"])
+    bodies = Simulation(scene).state.rigid
+    impulse = np.random.default_rng(2).normal(size=(4, 3))
+    arms, moment = bodies.arms[0], np.cross(bodies.arms[0], impulse).sum(axis=0)
+    velocity = np.array([1.0, 0.0, 1.0]) * impulse.sum(axis=0) / 8.0
+    moved = velocity + np.cross([0.0, 1.0, 1.0] * moment / inertia, arms)
+    assert np.einsum("pdqe,pd->qe", bodies.inverse_mass, impulse) == pytest.approx(moved, abs=1e-12)
+
+
 @pytest.mark.parametrize(
     ("method", "rotation"),
     [

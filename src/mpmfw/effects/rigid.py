@@ -69,6 +69,8 @@ class RigidBodies:
         #: components of the velocity (n, dim) and spins (n, 1, 1) of free bodies that no force changes
         self.held = np.array([[name in each for name in "xyz"[:dim]] for each in held])
         self.held_spin = np.array(["rotation" in each for each in held])[:, None, None]
+        #: axes (n, 3) about which alone bodies in space do not turn
+        self.held_axes = np.array([[f"rotation-{name}" in each for name in "xyz"] for each in held])
         self.work = 0.0  #: of what holds them, on free bodies [J/m]
         if self.holds:
             self.ledger_term = "external", "held rigid bodies"
@@ -146,7 +148,7 @@ class RigidBodies:
     @property
     def holds(self) -> bool:
         """Return True if part of a free body's motion is held."""
-        return bool(self.held.any() or self.held_spin.any())
+        return bool(self.held.any() or self.held_spin.any() or self.held_axes.any())
 
     # -- where they are
 
@@ -298,7 +300,7 @@ class RigidBodies:
             return
         velocity = momentum[free].sum(axis=1) / self.mass[free, None]
         lever = np.einsum("njd,nje->nde", momentum[free], self.arms[free])
-        spin = self.spin_of(lever - np.swapaxes(lever, 1, 2), free)
+        spin = self._hold_axes(self.spin_of(lever - np.swapaxes(lever, 1, 2), free), free)
         self.velocity[free] = np.where(self.held[free], self.velocity[free], velocity)
         self.spin[free] = np.where(self.held_spin[free], self.spin[free], spin)
         self.restored()
@@ -308,6 +310,20 @@ class RigidBodies:
         own = in_axes(moment, np.swapaxes(self.turn[free], 1, 2))
         return in_axes(own / self.sums[free], self.turn[free])
 
+    def _hold_axes(self, spin: FloatArray, which: Any, scale: float = 1.0) -> FloatArray:
+        """Return ``spin`` (n, dim, dim) of the bodies ``which`` with reactions about the axes that are held.
+
+        There it is ``scale`` times the present one: ω − I⁻¹ λ, λ a torque along these axes alone."""
+        own = np.arange(len(self.bodies))[which]
+        for row in np.flatnonzero(self.held_axes[own].any(axis=1)):
+            k, held = own[row], self.held_axes[own[row]]
+            unit = np.array([matrix_of(axis, 3) for axis in np.eye(3)])
+            inverse = vector_of(self.spin_of(unit, np.full(3, k)))
+            omega = vector_of(spin[row : row + 1])[0]
+            excess = omega[held] - scale * vector_of(self.spin[k : k + 1])[0, held]
+            spin[row] = matrix_of(omega - np.linalg.solve(inverse[held][:, held], excess) @ inverse[held], 3)
+        return spin
+
     @property
     def inverse_mass(self) -> FloatArray:
         """Velocities (n_points, dim, dim + 1, dim) of a body's points by a unit impulse on one of them, along
@@ -316,7 +332,8 @@ class RigidBodies:
         inverse = np.zeros((len(self.arms), dim + 1, dim, dim + 1, dim))
         lever = np.einsum("de,npf->npdef", np.eye(dim), self.arms[free])
         moment = (lever - np.swapaxes(lever, 3, 4)).reshape(-1, dim, dim)
-        spin = self.spin_of(moment, np.repeat(free, (dim + 1) * dim)).reshape(lever.shape)
+        points = np.repeat(free, (dim + 1) * dim)
+        spin = self._hold_axes(self.spin_of(moment, points), points, 0.0).reshape(lever.shape)
         spin = np.where(self.held_spin[free, None, None], 0.0, spin)
         moved = np.where(self.held[free, None], 0.0, np.eye(dim)) / self.mass[free, None, None]
         inverse[free] = np.einsum("npdef,nqf->npdqe", spin, self.arms[free]) + moved[:, None, :, None]
@@ -351,8 +368,9 @@ class RigidBodies:
 
         Those that are free to turn keep L, and turn by W of the mean of Rᵀ L R at both ends: a midpoint rule,
         which keeps the energy (Lewis & Simo 1994)."""
-        free = ~self.prescribed & ~self.held_spin[:, 0, 0]
-        moment = self.moment[free]
+        guided = self.held_axes.any(axis=1)
+        free = ~self.prescribed & ~self.held_spin[:, 0, 0] & ~guided
+        moment, of_guided, begin = self.moment[free], self.moment[guided], self.turn[guided]
         turned = np.einsum("nda,nae->nde", rotations(dt * self.spin), self.turn)
         if free.any() and self.dim == 3:
             turn, sums = self.turn[free], self.sums[free]
@@ -366,4 +384,9 @@ class RigidBodies:
         self.turn = turned
         if free.any():
             self.spin[free] = self.spin_of(moment, free)
+        for _ in range(3 if guided.any() else 0):  # by the mean of the spins at both ends
+            after = self._hold_axes(self.spin_of(of_guided, guided), guided)
+            by = rotations(0.5 * dt * (self.spin[guided] + after))
+            self.turn[guided] = np.einsum("nda,nae->nde", by, begin)
+        self.spin[guided] = self._hold_axes(self.spin_of(of_guided, guided), guided)
         self.restored()

@@ -34,6 +34,10 @@ class Motion(Table):
     surface_velocity: VelocityInTime | None = None  #: of a belt over the body, which does not follow [m/s]
 
 
+#: Components of a free motion; rotations about one axis are for space.
+Held = Literal["x", "y", "z", "rotation", "rotation-x", "rotation-y", "rotation-z"]
+
+
 class Rigid(Table):
     """Motion of a rigid body: a prescribed ``motion``, or that of forces on its mass.
 
@@ -45,7 +49,7 @@ class Rigid(Table):
     density: Annotated[Density, Field(gt=0)] | None = None
     mass: Annotated[Mass, Field(gt=0)] | None = None
     inertia: Inertias | None = None
-    held: Annotated[tuple[Literal["x", "y", "z", "rotation"], ...], Strict(False)] | None = None
+    held: Annotated[tuple[Held, ...], Strict(False)] | None = None
     force: SideForce | None = None
     torque: TorqueInTime | None = None
 
@@ -59,6 +63,9 @@ RigidTable = Annotated[
 def _refuse(_: Any) -> Any:
     raise ValueError("does not apply to a rigid body: it has no material points, and does not deform")
 
+
+#: Rotations about single axes, in space.
+AXES = ("rotation-x", "rotation-y", "rotation-z")
 
 #: Keys of a rigid body whose motion is that of forces.
 OF_FREE = {"held", "force", "torque"}
@@ -103,7 +110,9 @@ def _free(rigid: Rigid, at: Path, dim: int) -> Iterator[Problem]:
     for name in rigid.held or ():
         if name == "rotation" and rigid.torque is not None:
             yield Problem((*at, "torque"), "has no effect: the rotation is held")
-        elif name != "rotation" and acts_along(rigid.force, "xyz".index(name)):
+        elif name in AXES and dim == 3 and acts_along(rigid.torque, AXES.index(name)):
+            yield Problem((*at, "torque"), f"has no effect: {name} is held; expected 0 there")
+        elif name in "xyz" and acts_along(rigid.force, "xyz".index(name)):
             yield Problem((*at, "force"), f"has no effect along {name}, which is held; expected 0 there")
     yield from check_spin(rigid.inertia, (*at, "inertia"), dim, "kg m^2")
     if dim == 3 and isinstance(rigid.inertia, tuple):
@@ -136,9 +145,12 @@ def _held(held: tuple[str, ...] | None, at: Path, dim: int) -> Iterator[Problem]
     names = set(held or ())
     if len(names) < len(held or ()):
         yield Problem(at, "names a component twice")
-    if "z" in names and dim == 2:
-        yield Problem(at, "'z' is a component in 3D; expected x, y or rotation")
-    elif len(names) == dim + 1:
+    turns = names.intersection(AXES)
+    if dim == 2 and (wrong := names.intersection(("z", *AXES))):
+        yield Problem(at, f"'{min(wrong)}' is a component in 3D; expected x, y or rotation")
+    elif turns and ("rotation" in names or len(turns) == len(AXES)):
+        yield Problem(at, "holds rotations about all axes; expected 'rotation' alone for these")
+    elif len(names) == dim + 1 and not turns:
         yield Problem(at, "holds the whole motion; expected rigid = true, or rigid.motion")
 
 
