@@ -27,7 +27,7 @@ def tables(records: Sequence[Record]) -> list[str]:
         ran: dict[str, set[tuple[str, float]]] = {}
         for one in listed:
             ran.setdefault(one.method, set()).add((one.problem, one.cell_size))
-        shared = set.intersection(*ran.values())
+        shared = set.intersection(*ran.values()) if ran else set()
         found.append(rows([one for one in listed if (one.problem, one.cell_size) in shared]))
     return found
 

@@ -47,6 +47,21 @@ def test_a_full_disk_stops_the_run_and_keeps_its_outputs(path, monkeypatch):
     assert read(path).attrs["status"].startswith("failed: cannot write frame 2")
 
 
+def test_a_signal_before_a_failed_write_still_interrupts(path, monkeypatch):
+    real = RunWriter.finish
+
+    def finish(*_):
+        signal.raise_signal(signal.SIGTERM)
+        monkeypatch.setattr(RunWriter, "finish", real)
+        raise OSError("the disk is gone")
+
+    monkeypatch.setattr(RunWriter, "finish", finish)
+    scene = two_blocks("none", time={"end": 0.001, "output_interval": 0.001}, output={"gap": False})
+    with pytest.raises(Interrupted, match="interrupted; the run had failed: the disk is gone") as caught:
+        mpmfw.run(scene, output=path)
+    assert caught.value.number == signal.SIGTERM
+
+
 def test_no_room_at_the_start_leaves_the_old_file(path, monkeypatch):
     with RunWriter(path, HEADER) as writer:
         writer.write(frame(0))

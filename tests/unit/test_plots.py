@@ -15,6 +15,7 @@ from mpmfw.geometry.solids import sphere_surface
 from mpmfw.plots.animation import Movie
 from mpmfw.plots.plane_cut import cut_lines
 from mpmfw.results.point_fields import point_field, point_fields
+from mpmfw.results.selection import chosen_frames
 from scenes_for_tests import ball_on_a_box
 
 BODIES = ("upper", "floor")
@@ -217,6 +218,11 @@ def test_runs_stand_side_by_side_at_the_same_times(a):
     movie.show(1)
     titles = [axes.get_title(loc="left") for axes in movie.figure.axes[:2]]
     assert titles == ["long, t = 4 ms", "short, t = 4 ms"]
+
+
+def test_the_last_output_is_always_among_the_chosen(a):
+    assert len(a["time"]) == 5
+    assert [chosen_frames(a, every) for every in (2, 3, 9)] == [[0, 2, 4], [0, 3, 4], [0, 4]]
 
 
 def test_mp4(a, tmp_path):

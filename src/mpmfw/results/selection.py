@@ -134,11 +134,11 @@ def frame_of(tree: xr.DataTree, place: str, index: int) -> xr.Dataset:
     return group.isel(time=index, missing_dims="ignore").load()
 
 
-def chosen_frames(tree: xr.DataTree, every: int) -> range:
-    """Return each ``every``-th output with points."""
+def chosen_frames(tree: xr.DataTree, every: int) -> list[int]:
+    """Return each ``every``-th output with points, and the last one."""
     if isinstance(every, float | str | None) or every < 1:
         raise SceneError(f"every {every!r}: expected a whole number of 1 or more")
-    return range(0, frame_at(tree) + 1, every)
+    return [*range(0, frame_at(tree), every), frame_at(tree)]
 
 
 def select(comparison: Results, **choice: Any) -> xr.DataTree:

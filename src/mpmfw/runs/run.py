@@ -230,6 +230,10 @@ def run_on(checkpoints: Checkpoints, progress: Callable[[float, int], None] | No
         if signals.waiting is not None:
             raise Interrupted(signals.waiting, f"interrupted; the run had failed: {error}") from error
         raise
+    except (MpmfwError, OSError) as error:
+        if signals.waiting is not None:
+            raise Interrupted(signals.waiting, f"interrupted; the run had failed: {error}") from error
+        raise
     except KeyboardInterrupt as error:
         writer.finish(_end(simulation, "interrupted"))
         text = _how_to_go_on(checkpoints)
