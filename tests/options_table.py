@@ -425,6 +425,8 @@ CUBE = body(
     gravity={"vector": [-20.0, -100.0, -50.0]},
     **{f"{SOLID}__angular_velocity": [0.0, 0.0, 0.0]},
 )
+#: A ring with a load in its hole.
+HOLLOW = body({"type": "ring", **SHAPES["ring"]}, **{SIDES: [{"side": "inner", "pressure": 1e4}]})
 #: A rigid block beside it, which falls and tumbles.
 FALLS = with_changes(
     CUBE,
@@ -455,7 +457,8 @@ EACH: dict[str, Each] = {
         {
             side: {SIDES: [{"side": side, "fixed": True}]}
             for side in ("left", "right", "bottom", "top", "back", "front")
-        },
+        }
+        | {"outer": {SIDES: [{"side": "outer", "pressure": 1e4}]}, "inner": HOLLOW},
     ),
     **{
         f"{kind.capitalize()}.axis": Each(

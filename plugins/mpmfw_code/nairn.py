@@ -103,12 +103,13 @@ class Nairn(Code):
         body: Any = scene.bodies[name]
         for side in body.sides:
             key = f"bodies.{name}.sides"
+            if not side.fixed:
+                yield key, "only sides that are fixed are written"
+                continue
             axis, upper = _SIDES[side.side]
             cell, origin = float(scene.grid.cell_size), float(scene.grid.lower[axis])
             place = (float(body.geometry.bounds[upper][axis]) - origin) / cell
-            if not side.fixed:
-                yield key, "only sides that are fixed are written"
-            elif type(body.geometry).__name__ not in ("Rectangle", "Box"):
+            if type(body.geometry).__name__ not in ("Rectangle", "Box"):
                 yield key, "only sides of rectangles and boxes are written"
             elif np.any(getattr(body.geometry, "angle", 0.0)) or abs(place - round(place)) > 1e-6:
                 yield key, f"holds nodes; expected the side '{side.side}' along a line of the grid"

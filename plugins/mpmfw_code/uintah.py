@@ -57,6 +57,8 @@ class Uintah(Code):
             options = scene.materials[body.material].options if body.material else None
             if getattr(options, "energy", "split") != "split":
                 yield f"materials.{body.material}.energy", "its law is that of 'split'"
+            if getattr(options, "rate_factor", 0.0) or getattr(options, "hardening_exponent", 1.0) != 1.0:
+                yield f"materials.{body.material}", "hardening is written if it is linear, without rate"
             motion = getattr(getattr(body, "rigid", None), "motion", None)
             if motion and (motion.velocity is None or motion.angular_velocity or motion.surface_velocity):
                 yield f"bodies.{name}.rigid.motion", "only a velocity is written"
@@ -130,7 +132,11 @@ class Uintah(Code):
 
 def _held(scene: Scene) -> list[tuple[str, Any, int, int]]:
     """Return bodies and their sides, with axis and end of the grid."""
-    return [(name, side, *_SIDES[side.side]) for name, body in scene.bodies.items() for side in body.sides]
+    return [
+        (name, side, *_SIDES.get(side.side, (0, 0)))
+        for name, body in scene.bodies.items()
+        for side in body.sides
+    ]
 
 
 def _grid(scene: Scene, extra: int) -> Element:

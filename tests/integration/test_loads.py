@@ -70,6 +70,47 @@ def test_a_block_under_pressure(shape, tolerance):
         np.testing.assert_allclose(stress[:, 0, 1], 0.0, atol=tolerance * 1e4)
 
 
+ARC = np.linspace(0.0, math.pi, 61)
+HALF = np.stack([np.sin(ARC), -np.cos(ARC)], axis=1)
+SHELL = {"type": "polygon", "points": [*(0.9 * HALF).tolist(), *(0.6 * HALF[::-1]).tolist()]}
+BALL = {"type": "ball", "centre": [0.0, 0.0, 0.0], "radius": 0.9}
+RING = {"type": "ring", "centre": [0.0, 0.0], "inner_radius": 0.6, "outer_radius": 0.9}
+
+
+@pytest.mark.parametrize(
+    ("shape", "side", "radius", "area"),
+    [
+        (RING, "inner", 0.6, 1.2 * math.pi),
+        (RING, "outer", 0.9, 1.8 * math.pi),
+        (SHELL, "inner", 0.6, 0.6 * math.pi),
+        (SHELL, "outer", 0.9, 0.9 * math.pi),
+        (BALL, "outer", 0.9, 3.24 * math.pi),
+    ],
+)
+def test_a_load_finds_the_outside_and_the_holes_of_any_body(shape, side, radius, area):
+    """A half-plane's shell is one outline, whose arcs end on the axis."""
+    corner = [2.0] * (3 if shape is BALL else 2)
+    grid = {"cell_size": 0.3, "lower": [-c for c in corner], "upper": corner}
+    if shape is SHELL:
+        grid |= {"lower": [0.0, -2.0], "axisymmetric": True}
+    scene = {
+        "grid": grid, "time": {"end": 0.1, "output_interval": 0.1}, "shape": {"method": "cpdi"},
+        "materials": {"soft": SOFT},
+        "bodies": {"solid": {
+            "material": "soft", "geometry": shape, "particles": {"size": 0.15},
+            "sides": [{"side": side, "pressure": 1.0}],
+        }},
+    }  # fmt: skip
+    sim = Simulation(scene)
+    (load,) = (plugin for plugin in sim.setup.plugins if isinstance(plugin, SurfaceLoad))
+    corners = sim.state.tracked_surface.position[sim.state.tracked_surface.facets[load.facets]]
+    np.testing.assert_allclose(np.linalg.norm(corners, axis=2), radius, rtol=2e-2)
+    edges = np.diff(corners, axis=1)
+    plane = len(corner) == 2
+    across = edges[:, 0] if plane else 0.5 * np.cross(edges[:, 0], edges[:, 1])
+    assert np.linalg.norm(across, axis=1).sum() == pytest.approx(area, rel=0.05)
+
+
 @pytest.mark.parametrize("make", [block, box])
 @pytest.mark.parametrize("key", ["traction", "force"])
 def test_a_load_on_a_side_gives_its_impulse_in_any_direction(key, make):

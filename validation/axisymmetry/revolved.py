@@ -75,6 +75,33 @@ def lame(tree: xr.DataTree) -> dict[str, float]:
     }
 
 
+def shell(cells: int) -> dict[str, Any]:
+    """Return a sphere's shell with so many ``cells`` in its wall under pressure inside, at rest."""
+    angle = np.linspace(0.0, np.pi, 181)
+    arc = np.stack([np.sin(angle), -np.cos(angle)], axis=1)
+    arc[[0, -1], 0] = 0.0
+    points = np.concatenate([OUTER * arc, INNER * arc[::-1]]).tolist()
+    body = {
+        "geometry": {"type": "polygon", "points": points},
+        "sides": [{"side": "inner", "pressure": PRESSURE}],
+    }
+    scene = _scene((OUTER - INNER) / cells, body, (1e-4, 1e-4), (1.5, 1.5))
+    scene["grid"]["lower"] = [0.0, -1.5]
+    return scene | {"settle": {"tolerance": 1e-4}}
+
+
+def opened(tree: xr.DataTree) -> dict[str, float]:
+    """Return the error [%] of the ``opening`` of the shell by least squares over its points.
+
+    u/R = A/E [1 − 2ν + (1 + ν) b³/(2 R³)], A = p a³ / (b³ − a³); Timoshenko & Goodier, article 136."""
+    last = tree["particles/solid"].to_dataset().isel(time=-1)
+    stretch = last["hoop_stretch"].values
+    radius = np.linalg.norm(last["position"].values, axis=1) / stretch
+    share = PRESSURE * INNER**3 / (OUTER**3 - INNER**3) / YOUNG
+    exact = share * (1.0 - 2.0 * POISSON + 0.5 * (1.0 + POISSON) * (OUTER / radius) ** 3)
+    return {"opening": 100.0 * float((stretch - 1.0) @ exact / (exact @ exact) - 1.0)}
+
+
 def ring() -> dict[str, Any]:
     """Return a ring two cells wide that is thrown outwards, for two periods."""
     half = 0.5 * EDGE

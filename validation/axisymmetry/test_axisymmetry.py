@@ -17,6 +17,15 @@ pipe = Runs(
         Place("10 cells in the wall", make={"cells": 10}),
     ],
 )
+shell = Runs(
+    "shell",
+    scene=revolved.shell,
+    methods=ALONE,
+    places=[
+        Place("5 cells in the wall", make={"cells": 5}),
+        Place("10 cells in the wall", make={"cells": 10}, when="full"),
+    ],
+)
 ring = Runs("ring", scene=revolved.ring, methods=ALONE)
 resting = Runs(
     "resting",
@@ -65,6 +74,15 @@ def test_pipe(run):
         ("opening of the pipe, error, {at}", "opening", 0.0, 1.0, "%"),
         ("largest error of the hoop stress, {at}", "hoop", 0.0, 6.0, "%"),
         binds=binds,
+    )
+
+
+@shell
+def test_shell(run):
+    run.gates(
+        revolved.opened,
+        ("opening of the shell, error, {at}", "opening", 0.0, 1.0, "%"),
+        binds=run.method.matches("cpdi"),
     )
 
 

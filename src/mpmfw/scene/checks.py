@@ -14,7 +14,7 @@ from mpmfw.scene.axisymmetry import check_axisymmetry
 from mpmfw.scene.options import NAMED
 from mpmfw.scene.problem import Path, Problem, one_form
 from mpmfw.scene.rigid import check_rigid, check_spin
-from mpmfw.scene.sides import check_sides
+from mpmfw.scene.sides import AXIS, check_sides
 from mpmfw.scene.tables import Body, Gravity, RigidBody, Side, Tables
 from mpmfw.scene.wording import unknown_name
 from mpmfw.units import problems_in_time, wrong_length
@@ -257,10 +257,16 @@ def _side(body: Body, path: Path, index: int, dim: int) -> Iterator[Problem]:
     given = sorted(side.model_fields_set & set(conditions))
     yield from one_form(path, given, *conditions)
     fixed, shape = side.fixed if isinstance(side.fixed, tuple) else (), body.geometry.type
+    plane = side.side in AXIS
     still = side.velocity is not None and all(component == "free" for component in side.velocity)
     refused = (
         (dim == 2 and side.side in ("back", "front"), "side", f"'{side.side}' is a side in 3D"),
-        (shape in ROUND, "side", f"a {shape} has no plane side; expected a body that has one"),
+        (
+            shape in ROUND and plane,
+            "side",
+            f"a {shape} has no plane side; expected outer or inner, and a load",
+        ),
+        (not plane and not side.is_loaded, "side", f"'{side.side}' takes a load; expected a plane side"),
         ("z" in fixed and dim == 2, "fixed", "'z' is a component in 3D; expected x or y"),
         (len(set(fixed)) != len(fixed), "fixed", "names a component twice"),
         (still, "velocity", "has no effect: every component is free"),

@@ -15,7 +15,8 @@ UPPER = ("right", "top", "front")
 
 def check_sides(body: Body, path: Path, dim: int, end: float) -> Iterator[Problem]:
     """Yield contradictions between the prescribed sides of a body at ``path``, until time ``end`` [s]."""
-    for (_, first), (index, second) in itertools.combinations(enumerate(body.sides), 2):
+    plane = [(index, side) for index, side in enumerate(body.sides) if side.side in AXIS]
+    for (_, first), (index, second) in itertools.combinations(plane, 2):
         at = (*path, "sides", index)
         if AXIS[first.side] == AXIS[second.side] and first.side != second.side:
             if text := _meeting(body, first, second, end):

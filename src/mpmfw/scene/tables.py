@@ -160,7 +160,8 @@ class Side(Table):
     The force is that on the whole side of a body of its thickness, spread evenly. A load is constant, or rows
     of a time [s] and its values: linear in between, constant outside."""
 
-    side: Literal["left", "right", "bottom", "top", "back", "front"]
+    #: A plane side, or for a load the whole outside of the body, or all its holes.
+    side: Literal["left", "right", "bottom", "top", "back", "front", "outer", "inner"]
     fixed: FixedComponents | None = None
     velocity: SideVelocity | None = None
     pressure: SidePressure | None = None
