@@ -119,14 +119,14 @@ def draw(rows: dict[str, list[float]]) -> Figure:
 
 
 #: The footing at twice its speed.
-FASTER = [[0.0, 0.0, 0.0], [0.1, 0.0, -0.1], [0.5, 0.0, -0.1]]
+FASTER = [[0.0, 0.0, 0.0], [0.025, 0.0, -0.05], [0.125, 0.0, -0.05]]
 SETTINGS: tuple[tuple[str, str, dict[str, Any]], ...] = (
     ("press-fit", "penalty(kappa=1)", {}),
     ("press-fit", "penalty(kappa=16)", {}),
     ("press-fit", "lcp(recovery=0.1)", {}),
     ("press-fit", "penalty", {"shape.method": "gimp"}),
     ("press-fit", "penalty", {"grid.cell_size": 0.01}),
-    ("footing", "penalty", {"bodies.footing.rigid.motion.velocity": FASTER, "time.end": 0.5}),
+    ("footing", "penalty", {"bodies.footing.rigid.motion.velocity": FASTER, "time.end": 0.125}),
     ("footing", "penalty", {"grid.cell_size": 0.0625}),
     ("footing", STRONGEST, {"grid.cell_size": 0.0625}),
     ("footing", "penalty", {"bodies.soil.volumetric": "pointwise"}),

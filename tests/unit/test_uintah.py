@@ -115,7 +115,7 @@ def test_rigid_bodies_are_masters_and_plastic_ones_yield(tmp_path):
     assert contact.findtext("type") == "specified_friction"
     assert numbers(contact, "master_material") == [1]
     rows = np.loadtxt(tmp_path / contact.findtext("filename"))
-    np.testing.assert_allclose(rows, [[0, 0, 0, 0], [0.2, 0, -0.05, 0], [1, 0, -0.05, 0]])
+    np.testing.assert_allclose(rows, [[0, 0, 0, 0], [0.05, 0, -0.025, 0], [0.25, 0, -0.025, 0]])
     faces = {face.get("side"): face.find("BCType").get("label") for face in root.iter("Face")}
     assert (faces["x-"], faces["y-"]) == ("Symmetric", "Velocity")
     turned = {"bodies.plane.geometry.angle": 0.1, "title": 'a < b & "c"'}
