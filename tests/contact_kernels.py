@@ -16,7 +16,7 @@ from mpmfw.kernels.contact import Records, match_rows
 from mpmfw.kernels.contact import pair_table as pair_of_bodies
 from mpmfw.kernels.surfaces import signed_distance
 from mpmfw.state.structs import Surface
-from mpmfw_contact.every_facet import find_penetrated
+from mpmfw_contact.hamad2017 import find_penetrated
 from mpmfw_contact.penalty import spring_forces
 
 #: Tells kernels that they work in the plane.

@@ -17,7 +17,7 @@ from mpmfw.contact.events import FEWEST_STEPS
 from mpmfw.contact.surfaces import seams, search
 from mpmfw.contact.surfaces.assembly import equally_close
 from mpmfw.contact.surfaces.outline import distance_to, opposes
-from mpmfw.contact.surfaces.tracking import THIN, keep_inside
+from mpmfw.contact.surfaces.search import THIN, keep_inside
 from mpmfw.kernels.boxes import BLOCK
 from mpmfw.kernels.surfaces import minimum_gap, node_normal
 from mpmfw.runs.simulation import Simulation

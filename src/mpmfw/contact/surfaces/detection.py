@@ -13,8 +13,7 @@ from mpmfw.contact.strategy import ranks_of, stiffness_ranks
 from mpmfw.contact.surfaces.assembly import Places, assemble
 from mpmfw.contact.surfaces.near_facets import TravelLimit, VerletList
 from mpmfw.contact.surfaces.outline import Candidates
-from mpmfw.contact.surfaces.search import find_candidates
-from mpmfw.contact.surfaces.tracking import CROSSED
+from mpmfw.contact.surfaces.search import CROSSED, find_candidates
 from mpmfw.errors import SceneError
 from mpmfw.plugin.base import OptionsModel
 from mpmfw.plugin.setup import Setup
@@ -93,6 +92,10 @@ class OnFacets(Detection):
         if self.of_facets:
             items, first = self.surface.facets, self.surface.facet_first
         self.near = VerletList(items, first, self.surface, self.radius, setup.state.grid.spacing)
+        if len(setup.bodies) > 2:
+            from mpmfw.contact.surfaces.seams import find_covered
+
+            self.near.find_covered = find_covered
         self.list_pairs(setup.state)
 
     def rank_bodies(self, setup: Setup, owner: str) -> IntArray:

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.contact.surfaces.outline import Partners, partners_of
 from mpmfw.kernels import Struct, device, kernel, scratch
 from mpmfw.kernels.boxes import (
     BLOCK,
@@ -27,6 +26,22 @@ from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import AnyArray, IntArray
 from mpmfw.state.structs import State, Surface
+
+
+class Partners(Struct):
+    """Bodies that each body is searched against, in ascending order."""
+
+    first: Ints  #: (n_bodies + 1,) partners of body a are ``body[first[a]:first[a + 1]]``
+    body: Ints  #: (n,)
+
+
+def partners_of(first: IntArray, second: IntArray, rank: IntArray) -> Partners:
+    """Return each body's partners of no lower ``rank`` (body,), of the pairs ``first``, ``second``."""
+    body, other = np.concatenate([first, second]), np.concatenate([second, first])
+    searched = rank[body] <= rank[other]
+    body, other = body[searched], other[searched]
+    order = np.lexsort((other, body))
+    return Partners(first=np.searchsorted(body[order], np.arange(len(rank) + 1)), body=other[order])
 
 
 @kernel
@@ -146,13 +161,9 @@ class VerletList:
         )
         self.listed = False
         self.listed_at = np.zeros_like(outline.position)  #: positions when the lists were made
-        self.find_covered: Any = (
-            None  #: kernel that finds which facets a third body covers; None of two bodies
-        )
-        if len(outline.covered):
-            from mpmfw.contact.surfaces.seams import find_covered
-
-            self.find_covered, self.scratch = find_covered, np.zeros(len(outline.covered), dtype=np.int32)
+        #: Kernel that finds which facets a third body covers, and its scratch; None of two bodies.
+        self.find_covered: Any = None
+        self.scratch = np.zeros(len(outline.covered), dtype=np.int32)
 
     def list_pairs(self, bodies: IntArray, rank: IntArray, acting: AnyArray | slice = slice(None)) -> None:
         """Search the ``acting`` (pair,) ones of the pairs of ``bodies`` (pair, 2), against those of no lower

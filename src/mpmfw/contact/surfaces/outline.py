@@ -1,13 +1,20 @@
-"""Tracked surfaces, partners and candidates, as arguments of kernels: where nodes lie to facets of others."""
+"""Where nodes of one surface lie to facets of others, and which facets face them ([H17], section 3.2).
+
+At the corners of flush bodies the closest facet may not face the node.
+"""
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
+from mpmfw.contact.surfaces.near_facets import NearFacets
 from mpmfw.kernels import Struct, device, scratch
 from mpmfw.kernels.facets import (
     at_rim,
     dot,
+    extent_of,
     length_of,
     read_corners,
     read_point,
@@ -15,7 +22,6 @@ from mpmfw.kernels.facets import (
 )
 from mpmfw.kernels.surfaces import add_normal, area_of, signed_distance
 from mpmfw.kernels.types import Float, Floats, Ints
-from mpmfw.state.fields import IntArray
 from mpmfw.state.structs import Surface
 
 
@@ -81,22 +87,6 @@ def node_outward(s: int, other: int, outline: Surface, outward: Floats, spacing:
             add_normal(s, outline.star[k], outline, outward, spacing)
 
 
-class Partners(Struct):
-    """Bodies that each body is searched against, in ascending order."""
-
-    first: Ints  #: (n_bodies + 1,) partners of body a are ``body[first[a]:first[a + 1]]``
-    body: Ints  #: (n,)
-
-
-def partners_of(first: IntArray, second: IntArray, rank: IntArray) -> Partners:
-    """Return each body's partners of no lower ``rank`` (body,), of the pairs ``first``, ``second``."""
-    body, other = np.concatenate([first, second]), np.concatenate([second, first])
-    searched = rank[body] <= rank[other]
-    body, other = body[searched], other[searched]
-    order = np.lexsort((other, body))
-    return Partners(first=np.searchsorted(body[order], np.arange(len(rank) + 1)), body=other[order])
-
-
 class Candidates(Struct):
     """Facets that every surface node may touch; until the search those of the last step."""
 
@@ -142,3 +132,72 @@ def past_a_seam(
         for k in range(outline.star_first[node], outline.star_first[node + 1]):
             past = past or hidden(outline.star[k], mine, outline)
     return past
+
+
+#: How far, in search radii, a facet that faces the node may be from the closest point, round a corner or
+#: through a thin body.
+ROUND_THE_CORNER = 0.25
+
+#: How far outside, in lengths of the closest facet, a node still counts as flush with it.
+FLUSH = 0.05
+
+
+@device
+def facing_facet(
+    s: int, outward: Floats, m: int, share: Floats, reach: Float, outline: Surface, near: NearFacets,
+    spacing: tuple[float, ...],
+) -> int:  # fmt: skip
+    """Return the facet nearest to a point of facet m, of the same body, that faces node s; −1 if none is
+    within ``reach`` [m]. ``share`` are the point's barycentric coordinates; the first of equals counts."""
+    start, corners = scratch.vector(spacing), scratch.matrix(spacing, spacing)
+    read_corners(m, outline.position, outline.facets, corners, spacing)
+    for d in range(len(spacing)):
+        start[d] = 0.0
+        for a in range(len(spacing)):
+            start[d] += share[a] * corners[a, d]
+    facing, least = -1, reach * reach
+    for k in range(near.first[s], near.first[s + 1]):
+        n = near.facet[k]
+        if body_of(n, outline) != body_of(m, outline) or hidden(n, outline.body[s], outline):
+            continue
+        read_corners(n, outline.position, outline.facets, corners, spacing)
+        square = squared_distance(start, corners, spacing)
+        nearer = square < least or (square == least and facing < 0)
+        if nearer and opposes(outward, n, outline, spacing):
+            facing, least = n, square
+    return facing
+
+
+@device
+def reorient(
+    s: int, radius: Float, outline: Surface, near: NearFacets, candidates: Candidates,
+    spacing: tuple[float, ...],
+) -> None:  # fmt: skip
+    """Replace candidates of node s that do not face it by a facet round the corner that does, or drop them.
+
+    At the corner of flush bodies a node would be held on the other's side, and its part of the face would
+    carry nothing. Nodes far outside are not turned.
+    """
+    outward, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
+    area, looked, seams = scratch.vector(spacing), False, len(outline.covered) > 0
+    for j in range(candidates.facet.shape[1]):
+        m, gap, past = candidates.facet[s, j], candidates.gap[s, j], False
+        if m < 0:
+            continue
+        if seams:
+            distance_to(s, m, outline, share, normal, spacing)
+            past = past_a_seam(s, m, share, normal, outline, spacing)
+        if not past and (not looked or seams):
+            node_outward(s, body_of(m, outline), outline, outward, spacing)
+            looked = True
+        if not past and not opposes(outward, m, outline, spacing):
+            area_of(m, outline, area, spacing)
+            flush = gap <= FLUSH * extent_of(length_of(area, spacing), spacing)
+            distance_to(s, m, outline, share, normal, spacing)
+            reach = ROUND_THE_CORNER * radius
+            m = facing_facet(s, outward, m, share, reach, outline, near, spacing) if flush else -1
+            if m >= 0:
+                gap = distance_to(s, m, outline, share, normal, spacing)
+                past = past_a_seam(s, m, share, normal, outline, spacing)
+        kept = m >= 0 and not past
+        candidates.facet[s, j], candidates.gap[s, j] = m if kept else -1, gap if kept else math.inf

@@ -3,7 +3,8 @@ inside of a seam."""
 
 from __future__ import annotations
 
-from mpmfw.contact.surfaces.outline import ROUNDING, Partners
+from mpmfw.contact.surfaces.near_facets import Partners
+from mpmfw.contact.surfaces.outline import ROUNDING
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.boxes import Boxes, boxes_apart, read_box, square_between
 from mpmfw.kernels.facets import closest_point, dot, length_of, read_corners, read_point

@@ -1,7 +1,5 @@
-"""The closest facets of every slave node that face it, among those listed near it: [H17], section 3.2.
-
-At the corners of flush bodies the closest facet may not face the node.
-"""
+"""The closest facets of every slave node, among those listed near it: [H17], section 3.2; and of nodes inside
+other bodies, which are followed until they come out, however deep and fast."""
 
 from __future__ import annotations
 
@@ -9,91 +7,22 @@ import math
 
 from mpmfw.contact.surfaces.near_facets import NearFacets
 from mpmfw.contact.surfaces.outline import (
+    LEAST_COSINE,
     Candidates,
     body_of,
     clear,
     distance_to,
     hidden,
     node_outward,
-    opposes,
+    opposition,
     past_a_seam,
+    reorient,
     square_of,
 )
-from mpmfw.contact.surfaces.tracking import THIN, add_crossings, farthest_motion, keep_inside
 from mpmfw.kernels import device, kernel, scratch
-from mpmfw.kernels.facets import extent_of, length_of, read_corners, squared_distance
-from mpmfw.kernels.surfaces import area_of
+from mpmfw.kernels.facets import at_rim, dot, length_of, project
 from mpmfw.kernels.types import Float, Floats
 from mpmfw.state.structs import Surface
-
-#: How far, in search radii, a facet that faces the node may be from the closest point, round a corner or
-#: through a thin body.
-ROUND_THE_CORNER = 0.25
-
-#: How far outside, in lengths of the closest facet, a node still counts as flush with it.
-FLUSH = 0.05
-
-
-@device
-def facing_facet(
-    s: int, outward: Floats, m: int, share: Floats, reach: Float, outline: Surface, near: NearFacets,
-    spacing: tuple[float, ...],
-) -> int:  # fmt: skip
-    """Return the facet nearest to a point of facet m, of the same body, that faces node s; −1 if none is
-    within ``reach`` [m]. ``share`` are the point's barycentric coordinates; the first of equals counts."""
-    start, corners = scratch.vector(spacing), scratch.matrix(spacing, spacing)
-    read_corners(m, outline.position, outline.facets, corners, spacing)
-    for d in range(len(spacing)):
-        start[d] = 0.0
-        for a in range(len(spacing)):
-            start[d] += share[a] * corners[a, d]
-    facing, least = -1, reach * reach
-    for k in range(near.first[s], near.first[s + 1]):
-        n = near.facet[k]
-        if body_of(n, outline) != body_of(m, outline) or hidden(n, outline.body[s], outline):
-            continue
-        read_corners(n, outline.position, outline.facets, corners, spacing)
-        square = squared_distance(start, corners, spacing)
-        nearer = square < least or (square == least and facing < 0)
-        if nearer and opposes(outward, n, outline, spacing):
-            facing, least = n, square
-    return facing
-
-
-@device
-def reorient(
-    s: int, radius: Float, outline: Surface, near: NearFacets, candidates: Candidates,
-    spacing: tuple[float, ...],
-) -> None:  # fmt: skip
-    """Replace candidates of node s that do not face it by a facet round the corner that does, or drop them.
-
-    At the corner of flush bodies a node would be held on the other's side, and its part of the face would
-    carry nothing. Nodes far outside are not turned.
-    """
-    outward, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
-    area, looked, seams = scratch.vector(spacing), False, len(outline.covered) > 0
-    for j in range(candidates.facet.shape[1]):
-        m, gap, past = candidates.facet[s, j], candidates.gap[s, j], False
-        if m < 0:
-            continue
-        if seams:
-            distance_to(s, m, outline, share, normal, spacing)
-            past = past_a_seam(s, m, share, normal, outline, spacing)
-        if not past and (not looked or seams):
-            node_outward(s, body_of(m, outline), outline, outward, spacing)
-            looked = True
-        if not past and not opposes(outward, m, outline, spacing):
-            area_of(m, outline, area, spacing)
-            flush = gap <= FLUSH * extent_of(length_of(area, spacing), spacing)
-            distance_to(s, m, outline, share, normal, spacing)
-            reach = ROUND_THE_CORNER * radius
-            m = facing_facet(s, outward, m, share, reach, outline, near, spacing) if flush else -1
-            if m >= 0:
-                gap = distance_to(s, m, outline, share, normal, spacing)
-                past = past_a_seam(s, m, share, normal, outline, spacing)
-        kept = m >= 0 and not past
-        candidates.facet[s, j], candidates.gap[s, j] = m if kept else -1, gap if kept else math.inf
-
 
 #: Allowance for rounding where boxes are compared with a distance: no equally close facet is lost.
 ROUNDING = 1.0 + 1e-12
@@ -156,6 +85,160 @@ def search_node(
         m = near.facet[k]
         least = near.away[k] - near.moved[outline.body[s]] - near.moved[body_of(m, outline)]
         keep_nearest(s, m, least, radius, outline, candidates, spacing)
+
+
+#: Least cosine between a slave node's normal and the direction out of a body by which the node has gone
+#: through it: one that leaves as it came, or round a corner, has 90° or more, or little less.
+THROUGH = 0.7
+
+#: How far beyond the far side of a body, in cells, a node may be: then they have crossed.
+CROSSED = 1.0
+
+#: Motion in a step, in search radii, below which no node can pass the middle of a body unseen.
+THIN = 0.05
+
+
+@device
+def nearest_facet(s: int, first: int, last: int, outline: Surface, spacing: tuple[float, ...]) -> int:
+    """Of the facets ``first:last`` the one nearest to node s; of equally near ones the first."""
+    nearest, closest = math.inf, first
+    for m in range(first, last):
+        if hidden(m, outline.body[s], outline):
+            continue
+        square = square_of(s, m, outline, spacing)
+        if square < nearest:
+            nearest, closest = square, m
+    return closest
+
+
+@device
+def walk(s: int, m: int, outward: Floats, outline: Surface, spacing: tuple[float, ...]) -> int:
+    """Walk from facet m to the locally nearest one that faces node s, or faces it more."""
+    least = square_of(s, m, outline, spacing)
+    for _ in range(len(outline.facets)):
+        bound = min(opposition(outward, m, outline, spacing), LEAST_COSINE)
+        nearer = -1
+        for a in range(len(spacing)):
+            n = outline.neighbours[m, a]
+            square = square_of(s, n, outline, spacing)
+            if hidden(n, outline.body[s], outline):
+                continue
+            if square < least and opposition(outward, n, outline, spacing) >= bound:
+                nearer, least = n, square
+        if nearer < 0:
+            break
+        m = nearer
+    return m
+
+
+@device
+def slot_for_lost(s: int, other: int, outline: Surface, candidates: Candidates) -> int:
+    """Slot of node s with the widest gap; −1 if one has a facet of body ``other``."""
+    facet, gap, slot = candidates.facet, candidates.gap, 0
+    for j in range(facet.shape[1]):
+        if facet[s, j] >= 0 and body_of(facet[s, j], outline) == other:
+            return -1
+        if gap[s, j] > gap[s, slot]:
+            slot = j
+    return slot
+
+
+@device
+def put_behind(
+    s: int, j: int, m: int, outline: Surface, candidates: Candidates, spacing: tuple[float, ...]
+) -> None:
+    """Put facet m into slot j of node s, unless the node is in front of it. On the rim it is behind whatever
+    the pseudo-normal says: a nearer facet may be round the corner."""
+    share, normal = scratch.vector(spacing), scratch.vector(spacing)
+    gap = distance_to(s, m, outline, share, normal, spacing)
+    if at_rim(share, spacing):
+        gap = -abs(gap)
+    if gap < 0.0 and not past_a_seam(s, m, share, normal, outline, spacing):
+        candidates.facet[s, j], candidates.gap[s, j] = m, gap
+
+
+@device
+def keep_inside(
+    s: int, last: int, outline: Surface, candidates: Candidates, through: Floats, spacing: tuple[float, ...],
+) -> None:  # fmt: skip
+    """Give node s, which was behind facet ``last`` of a body, the closest facet of it that faces the node, if
+    the search has found none.
+
+    A node that the search lost came out round a corner, is deeper than the radius, or went through; only the
+    first is let go. ``through`` is that of :func:`find_candidates`.
+    """
+    outward, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
+    other = body_of(last, outline)
+    slot = slot_for_lost(s, other, outline, candidates)
+    if slot < 0:
+        return
+    m = nearest_facet(s, outline.facet_first[other], outline.facet_first[other + 1], outline, spacing)
+    beyond = distance_to(s, m, outline, share, normal, spacing)
+    if past_a_seam(s, m, share, normal, outline, spacing):
+        return
+    node_outward(s, other, outline, outward, spacing)
+    size = length_of(outward, spacing)
+    if size == 0.0 or (beyond >= 0.0 and dot(outward, normal, spacing) < THROUGH * size):
+        return  # covered all round, or round a corner
+    if beyond > through[0]:
+        through[0], through[1], through[2] = beyond, float(s), float(other)
+    put_behind(s, slot, walk(s, last, outward, outline, spacing), outline, candidates, spacing)
+
+
+@device
+def foot_then(
+    s: int, m: int, back: Float, outline: Surface, share: Floats, spacing: tuple[float, ...]
+) -> Float:
+    """Gap [m] of node s from facet m, and its foot, the part ``back`` of a step ago."""
+    dim, moved = len(spacing), outline.displacement
+    x, corners, normal = scratch.vector(spacing), scratch.matrix(spacing, spacing), scratch.vector(spacing)
+    for d in range(dim):
+        x[d] = outline.position[s, d] - back * moved[s, d]
+        for a in range(dim):
+            p = outline.facets[m, a]
+            corners[a, d] = outline.position[p, d] - back * moved[p, d]
+    return project(x, corners, share, normal, spacing)
+
+
+@device
+def crosses(s: int, m: int, outline: Surface, spacing: tuple[float, ...]) -> bool:
+    """Return true if node s came through facet m from its front in the last step."""
+    share = scratch.vector(spacing)
+    now = foot_then(s, m, 0.0, outline, share, spacing)
+    if now >= 0.0:
+        return False
+    before = foot_then(s, m, 1.0, outline, share, spacing)
+    if before < 0.0:
+        return False
+    foot_then(s, m, -now / (before - now), outline, share, spacing)  # at the crossing
+    through = True
+    for a in range(len(spacing)):
+        through = through and share[a] >= 0.0
+    return through
+
+
+@device
+def farthest_motion(outline: Surface) -> Float:
+    """Largest displacement of any node along any axis in the last step [m]."""
+    farthest = 0.0
+    for s in range(len(outline.body)):
+        for d in range(outline.displacement.shape[1]):
+            farthest = max(farthest, abs(outline.displacement[s, d]))
+    return farthest
+
+
+@device
+def add_crossings(
+    s: int, outline: Surface, near: NearFacets, candidates: Candidates, spacing: tuple[float, ...]
+) -> None:
+    """Add facets through which node s came in the last step, if the search missed it."""
+    for k in range(near.first[s], near.first[s + 1]):
+        m = near.facet[k]
+        if hidden(m, outline.body[s], outline) or not crosses(s, m, outline, spacing):
+            continue
+        slot = slot_for_lost(s, body_of(m, outline), outline, candidates)
+        if slot >= 0 and candidates.facet[s, slot] < 0:
+            put_behind(s, slot, m, outline, candidates, spacing)
 
 
 @kernel
