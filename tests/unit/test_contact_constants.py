@@ -14,7 +14,7 @@ from contact_scenes import CELL, impact, wave_speed
 from interpreted import interpreted
 from mpmfw.contact import nodes, strategy
 from mpmfw.contact.events import FEWEST_STEPS
-from mpmfw.contact.surfaces import seams, search
+from mpmfw.contact.surfaces import outline, seams, search
 from mpmfw.contact.surfaces.assembly import equally_close
 from mpmfw.contact.surfaces.outline import distance_to, opposes
 from mpmfw.contact.surfaces.search import THIN, keep_inside
@@ -77,7 +77,7 @@ def beside(**constants):
     """How many nodes of a wide face beside a narrow block that is deep in it are held as if within."""
     loops = join([block(-0.5, -0.5, 0.5, 0.0), block(-1.01, -0.2 * H, 0.99, 0.5)])
     found = found_with(loops, **constants)
-    outside = (loops.body == 1) & (np.abs(loops.position[:, 0]) > 0.5 + search.FLUSH * SEGMENT)
+    outside = (loops.body == 1) & (np.abs(loops.position[:, 0]) > 0.5 + outline.FLUSH * SEGMENT)
     return int(((found.facet[:, 0] >= 0) & (found.gap[:, 0] < 0.0) & outside).sum())
 
 
