@@ -47,7 +47,7 @@ TESTS = [
 
 
 def test_the_constants_are_found():
-    assert {("mpmfw.contact.surfaces.search", "FLUSH"), ("mpmfw_contact.lcp", "FACING")} <= set(constants())
+    assert {("mpmfw.contact.surfaces.outline", "FLUSH"), ("mpmfw_contact.lcp", "FACING")} <= set(constants())
     assert len(constants()) > 25
 
 
