@@ -14,18 +14,11 @@ from mpmfw.contact.law import ContactLaw
 from mpmfw.contact.rows import Detection
 from mpmfw.errors import SceneError
 from mpmfw.geometry.discretise import refuse_incomplete
-from mpmfw.plugin.discovery import (
-    Kind,
-    did_you_mean,
-    full_name,
-    load,
-    options_of,
-    refuse_class,
-    refuse_nameless,
-)
+from mpmfw.plugin.discovery import Kind, full_name, load, options_of, refuse_class, refuse_nameless
 from mpmfw.plugin.hooks import make_manager, register
 from mpmfw.runs.build import BASES
 from mpmfw.scene.specification import parse_specification, specification_of
+from mpmfw.scene.wording import problems_of
 from mpmfw_testing.check import Inapplicable
 
 #: Base classes of the parts of a contact, and of all kinds that there are checks for.
@@ -183,24 +176,16 @@ def _make(factory: Callable[..., Any], options: Mapping[str, Any]) -> Any:
     name = str(getattr(factory, "name", getattr(factory, "__qualname__", factory)))
     try:
         return factory(**options)
-    except ValidationError as error:
-        text = "; ".join(_problem_text(factory, problem) for problem in error.errors())
-        raise SceneError(f"{name}: {text}") from error
     except SceneError:
         raise
     except Exception as error:
+        if isinstance(error, ValidationError) and isinstance(factory, type):
+            problems = problems_of(error, getattr(factory, "Options", factory), options)
+            text = "; ".join(f"{'.'.join(map(str, one.path))}: {one.message}" for one in problems)
+            raise SceneError(f"{name}: {text}") from error
         if isinstance(error, TypeError) and not isinstance(factory, type):  # a class's signature was read
             raise SceneError(f"{name}(…) must be made from its options alone: {error}") from error
         raise SceneError(f"{name}(…) cannot be made: {type(error).__name__}: {error}") from error
-
-
-def _problem_text(plugin: Any, problem: Any) -> str:
-    where = ".".join(map(str, problem["loc"])) or "options"
-    if problem["type"] == "extra_forbidden" and options_of(plugin):
-        return f"no such option '{where}'; {did_you_mean(where, options_of(plugin))}"
-    if problem["type"] == "missing":
-        return f"{where}: missing; give it as in '{getattr(plugin, 'name', 'NAME')}({where}=…)'"
-    return f"{where}: {problem['msg']}"
 
 
 def _label(plugin: type[Any], options: Mapping[str, Any]) -> str:

@@ -43,7 +43,7 @@ def test_a_law_that_attracts_fails_what_the_kit_asks_of_it():
     [
         ("penalti", {}, "did you mean 'penalty'"),
         ("mpmfw_shape.gimp:Gimp", {}, "is not of the kind contact"),
-        (Penalty, {"kapa": 1.0}, "no such option 'kapa'; did you mean 'kappa'"),
+        (Penalty, {"kapa": 1.0}, "kapa: unknown key; did you mean 'kappa'"),
         (3, {}, "cannot check 3"),
     ],
 )
