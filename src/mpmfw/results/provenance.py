@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import platform
 import re
 import subprocess
@@ -15,8 +16,9 @@ from mpmfw._version import __version__
 _PACKAGES = ("numpy", "numba", "scipy", "xarray", "netCDF4", "pluggy")
 
 
+@functools.cache
 def provenance() -> dict[str, object]:
-    """Return ``versions`` of packages, and in a git checkout the ``commit``."""
+    """Return ``versions`` of packages, and in a git checkout the ``commit``, as at the first call."""
     versions = {"mpmfw": __version__, "python": platform.python_version()}
     for package in _PACKAGES:
         try:
