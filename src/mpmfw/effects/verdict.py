@@ -170,7 +170,8 @@ class Verdict:
                 self.passed.setdefault(pair.label, state.time)
         self.next_sides = state.steps + SIDES_EVERY
         self.latest_sides = state.steps + SIDES_LATEST
-        fastest = float(np.linalg.norm(np.ptp(state.particles.velocity, axis=0)))  # at most, of approach
+        # at most, of approach; over the axis of the points NumPy takes twenty times as long
+        fastest = float(np.linalg.norm([np.ptp(component) for component in state.particles.velocity.T]))
         fastest += 0.0 if state.rigid is None else state.rigid.fastest
         self.due = state.time + (self.stride / fastest if fastest > 0.0 else np.inf)
 
