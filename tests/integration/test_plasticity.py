@@ -109,7 +109,7 @@ TAYLOR = scene_of(
 @pytest.mark.parametrize(
     ("contact", "shape"),
     [
-        *((contact, "cpdi") for contact in ("penalty", "lcp", "surfaces+impulse", "bardenhagen")),
+        *((contact, "cpdi") for contact in ("penalty", "surfaces+impulse", "bardenhagen")),
         ("bardenhagen(criterion=position, normal=master)", "cpdi"),
         ("penalty", "cpdi2"),
     ],
