@@ -72,7 +72,7 @@ Scheduler: TypeAlias = Annotated[
 Bodies: TypeAlias = Annotated[
     list[str] | None, Option("--body", metavar="NAME", help="Only this body; repeatable.")
 ]
-Every: TypeAlias = Annotated[int, Option(metavar="N", min=1, help="Only each N-th output.")]
+Every: TypeAlias = Annotated[int, Option(metavar="N", min=1, help="Each N-th output, and the last.")]
 Field: TypeAlias = Annotated[
     str | None, Option(metavar="NAME", help="Field, such as von_mises; a wrong name lists all.")
 ]

@@ -117,7 +117,7 @@ def animate(
     output: args.Output = None,
     field: args.Field = None,
     contact: Annotated[str | None, Option(metavar="NAME", help="Of a comparison: only this contact.")] = None,
-    fps: Annotated[int, Option(metavar="N", min=1, help="Frames a second.")] = 20,
+    fps: Annotated[int, Option(metavar="N", min=1, help="Frames per second.")] = 20,
     every: args.Every = 1,
     body: args.Bodies = None,
     limits: args.Limits = None,

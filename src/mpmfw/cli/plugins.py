@@ -89,7 +89,7 @@ def check(
         str | None,
         Option(
             metavar="contact|detection|law|shape|material|load|friction|boundary|output|geometry|measure|reference",
-            help="Kind of the plug-in, where its name does not say.",
+            help="Kind of the plug-in, if several have its name.",
         ),
     ] = None,
     set_: Annotated[

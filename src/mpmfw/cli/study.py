@@ -37,7 +37,7 @@ Timing = StrEnum("Timing", ("shared", "exclusive"))
 def study(
     study: Annotated[str, Argument(metavar="STUDY", help="A TOML file, or the name of a shipped study.")],
     output: args.Output = None,
-    timing: Annotated[Timing, Option(help="Take costs as runs come, or of one at a time.")] = Timing.shared,
+    timing: Annotated[Timing, Option(help="Costs of runs beside others, or one at a time.")] = Timing.shared,
     jobs: args.Jobs = None,
     scheduler: args.Scheduler = None,
     repeats: args.Repeats = None,
