@@ -58,6 +58,7 @@ class BSpline(AtPoints):
 
     name = "bspline"
     boundary_degree = 2
+    spread = 0.25
     axisymmetric = True
     functions = (fill_quadratic, WIDTH)
     at_axis: tuple[bool, ...] = ()

@@ -88,12 +88,13 @@ def test_affine_from_moment(problem):
 
 
 @pytest.mark.parametrize("flip", [1.0, 0.0, 0.7])
-@pytest.mark.parametrize("affine", ["none", "moment", "least_squares"])
+@pytest.mark.parametrize("affine", ["none", "moment", "known", "least_squares"])
 def test_gather(problem, flip, affine):
     x, t, dt, p, g = problem, problem.table, 0.01, problem.points, problem.grid
     velocity, position, field = p.velocity.copy(), p.position.copy(), np.zeros_like(x.affine)
     filled_in = None if affine == "none" else field
-    particle_grid.gather(p, filled_in, t, g, affine == "least_squares", flip, dt, x.spacing)
+    factor = {"moment": 1.0, "known": 4.0}.get(affine, 0.0)
+    particle_grid.gather(p, filled_in, t, g, factor, flip, dt, x.spacing)
     new = twin.collect(t, t.weight[:, None] * g.velocity[t.nodes])
     start = twin.collect(t, t.weight[:, None] * g.start_velocity[t.nodes])
     close(p.velocity, flip * (velocity + new - start) + (1.0 - flip) * new)
@@ -105,7 +106,7 @@ def test_gather(problem, flip, affine):
         spread = twin.spread(t, position, g.position)
         close(field[filled], moment[filled] @ np.linalg.inv(spread[filled]))
     else:
-        close(field, moment if affine == "moment" else 0.0 * moment)
+        close(field, factor * moment)
 
 
 def test_a_singular_spread_takes_the_gradient_and_pic_fraction_blends():
@@ -116,6 +117,7 @@ def test_a_singular_spread_takes_the_gradient_and_pic_fraction_blends():
         given = {} if transported is None else {"transported": transported}
         assert make_transfer(name, singular_spread=True, **given).affine == affine
     assert make_transfer("aflip", singular_spread=False).affine == "least_squares"
+    assert make_transfer("aflip", singular_spread=False, spread=0.5).inverse_spread == 2.0
     assert make_transfer("flip", singular_spread=False, pic_fraction=0.25).flip == 0.75
 
 

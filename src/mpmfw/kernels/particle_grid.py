@@ -186,7 +186,7 @@ def add_body_force(mass: Floats, acceleration: Floats, force: Floats, spacing: t
 
 @kernel
 def gather(
-    points: Points, affine: Floats | None, table: Table, grid: Nodes, least_squares: bool, flip: float,
+    points: Points, affine: Floats | None, table: Table, grid: Nodes, inverse_spread: float, flip: float,
     dt: float, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """Velocity, position, velocity gradient and affine field of every material point.
@@ -194,7 +194,7 @@ def gather(
     v_p ← flip (v_p + Σ φ (v_i − v_i⁰)) + (1 − flip) Σ φ v_i,  x_p ← x_p + Δt Σ φ v_i,  L_p = Σ v_i ∇φᵀ. v_i⁰
     is the velocity as projected, so that forces, contact, inertia correction and boundary conditions all
     reach v_p. With q = x_i − x_p at the old position, B_p = Σ φ v_i qᵀ and D_p = Σ φ q qᵀ, the affine field
-    becomes B_p D_p⁻¹ if ``least_squares``, else B_p; it is left out where ``affine`` is None.
+    becomes B_p times ``inverse_spread``, or B_p D_p⁻¹ if that is 0; it is left out where ``affine`` is None.
     """
     x, l = scratch.matrix((0.0,), spacing), scratch.matrix(spacing, spacing)
     phi_v, phi_q = scratch.matrix((0.0,), spacing), scratch.matrix((0.0,), spacing)
@@ -220,9 +220,10 @@ def gather(
             if affine is not None:
                 set_scaled_row(q, 0, 1.0, grid.position, i, spacing)
                 add_scaled_row(q, 0, -1.0, x, 0, spacing)
-                set_scaled_row(phi_q, 0, phi, q, 0, spacing)
                 add_outer_product(moment, phi_v, 0, q, 0, spacing)
-                add_outer_product(spread, phi_q, 0, q, 0, spacing)
+                if inverse_spread == 0.0:
+                    set_scaled_row(phi_q, 0, phi, q, 0, spacing)
+                    add_outer_product(spread, phi_q, 0, q, 0, spacing)
         add_scaled_row(x, 0, dt, new, 0, spacing)
         add_scaled_row(v, 0, 1.0, new, 0, spacing)
         add_scaled_row(v, 0, -1.0, start, 0, spacing)
@@ -232,32 +233,33 @@ def gather(
         set_scaled_row(points.velocity, p, 1.0, v, 0, spacing)
         copy_matrix(points.velocity_gradient, p, l, 0, spacing)
         if affine is not None:
-            lane = p % WIDTH
-            end = WIDTH if p + 1 == len(points.mass) else lane + 1
-            for own in range(lane, end):  # past the last point it is that one again
-                copy_matrix(moments, own, moment, 0, spacing)
-                copy_matrix(spreads, own, spread, 0, spacing)
-            if end == WIDTH:
-                points_in_lanes = lanes.points_from(p - lane, len(points.mass))
-                _store_affine(moments, spreads, least_squares, affine, points_in_lanes, spacing)
+            _store_affine(
+                p, len(points.mass), moment, spread, moments, spreads, inverse_spread, affine, spacing
+            )
 
 
 @device
 def _store_affine(
-    moments: Floats, spreads: Floats, least_squares: bool, affine: Floats,
-    points: tuple[int, int, int, int], spacing: tuple[float, ...],
+    p: int, end: int, moment: Floats, spread: Floats, moments: Floats, spreads: Floats, inverse_spread: float,
+    affine: Floats, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
-    """affine[p] = B D⁻¹ of the points p if ``least_squares``, else B."""
-    moment, spread = lanes.matrix(spacing, spacing), lanes.matrix(spacing, spacing)
-    inverse, product = lanes.matrix(spacing, spacing), lanes.matrix(spacing, spacing)
-    lanes.read(moments, (0, 1, 2, 3), moment, spacing)
-    if least_squares:
-        lanes.read(spreads, (0, 1, 2, 3), spread, spacing)
-        lanes.invert(spread, inverse, spacing)
-        lanes.multiply(moment, inverse, product, spacing)
-        lanes.write(affine, points, product, spacing)
-    else:
-        lanes.write(affine, points, moment, spacing)
+    """affine[p] = B times ``inverse_spread``; where that is 0, B D⁻¹ once all lanes have a point."""
+    if inverse_spread != 0.0:
+        for d in range(len(spacing)):
+            set_scaled_row(moment, d, inverse_spread, moment, d, spacing)
+        copy_matrix(affine, p, moment, 0, spacing)
+        return
+    for lane in range(p % WIDTH, WIDTH if p + 1 == end else p % WIDTH + 1):  # the last point fills the rest
+        copy_matrix(moments, lane, moment, 0, spacing)
+        copy_matrix(spreads, lane, spread, 0, spacing)
+    if (p + 1) % WIDTH == 0 or p + 1 == end:
+        b, tensor = lanes.matrix(spacing, spacing), lanes.matrix(spacing, spacing)
+        inverse, product = lanes.matrix(spacing, spacing), lanes.matrix(spacing, spacing)
+        lanes.read(moments, (0, 1, 2, 3), b, spacing)
+        lanes.read(spreads, (0, 1, 2, 3), tensor, spacing)
+        lanes.invert(tensor, inverse, spacing)
+        lanes.multiply(b, inverse, product, spacing)
+        lanes.write(affine, lanes.points_from(p - p % WIDTH, end), product, spacing)
 
 
 @kernel

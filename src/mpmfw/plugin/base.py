@@ -144,6 +144,8 @@ class ShapeFunction(PlugIn):
     staggered: ClassVar[bool] = False
     #: Whether Σ φ q qᵀ may be singular, so that the affine field must be taken from Σ v ∇φᵀ.
     singular_spread: ClassVar[bool] = False
+    #: Σ φ q qᵀ over h², where it is this number times 1 at every point of the plane and of space.
+    spread: ClassVar[float | None] = None
     #: Whether the nodes of every row of its tables ascend, so that threads can share the nodes out.
     rows_ascend: ClassVar[bool] = False
     #: Whether uniform states of bodies of revolution are exact with it: ``Setup.state.grid.axisymmetric``.

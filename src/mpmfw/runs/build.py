@@ -26,7 +26,7 @@ from mpmfw.scene.options import NAMED
 from mpmfw.state.structs import Body, State
 from mpmfw.state.windows import FEW, BodyPairs, make_grid
 from mpmfw.step.timestep import damped_frequency, stable_length
-from mpmfw.step.transfer import make_transfer
+from mpmfw.step.transfer import Transfer, make_transfer
 
 #: Base classes of what a scene names.
 BASES: dict[Kind, type[Any]] = {
@@ -112,6 +112,18 @@ def chosen_methods(contact: Any, shape: Any) -> dict[str, str]:
     return {key: value for key, value in given.items() if isinstance(value, str)}
 
 
+def _transfer(name: str, scene: Scene, shape: ShapeFunction) -> Transfer:
+    """The transfer called ``name``, fitted to the shape function."""
+    spread = None if scene.grid.axisymmetric else shape.spread
+    return make_transfer(
+        name,
+        singular_spread=shape.singular_spread,
+        spread=None if spread is None else spread * scene.grid.cell_size**2,
+        transported=scene.stepping.transported,
+        pic_fraction=scene.stepping.pic_fraction,
+    )
+
+
 def _put_together(
     scene: Scene,
     layouts: tuple[Layout, ...],
@@ -125,12 +137,7 @@ def _put_together(
     per_body = whole is not None or (contact is not None and contact.velocity_fields == "per_body")
     bodies = make_bodies(scene, layouts, materials, per_body=per_body)
     scheme, name = scene.stepping.chosen(shape)
-    transfer = make_transfer(
-        name,
-        singular_spread=shape.singular_spread,
-        transported=scene.stepping.transported,
-        pic_fraction=scene.stepping.pic_fraction,
-    )
+    transfer = _transfer(name, scene, shape)
     n_fields = len(bodies) if per_body else 1
     lower, upper = np.array([scene.grid.lower, scene.grid.upper])
     rigid = sum(body.rigid for body in bodies) if per_body else 0

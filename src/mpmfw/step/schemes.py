@@ -244,8 +244,8 @@ def gather(p: Particles, phi: Stencil, g: Grid, transfer: Transfer, dt: float) -
     """v_p, x_p, L_p and the affine field, which is not transported yet."""
     kind = transfer.affine
     affine = p.moment if kind == "moment" else p.affine if kind == "least_squares" else None
-    least_squares = kind == "least_squares"
-    _over_points(p, particle_grid.gather, affine, phi, g, least_squares, transfer.flip, dt, g.spacing)
+    factor = 1.0 if kind == "moment" else transfer.inverse_spread
+    _over_points(p, particle_grid.gather, affine, phi, g, factor, transfer.flip, dt, g.spacing)
     if kind == "gradient" and p.affine is not None:
         p.affine[...] = p.velocity_gradient
 

@@ -95,7 +95,8 @@ def regular_spread(subject: Subject, dim: int, case: dict[str, Any]) -> None:
     D_p = Σ φ q qᵀ, q = x_i − x_p, is at least 0.01 h².
 
     Affine transfers multiply by D⁻¹. A D that vanishes somewhere must be declared with ``singular_spread``,
-    so that ∇φ is taken instead. A domain of a tenth of a cell leaves 0.025 h² with GIMP.
+    so that ∇φ is taken instead. A domain of a tenth of a cell leaves 0.025 h² with GIMP. Where ``spread`` is
+    declared, D is h² times it.
     """
     if subject.make().singular_spread:
         raise Inapplicable("singular_spread is declared: affine transfers take Σ v ∇φᵀ")
@@ -104,6 +105,9 @@ def regular_spread(subject: Subject, dim: int, case: dict[str, Any]) -> None:
     q = offsets(table, 1, placed.particles.position[1], placed.grid)
     tensor = (table.weight[entries_of(table, 1), None] * q).T @ q
     least = np.linalg.eigvalsh(0.5 * (tensor + tensor.T)).min()
+    declared = subject.make().spread
+    if declared is not None:
+        within(abs(tensor - declared * np.eye(dim)).max(), 1e-12, "D_p is not h² times the declared spread")
     text = "D_p is singular, or nearly: −(least eigenvalue) in h²; is singular_spread to be declared?"
     within(-least, -0.01, text)
 
