@@ -22,7 +22,8 @@ def choosing():
         ("press-fit", "penalty", 0.983),
         ("press-fit", "lcp(recovery=0.1)", 1.0),
         ("press-fit", "lcp", 0.0),
-        ("footing", "penalty", 1.0945),
+        # test_rigid_control runs its scene
+        pytest.param("footing", "penalty", 1.0945, marks=pytest.mark.long),
         ("column", "bardenhagen(criterion=position,normal=master)", 2.37),
         ("column", "penalty", math.nan),
     ],
