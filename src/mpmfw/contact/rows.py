@@ -157,7 +157,7 @@ class Detection(PlugIn):
     leaves_bodies_out: bool = False
     #: Whether :meth:`radii` are known, round which rows of bodies of revolution act.
     has_radius: bool = False
-    #: Whether it lists rows of the pairs alone that :attr:`acts_on` selects.
+    #: Whether it lists rows of the pairs alone that ``acts_on`` selects.
     selects_pairs: ClassVar[bool] = False
     #: Selects pairs; None selects all.
     acts_on: Callable[[Pair], bool] | None = None
