@@ -135,7 +135,7 @@ sphinx_gallery_conf: dict[str, Any] = {
     "copyfile_regex": r".*\.toml",
     "abort_on_example_error": True,
     "remove_config_comments": True,
-    "ignore_repr_types": r"matplotlib\.figure|pathlib",
+    "ignore_repr_types": r"matplotlib\.figure|mpmfw\.plots|pathlib",
     "first_notebook_cell": "%matplotlib inline",
     "write_computation_times": False,
     "show_memory": False,
