@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import statistics
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -30,6 +31,22 @@ def tables(records: Sequence[Record]) -> list[str]:
         shared = set.intersection(*ran.values()) if ran else set()
         found.append(rows([one for one in listed if (one.problem, one.cell_size) in shared]))
     return found
+
+
+def not_run(records: Sequence[Record]) -> str:
+    """Return a row for each reason for which a code did not run, with the scenes."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for one in sorted(records, key=lambda one: (one.code, one.scene)):
+        code, (kind, _, text) = one.code.split()[0], one.status.partition(": ")
+        for reason in re.split(rf"; (?=[\w.]+: {code}: )", text) if kind != "ok" else ():
+            said = reason.rpartition(f"{code}: ")[2] if kind == "refused" else one.status
+            said = said.replace("|", "/").replace("<", "&lt;")
+            found.setdefault((code, said), []).append(one.scene)
+    lines = ["| code | why | scenes |", "| --- | --- | --- |"]
+    lines += [
+        f"| {code} | {why} | {'; '.join(dict.fromkeys(scenes))} |" for (code, why), scenes in found.items()
+    ]
+    return "\n".join(lines)
 
 
 def rows(records: Sequence[Record]) -> str:
@@ -62,4 +79,5 @@ def _median(values: Iterable[float]) -> str:
 
 
 if __name__ == "__main__":
-    print(*tables(read_records(RECORDS)), sep="\n\n")
+    found = read_records(RECORDS)
+    print(*tables(found), not_run(found), sep="\n\n")

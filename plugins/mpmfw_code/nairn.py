@@ -22,6 +22,7 @@ from mpmfw.api.code import (
     points_of_body,
     read_log,
     starting_velocity,
+    surface_velocity,
 )
 
 #: Cells that the grid has beyond the scene's, as points may not reach its outermost ones.
@@ -67,15 +68,15 @@ class NairnOptions(OptionsModel):
 class Nairn(Code):
     """NairnMPM, explicit MPM: each body is a material with a separate velocity at nodes.
 
-    A rigid body at rest is one of its rigid materials. Points are squares. Rest before the motion is a time
-    with level gravity and damping, both of which end at once when the motion starts."""
+    A rigid body is one of its rigid materials, a belt one that moves. Points are squares. Rest before the
+    motion is a time with level gravity and damping, both of which end at once when the motion starts."""
 
     name = "nairn"
     title = "NairnMPM"
     install = "set MPMFW_CODE_NAIRN to its program (github.com/nairnj/nairn-mpm-fea)"
     best: ClassVar = {"apart": 0.8, "shape": "lCPDI", "points": "scene"}
     executable = "NairnMPM"
-    reads = frozenset({"gravity", "settle"})
+    reads = frozenset({"gravity", "settle", "motion"})
     versions = ("19.0",)
     Options = NairnOptions
     options: NairnOptions
@@ -93,6 +94,13 @@ class Nairn(Code):
             if body.prescribed:
                 if body.geometry.type == "half_space":
                     yield f"bodies.{name}.geometry", "a half_space is not written"
+                if surface_velocity(body) is None or (
+                    scene.settle and getattr(body, "rigid", None) is not True
+                ):
+                    yield (
+                        f"bodies.{name}.rigid.motion",
+                        "only a constant velocity is written, without settling",
+                    )
                 continue
             if scene.settle and (np.any(body.velocity or 0.0) or np.any(body.angular_velocity or 0.0)):
                 yield f"bodies.{name}.velocity", "a velocity after settling is not written"
@@ -156,7 +164,8 @@ class Nairn(Code):
             layout = body.geometry.lattice(float(body.particles.size), (0.0,) * scene.dim)
         else:
             layout = points_of_body(scene, name)
-        velocity = 0.0 * layout.position if body.prescribed else starting_velocity(scene, name, layout)
+        known = surface_velocity(body) if body.prescribed else starting_velocity(scene, name, layout)
+        velocity = np.broadcast_to(np.zeros(scene.dim) if known is None else known, layout.position.shape)
         size = layout.volume ** (1.0 / scene.dim) / cell
         for x, v, s in zip(layout.position, velocity, size, strict=True):
             sizes = " ".join(f'lp{axis}="{s:.12g}"' for axis in "xyz"[: scene.dim])

@@ -33,6 +33,11 @@ from mpmfw.api.code import (
 SLAB = 2.0
 
 
+#: Points so near to faces of cells move off them by OFF_FACE, in cells: one that lies on the face of a cell
+#: without other points gives a motion that is not finite (Newton 1.8).
+ON_FACE, OFF_FACE = 1e-4, 1e-3
+
+
 class NewtonOptions(OptionsModel):
     """Settings of Newton's solver; those without a word here keep Newton's own values."""
 
@@ -97,6 +102,10 @@ class Newton(Code):
             position = np.column_stack([np.repeat(position, layers, axis=0), np.tile(depth, len(volume))])
             volume = np.repeat(volume * SLAB * cell / layers, layers)
             velocity = np.pad(np.repeat(velocity, layers, axis=0), ((0, 0), (0, 1)))
+        shift = np.where(
+            np.abs(position / cell - np.round(position / cell)).min(axis=0) < ON_FACE, OFF_FACE, 0.0
+        )
+        position = position + cell * shift
         gradient = np.cross(spin_of(scene, name), np.eye(3)).T  # of v = ω × r
         solid, settle = elasticity(scene, name), scene.settle
         interval, end = float(scene.time.output_interval), float(scene.time.end)
@@ -106,7 +115,8 @@ class Newton(Code):
             "density": solid.density,
             "young_modulus": solid.young,
             "poisson_ratio": solid.poisson,
-            "height": float(plane.geometry.bounds[1][1]),
+            "height": float(plane.geometry.bounds[1][1] + cell * shift[1]),
+            "shift": (cell * shift).tolist(),
             "friction": scene.pairs[0][2],
             "gravity": _upright(gravity_of(scene)),
             "settle_gravity": settle and _upright(gravity_of(scene, settling=True)),
@@ -145,6 +155,7 @@ class Newton(Code):
         facts, asked = (json.loads((folder / name).read_text(encoding="utf-8")) for name in names)
         motion = read_arrays(folder / "motion.npz")
         time, position, velocity = (motion[key].astype(float) for key in ("time", "position", "velocity"))
+        position -= np.array(asked["shift"])
         mass = asked["density"] * read_arrays(folder / "points.npz")["volume"]
         if not isinstance(facts["error"], str) or len(facts["error"].splitlines()) > 1:
             raise ValueError("its error is not a line")

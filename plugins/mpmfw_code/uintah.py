@@ -19,6 +19,7 @@ SAVED = ("p.x", "p.velocity", "p.mass", "p.stress", "p.particleID", "KineticEner
 
 _SIDES = {"left": (0, 0), "right": (0, 1), "bottom": (1, 0), "top": (1, 1), "back": (2, 0), "front": (2, 1)}
 _SHAPES = ("rectangle", "disc", "ring", "box", "ball")
+_PLAIN = {"energy": "split", "hardening_exponent": 1.0, "rate_factor": 0.0}
 _NO_HEAT = {"thermal_conductivity": 1, "specific_heat": 1}  # they must be named
 
 
@@ -55,10 +56,8 @@ class Uintah(Code):
             if np.any(getattr(body, "angular_velocity", None) or 0.0):
                 yield f"bodies.{name}.angular_velocity", "a spin at the start is not written"
             options = scene.materials[body.material].options if body.material else None
-            if getattr(options, "energy", "split") != "split":
-                yield f"materials.{body.material}.energy", "its law is that of 'split'"
-            if getattr(options, "rate_factor", 0.0) or getattr(options, "hardening_exponent", 1.0) != 1.0:
-                yield f"materials.{body.material}", "hardening is written if it is linear, without rate"
+            for key in (key for key, value in _PLAIN.items() if getattr(options, key, value) != value):
+                yield f"materials.{body.material}.{key}", f"its law has {_PLAIN[key]}"
             motion = getattr(getattr(body, "rigid", None), "motion", None)
             if motion and (motion.velocity is None or motion.angular_velocity or motion.surface_velocity):
                 yield f"bodies.{name}.rigid.motion", "only a velocity is written"
@@ -90,8 +89,7 @@ class Uintah(Code):
             _tag("MaterialProperties", {}, [bodies]),
             _grid(scene, 0 if self.options.interpolator == "linear" else 1),
         ]
-        root = _tag("Uintah_specification", {}, parts)
-        indent(root)
+        indent(root := _tag("Uintah_specification", {}, parts))
         ElementTree(root).write(folder / "scene.ups", encoding="utf-8", xml_declaration=True)
 
     def _materials(self, scene: Scene) -> Iterator[Element]:
@@ -132,22 +130,18 @@ class Uintah(Code):
 
 def _held(scene: Scene) -> list[tuple[str, Any, int, int]]:
     """Return bodies and their sides, with axis and end of the grid."""
-    return [
-        (name, side, *_SIDES.get(side.side, (0, 0)))
-        for name, body in scene.bodies.items()
-        for side in body.sides
-    ]
+    sides = [(name, side) for name, body in scene.bodies.items() for side in body.sides]
+    return [(name, side, *_SIDES.get(side.side, (0, 0))) for name, side in sides]
 
 
 def _grid(scene: Scene, extra: int) -> Element:
     """Return the grid, and conditions at its six faces."""
     cell, ends = float(scene.grid.cell_size), np.array([scene.grid.lower, scene.grid.upper])
-    kinds = dict.fromkeys(_SIDES, "Velocity")
+    kinds, faces = dict.fromkeys(_SIDES, "Velocity"), []
     kinds |= dict.fromkeys(("back", "front"), "Symmetric") if scene.dim == 2 else {}
     for name, side, axis, end in _held(scene):
         ends[end, axis] = scene.bodies[name].geometry.bounds[end][axis]
         kinds[side.side] = "Velocity" if side.fixed is True else "Symmetric"
-    faces = []
     for (axis, end), kind in zip(_SIDES.values(), kinds.values(), strict=True):
         values, var = ({"value": (0, 0, 0)}, "Dirichlet") if kind == "Velocity" else ({}, "symmetry")
         condition = _tag("BCType", values, id="all", label=kind, var=var)

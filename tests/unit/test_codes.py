@@ -22,15 +22,17 @@ from mpmfw.codes.outputs import RunCost, results_of
 from mpmfw.codes.process import run_process
 from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.report import table
+from mpmfw.report.records import records_of
 from mpmfw.results.references import reference_of
 from mpmfw.runs.identity import key_of
 from mpmfw.scene import load_scene
 from mpmfw.scene.tables import Series
 from mpmfw_code.calculix import Calculix
 from mpmfw_code.nairn import Nairn
-from mpmfw_code.newton import Newton
+from mpmfw_code.newton import OFF_FACE, ON_FACE, Newton
 
 RECORDED = Path(__file__).resolve().parents[1] / "codes"
+ARENA = Path(__file__).resolve().parents[2] / "docs/arena/scenes"
 SLIP = "rolling-cylinder-slip-rigid"
 COARSE = {"grid.cell_size": 0.8, "bodies.cylinder.particles.size": "1 cell", "time.end": 0.1}
 
@@ -437,7 +439,7 @@ REFUSED = {
         "bodies.block.velocity": THROWN,
         "bodies.plane.sides": (BLOCK, {"grid.lower": [-0.65, -0.45]}),
         "materials.block.model": (BLOCK, {f"materials.block.{key}": value for key, value in J2.items()}),
-        "bodies.plane.rigid": MOVED,
+        "bodies.plane.rigid.motion": MOVED,
         "loads": WIND,
     },
 }
@@ -534,6 +536,33 @@ def test_a_velocity_at_the_start_stands_after_settling(tmp_path, monkeypatch):
         np.testing.assert_allclose(moved, 0.1 * points["velocity"], atol=1e-4)
         assert points["velocity"].mean(axis=0) == pytest.approx([1.0, 0.0, 0.0], abs=1e-3)
     np.testing.assert_allclose(free[0].gradient[0], [[0, 0.5, 0], [-0.5, 0, 0], [0, 0, 0]])
+
+
+def test_a_belt_is_a_rigid_material_that_moves(tmp_path):
+    Nairn().prepare(load_scene(ARENA / "belt.toml"), tmp_path)
+    speeds = {
+        number: set(re.findall(rf'<mp mat="{number}".*?<vel x="([^"]*)" y="0"/>', text))
+        for text in [(tmp_path / "scene.fmcmd").read_text()]
+        for number in (1, 2)
+    }
+    assert speeds == {1: {"0"}, 2: {"1"}}
+
+
+def test_points_on_faces_of_cells_move_off_them_with_the_plane(tmp_path):
+    """Newton's motion is not finite where a point lies on the face of an empty cell."""
+    shift = {}
+    for name, x in (("on", 1.2), ("off", 1.23)):
+        ball = {"bodies.sphere.geometry.centre": [x, 2.41, 0.01]}
+        (tmp_path / name).mkdir()
+        Newton().prepare(load_scene(ARENA / "sphere-slip-rigid.toml", set=ball), tmp_path / name)
+        facts = json.loads((tmp_path / name / "newton.json").read_text())
+        with np.load(tmp_path / name / "points.npz") as points:
+            position = points["position"] / 0.4
+        assert np.abs(position - np.round(position)).min() > 0.9 * ON_FACE
+        assert facts["height"] == pytest.approx(0.8 + facts["shift"][1], abs=1e-12)
+        shift[name] = facts["shift"]
+    assert shift["on"][0] == pytest.approx(0.4 * OFF_FACE)
+    assert shift["off"] == [0.0, 0.0, 0.0]
 
 
 def test_series_of_plug_ins_are_refused():
@@ -759,6 +788,12 @@ def test_a_code_stands_in_a_comparison_like_a_contact(tmp_path, monkeypatch):
     assert row["shape"] == "its own"
     assert row["scheme"] == ""
     assert row["code"].startswith("Parabola 3")
+    kept = {(one.method, one.shape): one for one in records_of(joined)}
+    assert kept.keys() == {("penalty", s) for s in ("linear", "gimp")} | {
+        (m, "its own") for m in ("Parabola", "Broken")
+    }
+    broken = kept["Broken", "its own"]
+    assert (broken.code, broken.status, broken.figures) == ("Broken", status[2], {})
     monkeypatch.setattr(Parabola, "script", "raise SystemExit('it must come from the store')")
     with pytest.warns(mpmfw.ResultsWarning):
         again = mpmfw.compare(SLIP, contact=["penalty"], shape=["linear"], code=[codes[0]], **sizes)
@@ -780,6 +815,10 @@ def test_a_code_refuses_keys_of_other_methods_and_scenes_that_it_cannot_run():
     assert two.startswith("refused: transfer flip changes nothing here")
     refused = str(joined["status"].sel(contact="Still").values.ravel()[0])
     assert "gravity: Still: cannot be expressed" in refused
+    refused = refused.replace("\n", "; ")
+    assert {(one.method, one.status) for one in records_of(joined) if one.code == "Still"} == {
+        ("Still", refused)
+    }
     assert "settle: Still: " in refused
 
 

@@ -133,19 +133,7 @@ REFUSED = {
     "settle": ("sliding-block", {}),
     "materials.block.model": (STOPPING, {"materials.block.model": "linear_elastic"}),
     "materials.block.energy": (STOPPING, {"materials.block.energy": "log"}),
-    "materials.block": (
-        STOPPING,
-        {
-            "materials.block": {
-                "model": "j2",
-                "density": 1000,
-                "youngs_modulus": 1e6,
-                "poissons_ratio": 0.3,
-                "yield_stress": 1e4,
-                "rate_factor": 0.1,
-            }
-        },
-    ),
+    "materials.clay.rate_factor": ("footing", {"materials.clay.rate_factor": 0.1}),
     "bodies.block.angular_velocity": (STOPPING, {"bodies.block.angular_velocity": 1.0}),
     "bodies.block.sides": ("sliding-block", {"bodies.block.sides": [{"side": "outer", "pressure": 1.0}]}),
     "bodies.plane.sides": ("sliding-block", {"bodies.block.geometry.lower": [-0.5, 0.013]}),

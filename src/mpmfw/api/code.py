@@ -11,6 +11,7 @@ from mpmfw.codes.code import (
     read_arrays,
     spin_of,
     starting_velocity,
+    surface_velocity,
 )
 from mpmfw.codes.outputs import MotionOutputs, MovingPoints
 from mpmfw.codes.process import ProcessLimits, read_log
@@ -30,4 +31,5 @@ __all__ = [
     "read_log",
     "spin_of",
     "starting_velocity",
+    "surface_velocity",
 ]

@@ -186,7 +186,8 @@ def compare(
     }  # fmt: skip
     varied = dict(vary or {})
     check_compared(scene, methods, set or {}, varied)
-    methods["contact"] += codes_of(code)
+    codes = codes_of(code)
+    methods["contact"] += codes
     for key, values in varied.items():
         _checked(f"vary {key}", values)
     if output is not None:
@@ -208,6 +209,7 @@ def compare(
     threads = 1 if first is None else first.threads
     dataset = run_grid(grid, Execution(**running), tuple(known), threads=threads, grown=grown)
     dataset.attrs["set"] = json.dumps(plain(set or {}), default=str)
+    dataset.attrs["codes"] = json.dumps({one.label: one.title for one in codes})
     if path is not None:
         _write(dataset, path)
     return dataset

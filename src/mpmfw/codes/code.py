@@ -284,6 +284,17 @@ def spin_of(scene: Scene, name: str) -> FloatArray:
     return spin
 
 
+def surface_velocity(body: Any) -> FloatArray | None:
+    """Return the constant velocity of a rigid body, or of its surface as a belt (dim,) [m/s]; else None."""
+    if body.rigid is True:
+        return np.zeros(body.geometry.dim)
+    moved = [] if body.rigid.motion is None else list(body.rigid.motion.model_dump(exclude_none=True).items())
+    constant = (
+        len(moved) == 1 and moved[0][0] in ("velocity", "surface_velocity") and np.ndim(moved[0][1]) == 1
+    )
+    return np.array(moved[0][1]) if constant else None
+
+
 def gravity_of(scene: Scene, *, settling: bool = False) -> FloatArray:
     """Return gravity of the motion, or that of ``settling`` before it (dim,) [m/s²]."""
     given = scene.settle.gravity if settling and scene.settle is not None else None

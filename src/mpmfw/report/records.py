@@ -13,9 +13,9 @@ from typing import Annotated, Any, Literal
 import xarray as xr
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, field_validator
 
-from mpmfw.campaigns.keys import is_numerical
+from mpmfw.campaigns.keys import is_numerical, is_own_method
 from mpmfw.campaigns.measures import names_of_measures
-from mpmfw.errors import SceneError
+from mpmfw.errors import SceneError, status_code
 from mpmfw.plots.records import Dot
 from mpmfw.report.table import CHOICES, COLUMNS, COSTS, column_of, method_dims, table
 from mpmfw.results.replacing import replace_bytes
@@ -96,8 +96,12 @@ class Record(BaseModel):
 
 
 def records_of(dataset: xr.Dataset) -> list[Record]:
-    """Return a record of each row of a comparison that has figures."""
-    found, attributes = [], dataset.attrs
+    """Return a record of each row of a comparison that has figures, that failed, or that a code refused.
+
+    A code's shape is its own: of rows that differ in what it does not read, the first counts."""
+    found: dict[str, Record] = {}
+    attributes = dataset.attrs
+    codes = json.loads(attributes.get("codes", "{}"))
     version = json.loads(attributes.get("versions", "{}")).get("mpmfw", "?")
     varied, shared = (json.loads(attributes.get(name, "{}")) for name in ("varied", "set"))
     points = [one for _, one in points_of(dataset, method_dims(dataset))]
@@ -106,12 +110,14 @@ def records_of(dataset: xr.Dataset) -> list[Record]:
         figures = {name: float(value) for name, value in row.items() if isinstance(value, int | float)}
         figures = {name: value for name, value in figures.items() if math.isfinite(value)}
         scene, written = scene_of_results(own_attributes(one)), scene_of(own_attributes(one))
-        if not figures or scene is None:
+        title = codes.get(labels["contact"])
+        if scene is None or not (figures or title or status_code(row["status"]) == "failed"):
             continue
         for kind in ("contact", "shape"):  # the first run's
             written.get(kind, {}).pop("method", None)
         settings = {key: value for key, value in shared.items() if is_numerical(key)}
         settings |= {varied[dim]: label for dim, label in labels.items() if dim in varied}
+        settings = {key: value for key, value in settings.items() if not (title and is_own_method(key))}
         settings |= {"grid.cell_size": scene.grid.cell_size}
         settings |= {name: row[name] for name in CHOICES if row.get(name) and name != "code"}
         record = Record(
@@ -119,15 +125,16 @@ def records_of(dataset: xr.Dataset) -> list[Record]:
             problem=_problem(scene, written["materials"]),
             tables=_hash(written),
             method=_cleaned(labels["contact"]),
-            shape=_cleaned(labels["shape"]),
-            code=_cleaned(row.get("code") or f"mpmfw {version}, float64, CPU"),
+            shape="its own" if title else _cleaned(labels["shape"]),
+            code=_cleaned(row.get("code") or title or f"mpmfw {version}, float64, CPU"),
             settings={key: _cleaned(value) for key, value in settings.items()},
             machine=_cleaned(attributes.get("processor", "")),
-            status=_cleaned(row["status"]),
+            status=_cleaned(row["status"].replace("\n", "; ")),
             figures=figures,
         )
-        found.append(record)
-    return found
+        same = record.model_dump(exclude={"status", "figures", "code"})
+        found.setdefault(_hash(same), record)
+    return list(found.values())
 
 
 def write_records(dataset: xr.Dataset, folder: Path) -> list[Path]:
