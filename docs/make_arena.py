@@ -34,7 +34,7 @@ def tables(records: Sequence[Record]) -> list[str]:
 
 
 def not_run(records: Sequence[Record]) -> str:
-    """Return a row for each reason for which a code did not run, with the scenes."""
+    """Return a row for each reason for which a code did not run, with a scene and the number of others."""
     found: dict[tuple[str, str], list[str]] = {}
     for one in sorted(records, key=lambda one: (one.code, one.scene)):
         code, (kind, _, text) = one.code.split()[0], one.status.partition(": ")
@@ -43,9 +43,10 @@ def not_run(records: Sequence[Record]) -> str:
             said = said.replace("|", "/").replace("<", "&lt;")
             found.setdefault((code, said), []).append(one.scene)
     lines = ["| code | why | scenes |", "| --- | --- | --- |"]
-    lines += [
-        f"| {code} | {why} | {'; '.join(dict.fromkeys(scenes))} |" for (code, why), scenes in found.items()
-    ]
+    for (code, why), scenes in found.items():
+        first, *others = dict.fromkeys(scenes)
+        more = f" and {len(others)} more" if others else ""
+        lines.append(f"| {code} | {why} | {first}{more} |")
     return "\n".join(lines)
 
 
