@@ -141,6 +141,51 @@ def test_a_tie_holds_a_free_rigid_body():
     assert tied.frame().series["min_gap"][0] < 0.05 * CELL < free.frame().series["min_gap"][0]
 
 
+@pytest.mark.parametrize("scheme", ["usl", "musl"])
+@pytest.mark.parametrize("motion", [{"rigid": True}, {"rigid": {"density": 1e3, "held": ["y", "rotation"]}}])
+def test_laws_against_one_rigid_body_act_as_in_runs_apart(motion, scheme):
+    """The second law finds the floor as it moves, and not with what the first one did to it."""
+    floor = {"geometry": {"type": "rectangle", "lower": [-1.0, -0.5], "upper": [1.0, -0.2]}, **motion}
+    fall = {"velocity": [0.0, -1.0]}
+    a = rectangle([-0.85, -0.19], [-0.45, 0.21], **fall)
+    b = rectangle([0.2, -0.19], [0.6, 0.21], **fall)
+
+    def last(bodies, method, pairs=None):
+        frames, keys = [], {"output": {"ledger": True}, "stepping": {"scheme": scheme}}
+        simulation = made(bodies, pairs, method, friction=0.0, step=STEP, **keys)
+        simulation.advance(60, frames.append)
+        labels = [pair.label for pair in simulation.state.pairs]
+        return dict(zip(labels, sum(frame.series["contact_force"] for frame in frames), strict=True)), frames
+
+    force, frames = last({"a": a, "b": b, "f": floor}, "lcp", {"b-f": {"method": "bardenhagen"}})
+    apart = [last({"a": a, "f": floor}, "lcp"), last({"b": b, "f": floor}, "bardenhagen")]
+    assert force["b-f"][1] > 1e3
+    assert force["a-f"] == pytest.approx(apart[0][0]["a-f"], rel=1e-9, abs=1e-6)
+    assert force["b-f"] == pytest.approx(apart[1][0]["b-f"], rel=1e-9, abs=1e-6)
+    reaction = sum(frame.series["reaction"][-1] for frame in frames)
+    assert reaction == pytest.approx(-force["a-f"] - force["b-f"], rel=1e-9, abs=1e-6)
+    kinetic = [each[1][-1].series["kinetic_energy"][0] for each in apart]
+    assert frames[-1].series["kinetic_energy"][:2] == pytest.approx(kinetic, rel=1e-9)
+
+
+def test_laws_against_one_free_rigid_body_keep_momentum_and_give_no_energy():
+    ball = {"geometry": {"type": "disc", "centre": [0.0, 0.0], "radius": 0.3}, "rigid": {"density": 500.0}}
+    bodies = {
+        "a": rectangle([-0.72, -0.1], [-0.32, 0.3], velocity=[1.0, 0.0]),
+        "b": rectangle([-0.2, 0.32], [0.2, 0.72], velocity=[0.0, -1.0]),
+        "ball": ball,
+    }
+    simulation, frames = made(bodies, {"b-ball": {"method": "impulse"}}, "lcp", output={"ledger": True}), []
+    simulation.advance(100, frames.append)
+    momentum = np.array([frame.series["linear_momentum"].sum(axis=0) for frame in frames])
+    energy = [
+        sum(frame.series[name].sum() for name in ("kinetic_energy", "strain_energy")) for frame in frames
+    ]
+    assert np.abs(momentum - momentum[0]).max() < 1e-10 * np.abs(momentum[0]).max()
+    assert frames[-1].series["kinetic_energy"][-1] > 1.0
+    assert max(energy) < 1.0001 * energy[0]
+
+
 def test_pairs_have_friction_springs_and_warnings_of_their_own():
     pairs = {
         "a-b": {"friction": 0.1, "method": "penalty", "penalty": {"kappa": 2.0}},

@@ -125,6 +125,23 @@ def test_in_space_a_body_that_turns_about_two_axes_keeps_their_momentum_and_its_
     assert energies == pytest.approx([0.5 * inertia @ np.square([0.0, 4.0, 1.0])] * 2, rel=1e-5)
 
 
+def test_a_torque_that_keeps_a_spin_does_the_work_that_the_body_gains():
+    scene, _ = in_space({"angular_velocity": [5.0, 5.0, 0.3]}, density=1e3, held=["rotation-x"])
+    series = series_of(scene)
+    energy = series["kinetic_energy"].values[:, 1]
+    assert np.ptp(energy) > 0.3 * energy[0]
+    assert series["external_work"].values == pytest.approx(energy - energy[0], abs=1e-3 * energy[0])
+
+
+@pytest.mark.parametrize("least", [0.0, 1e-12])
+def test_a_rod_is_refused_where_a_rotation_is_held(least):
+    rod = {"mass": 1.0, "inertia": [least, 1.0, 1.0]}
+    scene, _ = in_space({}, density=None, **rod, held=["rotation-x"])
+    del scene["bodies"]["disc"]["rigid"]["density"]
+    with pytest.raises(mpmfw.errors.SceneError, match=r"rigid\.inertia: .* held about one axis"):
+        mpmfw.load_scene(scene)
+
+
 @pytest.mark.parametrize(
     ("held", "torque", "message"),
     [

@@ -15,7 +15,7 @@ import numpy as np
 from mpmfw.contact.law import PairRecords
 from mpmfw.contact.strategy import ContactStrategy
 from mpmfw.errors import SceneError
-from mpmfw.plugin.hooks import BoundHooks, make_manager, register
+from mpmfw.plugin.hooks import BoundHooks, Observer, make_manager, register
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import AnyArray, Field
@@ -23,6 +23,30 @@ from mpmfw.state.structs import Grid, Pair, Particles, State, Stencil
 
 #: The record that not every contact has.
 SPRING_WORK = "spring_work"
+
+
+class RigidMotion(Observer):
+    """What contacts before have done to rigid bodies: the next one finds them in rigid motion, prescribed and
+    held as they are. After the last one the points have the impulses of all."""
+
+    name = "rigid motion"
+    observes = ("after_momentum_projection", "after_momentum_update", "after_second_projection")
+    rigid: Any = None
+
+    def before(self, hook: str, plugin: Any, grid: Grid, dt: float) -> None:  # noqa: ARG002
+        """Copy the momenta of the points before all contacts, and before each."""
+        self.last = self.rigid.own(grid.momentum).copy()
+        if plugin is None:
+            self.sum = self.last.copy()
+
+    def after(self, hook: str, plugin: Any, grid: Grid, dt: float) -> None:  # noqa: ARG002
+        """Add the impulses of each contact."""
+        own = self.rigid.own(grid.momentum)
+        if plugin is None:
+            own[...] = self.sum
+        else:
+            self.sum += own - self.last
+            self.rigid.make_rigid(grid)
 
 
 class ContactsByPair(ContactStrategy):
@@ -66,6 +90,8 @@ class ContactsByPair(ContactStrategy):
         self.manager = make_manager()
         for contact in reversed(self.contacts):  # pluggy calls the last registered first
             register(self.manager, contact, contact.name)
+        self.rigid_motion = RigidMotion()
+        register(self.manager, self.rigid_motion, self.rigid_motion.name)
         self.hook: Any = BoundHooks(self.manager, lambda stage: stage)
 
     def _combine(self) -> None:
@@ -126,6 +152,7 @@ class ContactsByPair(ContactStrategy):
     def setup(self, setup: Setup) -> None:
         """Prepare all contacts; raise SceneError for a named pair between which nothing acts."""
         self.state = setup.state
+        self.rigid_motion.rigid, self.rigid_motion.running = setup.state.rigid, setup.state.rigid is not None
         labels = {pair.label for pair in setup.pairs}
         for a, b in self.named:
             if not labels & {f"{a}-{b}", f"{b}-{a}"}:

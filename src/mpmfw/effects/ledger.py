@@ -224,7 +224,9 @@ class EnergyLedger(Observer):
     @hookimpl
     def end_step(self, state: State) -> None:
         """Add the grid's gain; the guard looks."""
-        self.gained += self.moved - self.projected
+        turned = 0.0 if self.state.rigid is None else self.state.rigid.turned
+        self.gained += self.moved - self.projected + turned
+        self.work["external"] += turned
         springs = state.arrays.get(f"{self.contact}/energy")
         held = 0.0 if springs is None else float(springs.sum())
         if self.loaded is None:  # the first forces are those of the first positions

@@ -72,6 +72,7 @@ class RigidBodies:
         #: axes (n, 3) about which alone bodies in space do not turn
         self.held_axes = np.array([[f"rotation-{name}" in each for name in "xyz"] for each in held])
         self.work = 0.0  #: of what holds them, on free bodies [J/m]
+        self.turned = 0.0  #: of it that of this step's torques, which keep spins as bodies turn
         if self.holds:
             self.ledger_term = "external", "held rigid bodies"
         self.mass = np.zeros(count)  #: (n,) [kg/m]; 0 where the motion is prescribed
@@ -292,6 +293,14 @@ class RigidBodies:
             self._write_momentum(grid)
             self.work += float(np.vdot((own - before)[free], self.point_velocity[free]))
 
+    def make_rigid(self, grid: Grid) -> None:
+        """Give the momenta a rigid motion of the same sum and moment, but for what is prescribed or held."""
+        motion = self.velocity.copy(), self.spin.copy()
+        self._read_motion(self.own(grid.momentum))
+        self._write_momentum(grid)
+        self.velocity, self.spin = motion
+        self.restored()
+
     def _read_motion(self, momentum: FloatArray) -> None:
         """Take the motion of free bodies that has the sum and the moment of their points' ``momentum``, but
         for what is held."""
@@ -389,4 +398,6 @@ class RigidBodies:
             by = rotations(0.5 * dt * (self.spin[guided] + after))
             self.turn[guided] = np.einsum("nda,nae->nde", by, begin)
         self.spin[guided] = self._hold_axes(self.spin_of(of_guided, guided), guided)
+        self.turned = 0.5 * float(np.vdot(self.moment[guided] - of_guided, self.spin[guided]))
+        self.work += self.turned
         self.restored()

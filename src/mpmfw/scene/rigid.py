@@ -120,6 +120,9 @@ def _free(rigid: Rigid, at: Path, dim: int) -> Iterator[Problem]:
         if largest > (1.0 + 1e-9) * sum(others):
             text = f"{largest:g} kg m^2 exceeds the other two together; expected at most {sum(others):g}"
             yield Problem((*at, "inertia"), text)
+        elif others[0] < 1e-8 * largest and set(AXES).intersection(rigid.held or ()):
+            text = f"{others[0]:g} kg m^2 does not go with a rotation that is held about one axis"
+            yield Problem((*at, "inertia"), f"{text}; expected at least {1e-8 * largest:g}")
 
 
 def acts_along(given: Any, axis: int) -> bool:
