@@ -271,3 +271,9 @@ def test_points_on_the_plane_are_drawn_with_the_outlines(tree):
     metres = panel.get_xlabel().removeprefix("x ")
     assert panel.get_ylabel() == f"z {metres}"
     assert "m/s" in (bar.get_ylabel() or bar.get_xlabel())
+
+
+def test_a_plane_past_a_body_has_no_outline_of_it(tree):
+    """The ball ends at z = -5 mm."""
+    panel, _ = mpmfw.plots.field(tree, "velocity_z", plane=("z", -0.4)).axes
+    assert len(panel.lines) == len(shapes_in(panel)) == 1

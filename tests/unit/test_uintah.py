@@ -170,3 +170,7 @@ def test_the_command_writes_a_folder_or_nothing(tmp_path, monkeypatch):
     assert (run.exit_code, "mpmfw export SCENE --to uintah" in run.output) == (2, True)
     alone = CliRunner().invoke(app, ["export", "run.nc", "--set", "time.end=1"])
     assert (alone.exit_code, "no effect without --to" in alone.output) == (2, True)
+    for option in (["--every", "2"], ["--body", "left"], ["--force"]):
+        idle = CliRunner().invoke(app, ["export", "colliding-rings", "--to", "uintah", "-o", "new", *option])
+        assert (idle.exit_code, f"{option[0]}: has no effect with --to" in idle.output) == (2, True)
+        assert not Path("new").exists()

@@ -165,6 +165,9 @@ def export(
     """
     _check_effect({"--set": set_ or None, "--trust": trust or None}, "--to", to)
     if to is not None:
+        for option, given in (("--every", every > 1), ("--body", body), ("--force", force)):
+            if given:
+                raise SceneError(f"{option}: has no effect with --to")
         _export_scene(str(file), to, output, args.assignments(set_), trust)
         return
     args.check_files([file])

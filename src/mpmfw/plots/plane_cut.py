@@ -56,6 +56,8 @@ def plane_cut(
     for body in set(surfaces_of(tree)) & {*own, *rigid_bodies_of(tree, bodies)}:
         nodes = frame_of(tree, f"surface/{body}", frame)["position"].values.astype(float)
         ends = cut_lines(nodes, facets_of(tree, body), across, place).reshape(-1, 3)
+        if not len(ends):
+            continue
         lines = {"position": (("surface_node", "axis"), np.delete(ends, across, axis=1))}
         following = ("surface_node", np.arange(len(ends)) ^ 1)  # the other end of each
         cut = xr.Dataset(lines, {"axis": shown}).expand_dims(time).assign(next=following)
