@@ -144,9 +144,10 @@ def _print_cost(simulation: Simulation, found: Prediction, everything: bool) -> 
     largest = max(found.stages, key=lambda stage: found.stages[stage])
     share = found.stages[largest] / found.cpu_time if found.cpu_time > 0.0 else 0.0
     typer.echo(f"{found.cpu_time:.3g} s of CPU time for the steps, {100.0 * share:.0f} % of it {largest}")
-    if found.flow_time:
-        total = found.cpu_time + found.flow_time
-        typer.echo(f"this is while nothing flows; {total:.3g} s where all material that can flow does")
+    if found.flow_time is not None:
+        total = f"{found.cpu_time + found.flow_time:.3g} s where all material that can flow does"
+        unknown = "material may flow, at a cost too small to measure here"
+        typer.echo(f"this is while nothing flows; {total if found.flow_time else unknown}")
     typer.echo(f"at most {shown_bytes(most_memory(simulation.scene))} of memory while it is built and runs")
     frames, each, size = results_size(simulation.scene, simulation.header())
     typer.echo(f"{frames:g} frames of {shown_bytes(each)}, and series: {shown_bytes(size)}")

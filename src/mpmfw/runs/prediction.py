@@ -37,7 +37,7 @@ class Prediction:
     settle_steps: int  #: at most; 0 in a scene that does not settle
     output_time: float  #: CPU time of frames, energy ledger and gap [s], without writing
     start_time: float  #: CPU time of this process up to the trial [s]
-    flow_time: float  #: CPU time that the steps take more where all material flows [s]; 0 if none can
+    flow_time: float | None  #: CPU time that steps take more where all material flows [s]; None if none can
     memory: int  #: of all arrays [bytes]
     limits: tuple[tuple[float, str], ...]  #: stable steps [s] and their owners
 
@@ -55,6 +55,7 @@ class Prediction:
 def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
     """Predict the cost of a simulation beside ``arrays`` [bytes]; it is used up."""
     before, clock, settle = clocks.process_time(), simulation.clock, simulation.scene.settle
+    history = _history_of_flow(simulation)
     with ExitStack() as stack:
         stack.enter_context(clock.watching_compilation())
         time = simulation.scene.time
@@ -79,7 +80,7 @@ def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
         clock.flush()
         frame = clock.cpu["output"] + clock.cpu["gap"]
         length, tables = simulation.stable_step(), _tables(simulation)
-        flow = _time_of_flow(simulation)
+        flow = None if history is None else _time_of_flow(simulation, history)
     steps, settle_steps = int(steps_of(simulation.scene, length)), 0
     if settle is not None:
         settle_steps = math.ceil(longest_settling(settle, simulation.state.bodies) / length)
@@ -90,19 +91,28 @@ def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
         settle_steps=settle_steps,
         output_time=steps * (times["output"] + times["gap"]) + (outputs_of(simulation.scene) + 1) * frame,
         start_time=before,
-        flow_time=steps * flow,
+        flow_time=None if flow is None else steps * flow,
         memory=sum(arrays) + tables,
         limits=tuple(limits),
     )
 
 
-def _time_of_flow(simulation: Simulation) -> float:
+def _history_of_flow(simulation: Simulation) -> dict[str, FloatArray] | None:
+    """Return copies of arrays of materials that can flow; None if no body can."""
+    names = {one.name for one in simulation.setup.materials.values() if one.dissipates and one.slices}
+    arrays = simulation.state.arrays
+    return {key: arrays[key].copy() for key in arrays if key.partition("/")[0] in names} if names else None
+
+
+def _time_of_flow(simulation: Simulation, history: Mapping[str, FloatArray]) -> float:
     """Return the CPU time that stresses take more in a step in which all points flow [s].
 
-    Points are sheared at constant volume, time and again; the simulation is used up."""
-    if not any(one.dissipates and one.slices for one in simulation.setup.materials.values()):
-        return 0.0
+    Points begin without strain and with the ``history`` of a start, so that none flows; then they are sheared
+    at constant volume, time and again. The simulation is used up."""
     points, dt = simulation.state.particles.in_space, simulation.state.dt
+    points.deformation_gradient[...] = np.eye(points.deformation_gradient.shape[-1])
+    for key, array in history.items():
+        simulation.state.arrays[key][...] = array
     times = []
     for shear in (0.0, FLOW):
         for step in range(WARM_UP + TIMED):
