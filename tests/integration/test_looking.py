@@ -16,6 +16,7 @@ from mpmfw.errors import SceneError
 from mpmfw.plots.animation import Movie
 from mpmfw.plots.bodies import Bodies
 from mpmfw.report import pictures, write_report
+from mpmfw.report.turning import _slider
 from mpmfw.results.selection import runs_of
 from scenes_for_tests import ball_on_a_box, two_blocks
 
@@ -71,10 +72,18 @@ def test_a_run_in_space_can_be_turned_without_a_network(run, tmp_path):
     traces, _ = json.JSONDecoder().raw_decode(call.strip())
     assert [trace["type"] for trace in traces] == ["mesh3d", "mesh3d"]
     frames = json.loads(re.search(r"Plotly.addFrames\('turning', (\[.*?\])\);", page)[1])
-    assert [frame["name"] for frame in frames] == ["0 s", "0.0002 s", "0.0004 s"]
+    assert [frame["name"] for frame in frames] == ["0", "1", "2"]
     heights = [np.frombuffer(base64.b64decode(frame["data"][0]["z"]["bdata"]), "f4") for frame in frames]
     np.testing.assert_allclose(heights[2], tree["surface/solid"]["position"].values[2, :, 2], atol=1e-6)
     assert page.index("Plotly.newPlot") < page.index("<h2>Scene")
+
+
+def test_outputs_that_are_close_to_each_other_have_frames_of_their_own():
+    """Times that are equal to four digits share a label, and no frame."""
+    slider = _slider(np.array([1.0, 1.00001, 1.1]))
+    assert [step["label"] for step in slider["steps"]] == ["1 s", "1 s", "1.1 s"]
+    assert [step["args"][0] for step in slider["steps"]] == [["0"], ["1"], ["2"]]
+    assert slider["active"] == 2
 
 
 @pytest.fixture(scope="module")

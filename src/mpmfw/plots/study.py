@@ -89,12 +89,12 @@ _LIMIT: dict[str, Any] = {"color": "0.55", "linewidth": 0.6, "linestyle": (0, (4
 def study_figures(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
     """Return the figures of a study, ``{name: (figure, caption)}``."""
     figures: dict[str, tuple[Figure, str]] = {}
-    timing = dataset.attrs.get("timing", "")
+    timing, without = dataset.attrs.get("timing", ""), "; ".join(_without_result(with_methods(dataset)))
     if (np.isfinite(dataset["error"]) & (dataset["error"] > 0) & np.isfinite(dataset["cpu_time"])).any():
         figures["front"] = (
             front(dataset),
             "Error over CPU time with the range of the repeats. The line joins filled runs, which no other "
-            f"one beats in both. Timing: {timing}.{_failed(dataset)}",
+            f"one beats in both. Timing: {timing}." + (f" Without a result: {without}." if without else ""),
         )
     if np.isfinite(dataset["stage_time"]).any():
         figures["stages"] = (stages(dataset), f"CPU time by stage of the step. Timing: {timing}.")
@@ -118,7 +118,7 @@ def front(dataset: xr.Dataset) -> Figure:
         axes.axhline(100.0 * float(dataset.attrs["under"]), zorder=0, **_LIMIT)
         quantity = str(dataset.attrs["quantity"]).replace("-", " ")
         ylabel = f"error of {quantity} [%]" if axes is panels[0] else ""
-        dress(axes, "CPU time [s]", ylabel, title)
+        dress(axes, "CPU time [s]", ylabel, _title(title, problem))
         _plain_ticks(axes)
     key = _key(named, look, resolution)
     most = max(map(len, key))
@@ -133,14 +133,18 @@ def _size(dataset: xr.Dataset, resolution: str | None, row: dict[str, Any]) -> f
     return float(np.interp(order.index(row[resolution]), (0, max(1, len(order) - 1)), _SIZES))
 
 
-def _failed(dataset: xr.Dataset) -> str:
-    named = with_methods(dataset)
-    failed = [
+def _title(title: str, problem: xr.Dataset) -> str:
+    without = len(_without_result(problem))
+    return f"{title} ({without} without a result)".strip() if without else title
+
+
+def _without_result(dataset: xr.Dataset) -> list[str]:
+    """Return the labels of runs that failed, were refused or did not run."""
+    return [
         ", ".join(str(row[dim]) for dim in row["dims"])
-        for row in runs_of(named)
-        if str(row["run"]["status"].item()) != "ok"
+        for row in runs_of(dataset)
+        if str(row["run"]["status"].item()) != "ok" and not np.isfinite(row["run"]["error"])
     ]
-    return f" Without a result: {'; '.join(failed)}." if failed else ""
 
 
 def _draw_run(axes: Any, row: dict[str, Any], look: Look, size: float) -> None:

@@ -53,10 +53,9 @@ def turning(
         ]
         for step in range(len(times))
     ]
-    names = [f"{time:.4g} s" for time in times]
     figure.add_traces(drawn[-1])
-    figure.frames = [{"name": name, "data": traces} for name, traces in zip(names, drawn, strict=True)]
-    figure.update_layout(height=_HEIGHT * rows + 180, sliders=[_slider(names)])
+    figure.frames = [{"name": str(step), "data": traces} for step, traces in enumerate(drawn)]
+    figure.update_layout(height=_HEIGHT * rows + 180, sliders=[_slider(times)])
     _scale(figure, shown, frames, field, limits)
     settings = {"displayModeBar": False, "responsive": True, "scrollZoom": True}
     options = {"auto_play": False, "full_html": False, "div_id": "turning", "include_plotlyjs": True}
@@ -103,8 +102,11 @@ def _trace(runs: Bodies, body: str, field: str, frame: int, scene: str) -> dict[
     return trace | {"type": "mesh3d", **dict(zip("ijk", facets.T, strict=True)), **colours}
 
 
-def _slider(names: Sequence[str]) -> dict[str, Any]:
-    """Return a slider that shows the frames with these names, and begins with the last."""
+def _slider(times: FloatArray) -> dict[str, Any]:
+    """Return a slider that shows the frames of these times, and begins with the last."""
     at_once = {"mode": "immediate", "frame": {"duration": 0, "redraw": True}, "transition": {"duration": 0}}
-    steps = [{"label": name, "method": "animate", "args": [[name], at_once]} for name in names]
-    return {"active": len(names) - 1, "steps": steps, "currentvalue": {"prefix": "t = "}, "pad": {"b": 30}}
+    steps: list[dict[str, Any]] = [
+        {"label": f"{time:.4g} s", "method": "animate", "args": [[str(step)], at_once]}
+        for step, time in enumerate(times)
+    ]
+    return {"active": len(steps) - 1, "steps": steps, "currentvalue": {"prefix": "t = "}, "pad": {"b": 30}}
