@@ -457,6 +457,23 @@ def test_what_a_code_cannot_do_is_refused_by_its_key(code, key, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize("code", REFUSED)
+@pytest.mark.parametrize("method", ["none", "separate", "tied"])
+def test_contact_without_friction_is_refused(code, method):
+    assert "contact.method" in [
+        one.key for one in code().problems(load_scene(BLOCK, set={"contact.method": method}))
+    ]
+    assert "contact.method" not in [one.key for one in code().problems(load_scene(BLOCK))]
+
+
+@pytest.mark.parametrize("code", REFUSED)
+def test_the_contact_of_a_pair_is_refused_but_not_its_friction(code):
+    key = "contact.pairs.block-plane"
+    for value, refused in ({"method": "tied"}, True), ({"friction": 0.1}, False):
+        problems = code().problems(load_scene(BLOCK, set={key: value}))
+        assert (f"{key}.method" in [problem.key for problem in problems]) == refused
+
+
 def test_the_input_has_the_points_of_mpmfw_in_a_slab(tmp_path):
     Newton(step=0.004).prepare(load_scene(SLIP, set=COARSE), tmp_path)
     with np.load(tmp_path / "points.npz") as file:

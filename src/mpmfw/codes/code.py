@@ -121,6 +121,7 @@ class Code(PlugIn):
             yield "settle.max_time", "a limit of the time of settling cannot be expressed"
         if not scene.has_coulomb_friction:
             yield "contact.friction_law", "its friction is Coulomb's"
+        yield from _contact_refusals(scene)
         for name, material in scene.materials.items():
             if material.damping is not None:
                 yield f"materials.{name}.damping", "viscous damping cannot be expressed"
@@ -208,6 +209,17 @@ def codes_of(given: Iterable[Any]) -> list[Any]:
             )
         code.identify()
     return list({code.label: code for code in codes}.values())
+
+
+def _contact_refusals(scene: Scene) -> Iterator[tuple[str, str]]:
+    """Yield contacts that are no contact with friction, which adapters write between all bodies."""
+    contact: Any = scene.contact
+    if scene.pairs and not load("contact", contact.method).uses_friction:
+        yield "contact.method", f"writes contact with friction, and not '{contact.method}'"
+    for pair in () if contact is None else contact.pairs:
+        if pair.method is not None:
+            key = f"contact.pairs.{'-'.join(pair.bodies)}.method"
+            yield key, "a contact between two bodies alone cannot be expressed"
 
 
 # -- what adapters need
