@@ -32,7 +32,6 @@ from mpmfw.api.code import (
 #: Cells across a plane scene, which Newton has as a slab that is free on both sides.
 SLAB = 2.0
 
-
 #: Points so near to faces of cells move off them by OFF_FACE, in cells: one that lies on the face of a cell
 #: without other points gives a motion that is not finite (Newton 1.8).
 ON_FACE, OFF_FACE = 1e-4, 1e-3
@@ -86,7 +85,7 @@ class Newton(Code):
                     f"bodies.{name}.geometry",
                     "stands as a level plane; expected an upright rectangle or box",
                 )
-            elif any(_lowest(scene, other) < shape.bounds[1][1] - 1e-9 for other in soft):
+            elif any(scene.bodies[s].geometry.bounds[0][1] < shape.bounds[1][1] - 1e-9 for s in soft):
                 yield f"bodies.{name}.geometry", "stands as a level plane; expected the other body above it"
 
     def write(self, scene: Scene, folder: Path) -> None:
@@ -192,10 +191,6 @@ class Newton(Code):
             notes=tuple(notes),
             versions={str(key): str(value) for key, value in facts["versions"].items()},
         )
-
-
-def _lowest(scene: Scene, name: str) -> float:
-    return float(scene.bodies[name].geometry.bounds[0][1])
 
 
 def _upright(gravity: FloatArray) -> list[float]:
