@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 import statistics
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -31,23 +30,6 @@ def tables(records: Sequence[Record]) -> list[str]:
         shared = set.intersection(*ran.values()) if ran else set()
         found.append(rows([one for one in listed if (one.problem, one.cell_size) in shared]))
     return found
-
-
-def not_run(records: Sequence[Record]) -> str:
-    """Return a row for each reason for which a code did not run, with a scene and the number of others."""
-    found: dict[tuple[str, str], list[str]] = {}
-    for one in sorted(records, key=lambda one: (one.code, one.scene)):
-        code, (kind, _, text) = one.code.split()[0], one.status.partition(": ")
-        for reason in re.split(rf"; (?=[\w.]+: {code}: )", text) if kind != "ok" else ():
-            said = reason.rpartition(f"{code}: ")[2] if kind == "refused" else one.status
-            said = said.replace("|", "/").replace("<", "&lt;")
-            found.setdefault((code, said), []).append(one.scene)
-    lines = ["| code | why | scenes |", "| --- | --- | --- |"]
-    for (code, why), scenes in found.items():
-        first, *others = dict.fromkeys(scenes)
-        more = f" and {len(others)} more" if others else ""
-        lines.append(f"| {code} | {why} | {first}{more} |")
-    return "\n".join(lines)
 
 
 def rows(records: Sequence[Record]) -> str:
@@ -81,4 +63,4 @@ def _median(values: Iterable[float]) -> str:
 
 if __name__ == "__main__":
     found = read_records(RECORDS)
-    print(*tables(found), not_run(found), sep="\n\n")
+    print(*tables(found), sep="\n\n")
