@@ -104,13 +104,11 @@ BAD = {
     r"triangle \d+ goes through triangle \d+ at ": parts(
         (NODES, FACETS), (np.add(NODES, (0.6, 0.0, 0.03)), FACETS)
     ),
-    r"overlap, or are turned inside out, at \(.*\) m; expected .* outwards": (NODES, FACETS[:, ::-1]),
+    "expected their normals to point outwards": (NODES, FACETS[:, ::-1]),
     r"320 triangles are there more than once \(facets 0, 1": (NODES, np.concatenate([FACETS, FACETS])),
     "sides have more than two triangles": parts(CUBE, box_of((1, 1, 0), (2, 2, 1))),
-    r"overlap, or are turned inside out, at \(0\.[4-9]\d*, ": parts(CUBE, box_of((0.5, 0, 0), (1.5, 1, 1))),
-    r"turned inside out, at \(0\.[1-7]\d*, .* in a cavity inwards": parts(
-        CUBE, box_of((0.2,) * 3, (0.8,) * 3)
-    ),
+    "parts of the surface overlap": parts(CUBE, box_of((0.5, 0, 0), (1.5, 1, 1))),
+    "expected their normals to point inwards, being a cavity": parts(CUBE, box_of((0.2,) * 3, (0.8,) * 3)),
     "not finite numbers: 1 nodes, the first number 3": (NOT_FINITE, FACETS),
 }
 

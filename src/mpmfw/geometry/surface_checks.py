@@ -5,14 +5,17 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from mpmfw.geometry.clipped_lattice import covering_cells
-from mpmfw.geometry.cut_cells import cut_cells
+from mpmfw.geometry.cut_cells import volume_of
 from mpmfw.geometry.layout import FloatArray, IntArray, measures_of
 
 #: Height of a triangle over its longest side below which it has no area.
 FLAT = 1e-7
-#: Cells along the longest extent, and the share of one that rounding covers.
-CELLS, COVERED = 20, 1e-6
+#: A place within a triangle: through its middle a ray would meet sides of regular meshes.
+PLACE = (0.2713, 0.3142, 0.4145)
+#: How far below its triangle a place is looked at, over the triangle's size.
+BELOW = 1e-6
+#: Places that the ray finds odd of which the exact winding is asked: a ray through a side may count it twice.
+ASKED = 50
 #: A side counts as passing through a triangle this far from the rims of both, in their own coordinates.
 INSIDE = 1e-7
 
@@ -25,7 +28,15 @@ def check_surface(nodes: FloatArray, facets: IntArray, merging: str = "") -> Non
     _refuse(copies, f"{np.count_nonzero(count > 1)} triangles are there more than once", nodes[facets])
     _check_sides(nodes, facets, merging)
     _check_crossings(nodes, facets)
-    _check_coverage(nodes, facets)
+    for shell in shells_of(facets, len(nodes)):
+        _check_outward(nodes, facets, shell)
+    within = overlapping(nodes, facets)
+    if len(within):
+        raise ValueError(
+            "parts of the surface overlap: triangles lie within another part, or bound no body (facets "
+            f"{_listed(within)}), the first at {_at(nodes[facets[within[0]]].mean(axis=0))}; expected parts "
+            "that are apart, or joined to one surface"
+        )
 
 
 def shells_of(facets: IntArray, n_nodes: int) -> list[IntArray]:
@@ -90,17 +101,18 @@ def _check_sides(nodes: FloatArray, facets: IntArray, merging: str) -> None:
         )
 
 
-def _check_coverage(nodes: FloatArray, facets: IntArray) -> None:
-    """Every place is outside the body, or in it once."""
-    bounds = np.array([nodes.min(axis=0), nodes.max(axis=0)])
-    cells = covering_cells(bounds, float(np.ptp(bounds, axis=0).max()) / CELLS, (0.0, 0.0, 0.0))
-    volume = cut_cells(((nodes - cells.origin) / cells.edge)[facets], cells.counts).volume
-    wrong = np.argwhere(np.abs(volume - 0.5) > 0.5 + COVERED)
-    if len(wrong):
+def _check_outward(nodes: FloatArray, facets: IntArray, shell: IntArray) -> None:
+    """A shell encloses material, or a cavity where it lies inside another."""
+    own, others = facets[shell], np.delete(facets, shell, axis=0)
+    within = windings(np.tensordot(nodes[own], PLACE, axes=(1, 0)), nodes[others]) > 0
+    inside = bool(within.all())
+    if inside != within.any():
+        return  # partly inside: asked below, of every triangle
+    if (volume_of(nodes, own) > 0.0) == inside:
+        expected = "inwards, being a cavity" if inside else "outwards"
         raise ValueError(
-            "parts of the surface overlap, or are turned inside out, at "
-            f"{_at(cells.corner(wrong[0] + 0.5))}; expected parts that are apart, with normals that point "
-            "outwards, in a cavity inwards"
+            f"the {len(own)} triangles of the part at {_at(nodes[own].mean(axis=(0, 1)))} are turned inside "
+            f"out; expected their normals to point {expected}"
         )
 
 
@@ -137,3 +149,48 @@ def _crosses(ends: FloatArray, corners: FloatArray) -> FloatArray:
     )
     third = 1.0 - share[1] - share[2]
     return np.asarray((share > INSIDE).all(axis=0) & (share[0] < 1.0 - INSIDE) & (third > INSIDE))
+
+
+def places_below(nodes: FloatArray, facets: IntArray) -> FloatArray:
+    """A place (k, 3) [m] just below every triangle, on the side that its normal leaves."""
+    corners = nodes[facets]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    size = np.sqrt(np.linalg.norm(normal, axis=1, keepdims=True))
+    return np.asarray(np.tensordot(corners, PLACE, axes=(1, 0)) - BELOW * normal / size)
+
+
+def windings(places: FloatArray, corners: FloatArray) -> IntArray:
+    """Return how often surfaces (n, 3, 3) wind round places (k, 3), by rays along z."""
+    xy = corners[:, :, :2]
+    lower, upper = xy.min(axis=1), xy.max(axis=1)
+    tree = shapely.STRtree(shapely.box(lower[:, 0], lower[:, 1], upper[:, 0], upper[:, 1]))
+    one, met = tree.query(shapely.points(places[:, :2]))
+    a, b, c = (corners[met, k] - places[one] for k in range(3))
+
+    def twice(p: FloatArray, q: FloatArray) -> FloatArray:
+        return np.asarray(p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0])
+
+    shares = np.stack([twice(b, c), twice(c, a), twice(a, b)])
+    area = shares.sum(axis=0)
+    through = (shares * np.sign(area) >= 0.0).all(axis=0) & (area != 0.0)
+    height = (shares * np.stack([a[:, 2], b[:, 2], c[:, 2]])).sum(axis=0) * np.sign(area)
+    counted = through & (height > 0.0)
+    return np.bincount(one[counted], np.sign(area[counted]), len(places)).astype(np.int64)
+
+
+def solid_angle_winding(point: FloatArray, corners: FloatArray) -> float:
+    """Return how often surfaces (n, 3, 3) wind round a point: their solid angle over 4 π."""
+    a, b, c = (corners[:, k] - point for k in range(3))
+    la, lb, lc = (np.linalg.norm(x, axis=1) for x in (a, b, c))
+    sixfold = (a * np.cross(b, c)).sum(axis=1)
+    below = la * lb * lc + (a * b).sum(axis=1) * lc + (b * c).sum(axis=1) * la + (c * a).sum(axis=1) * lb
+    return float(np.arctan2(sixfold, below).sum() / (2.0 * np.pi))
+
+
+def overlapping(nodes: FloatArray, facets: IntArray) -> IntArray:
+    """Return up to :data:`ASKED` triangles that do not have the body below them once."""
+    corners = nodes[facets]
+    places = places_below(nodes, facets)
+    odd = np.flatnonzero(windings(places, corners) != 1)[:ASKED]
+    found = [k for k in odd if abs(solid_angle_winding(places[k], corners) - 1.0) > 0.5]
+    return np.array(found, dtype=np.int64)
