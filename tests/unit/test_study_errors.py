@@ -72,7 +72,12 @@ def test_error_against_a_file(tmp_path):
     assert found[0, 0].error == pytest.approx(0.25)
     beyond = judge.judge(lambda _: run_of(2.0, end=0.03, n=3))
     assert np.isnan(beyond[0, 0].error)
-    for text, message in (("time,a,b\n0,0,0\n1,1,1\n", "error.column"), ("time,a\n1,0\n0,1\n", "rising")):
+    bad = {
+        "time,a,b\n0,0,0\n1,1,1\n": "error.column",
+        "time,a\n1,0\n0,1\n": "rising",
+        "time,a\n0,0,3\n1,1,3\n": "cannot be read as CSV: Length of header",
+    }
+    for text, message in bad.items():
         (tmp_path / "way.csv").write_text(text, encoding="utf-8")
         with pytest.raises(SceneError, match=message):
             judged({"quantity": "displacement", "kind": "reference", "file": file})

@@ -109,6 +109,9 @@ BAD = {
     "sides have more than two triangles": parts(CUBE, box_of((1, 1, 0), (2, 2, 1))),
     "parts of the surface overlap": parts(CUBE, box_of((0.5, 0, 0), (1.5, 1, 1))),
     "expected their normals to point inwards, being a cavity": parts(CUBE, box_of((0.2,) * 3, (0.8,) * 3)),
+    "the 24 triangles of .* being a cavity": parts(  # thin: no cell of a coarse grid lies within
+        box_of((0, 0, 0), (1, 1, 0.04)), box_of((0.05, 0.05, 0.016), (0.95, 0.95, 0.024))
+    ),
     "not finite numbers: 1 nodes, the first number 3": (NOT_FINITE, FACETS),
 }
 

@@ -250,9 +250,12 @@ def judge_all(
 def _read_reference(error: ErrorTable, at: At, beside: Callable[[Any], Any]) -> Exact:
     path = Path(beside(error.file))
     try:
-        table = pd.read_csv(path, comment="#", skipinitialspace=True).apply(pd.to_numeric, errors="coerce")
-    except (OSError, ValueError) as problem:
-        raise at(("error", "file"), f"{error.file}: cannot be read as CSV: {problem}") from problem
+        with warnings.catch_warnings(action="error"):  # of rows with more columns than the header
+            table = pd.read_csv(path, comment="#", skipinitialspace=True, index_col=False)
+        table = table.apply(pd.to_numeric, errors="coerce")
+    except (OSError, ValueError, Warning) as problem:
+        raise at(("error", "file"), f"{error.file}: cannot be read as CSV: {str(problem).strip()}") from problem
+    table.columns = table.columns.str.strip()
     columns = [str(name) for name in table]
     others = [name for name in columns if name != "time"]
     column = error.column or (others[0] if len(others) == 1 else None)

@@ -25,7 +25,8 @@ def plane_cut(
     at: float | None = None,
     bodies: Sequence[str] | None = None,
 ) -> tuple[str, xr.DataTree]:
-    """Return a field of one output on a plane across ``normal``, at a place [m], by default the middle.
+    """Return a field of one output on a plane across ``normal``, at a place [m], by default that of the
+    point in the middle.
 
     Points within half their size are in the plane, with the area of their size. The title has the place.
     """
@@ -36,7 +37,7 @@ def plane_cut(
     shown = [axis for axis in axes if axis != normal]
     frames = {body: frame_of(tree, f"particles/{body}", frame) for body in own}
     position = np.concatenate([data["position"].values for data in frames.values()]).astype(float)
-    place = float(np.median(position[:, across])) if at is None else at
+    place = float(np.quantile(position[:, across], 0.5, method="lower")) if at is None else at
     time = {"time": [next(iter(frames.values()))["time"].item()]}
     groups = {"/": xr.Dataset(coords={"axis": shown, "body": own, **time}, attrs=tree.attrs)}
     for body, data in frames.items():

@@ -146,15 +146,19 @@ class Runs:
         """Yield these runs with every combination of place and method."""
         return itertools.product([self], self.places, self.methods)
 
-    def start(self, case: Case, place: Place, method: Method) -> CaseRun:
-        """Run one point; errors are those of :func:`mpmfw.run`."""
-        self.started += 1
+    def scene_at(self, case: Case, place: Place, method: Method) -> Scene:
+        """Return the scene of a place, with the method."""
         given = place.scene or self.scene
         values = {**self.set, **(self.quick if case.quick else {}), **place.set}
         made = given(**place.make) if callable(given) else given
         if place.change is not None:
             made, values = place.change(case.scene(made, None, values).to_mapping()), {}
-        scene = case.scene(made, method, values)
+        return case.scene(made, method, values)
+
+    def start(self, case: Case, place: Place, method: Method) -> CaseRun:
+        """Run one point; errors are those of :func:`mpmfw.run`."""
+        self.started += 1
+        scene = self.scene_at(case, place, method)
         if self.by is None:
             results = case.run(scene)
         else:
