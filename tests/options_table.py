@@ -427,6 +427,8 @@ CUBE = body(
 )
 #: A ring with a load in its hole.
 HOLLOW = body({"type": "ring", **SHAPES["ring"]}, **{SIDES: [{"side": "inner", "pressure": 1e4}]})
+#: Spins of the block below [rad/s].
+SPINS = {"x": 3.0, "y": 2.0, "z": 1.0}
 #: A rigid block beside it, which falls and tumbles.
 FALLS = with_changes(
     CUBE,
@@ -434,7 +436,7 @@ FALLS = with_changes(
     bodies__tool={
         "geometry": {"type": "box", "lower": [1.5, -0.5, -0.5], "upper": [2.5, 0.5, 0.0]},
         "rigid": {"density": 1e3},
-        "angular_velocity": [3.0, 2.0, 1.0],
+        "angular_velocity": [*SPINS.values()],
         "segment": 1.0,
     },
 )
@@ -468,7 +470,15 @@ EACH: dict[str, Each] = {
         for kind in ("cylinder", "torus", "revolution")
     },
     "Rigid.held": Each(
-        FALLS, {word: {"bodies__tool__rigid__held": [word]} for word in ("x", "y", "z", "rotation")}
+        FALLS,
+        {word: {"bodies__tool__rigid__held": [word]} for word in ("x", "y", "z", "rotation")}
+        | {
+            f"rotation-{axis}": {
+                "bodies__tool__rigid__held": [f"rotation-{axis}"],
+                "bodies__tool__angular_velocity": [w * (axis != a) for a, w in SPINS.items()],
+            }
+            for axis in "xyz"
+        },
     ),
     "Side.fixed": Each(CUBE, {axis: {SIDES: [{"side": "left", "fixed": [axis]}]} for axis in "xyz"}),
 }

@@ -90,7 +90,7 @@ def _places(parts: Mapping[str, Any], visited: list[Any]) -> Iterator[tuple[Any,
             if not hasattr(part, name):
                 raise NotSaved(f"{place}: its history names '{name}', which it does not have")
             value = getattr(part, name)
-            if isinstance(value, tuple):
+            if isinstance(value, tuple) and None not in map(history_of, value):
                 yield from _places({f"{place}/{name}/{k}": one for k, one in enumerate(value)}, visited)
             elif history_of(value) is None:
                 yield part, name, f"{place}/{name}"
