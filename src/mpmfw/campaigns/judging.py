@@ -254,7 +254,8 @@ def _read_reference(error: ErrorTable, at: At, beside: Callable[[Any], Any]) -> 
             table = pd.read_csv(path, comment="#", skipinitialspace=True, index_col=False)
         table = table.apply(pd.to_numeric, errors="coerce")
     except (OSError, ValueError, Warning) as problem:
-        raise at(("error", "file"), f"{error.file}: cannot be read as CSV: {str(problem).strip()}") from problem
+        text = f"{error.file}: cannot be read as CSV: {str(problem).strip()}"
+        raise at(("error", "file"), text) from problem
     table.columns = table.columns.str.strip()
     columns = [str(name) for name in table]
     others = [name for name in columns if name != "time"]
