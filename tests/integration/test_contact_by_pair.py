@@ -201,6 +201,28 @@ def test_pairs_have_friction_springs_and_warnings_of_their_own():
     assert [each.kappa for each in simulation.contact.contacts[:2]] == [4.0, 2.0]
 
 
+def test_stability_series_and_advice_are_of_each_pairs_contact():
+    keys = {"output": {"stability": True}, "step": STEP}
+    springs = {"a-b": {"method": "penalty", "penalty": {"kappa": 2.0}}}
+    last, simulations = {}, {}
+    for title, pairs, method in (
+        ("one", None, "penalty"),
+        ("both", {**springs, "c-d": {"method": "lcp"}}, "penalty"),
+        ("two", springs, "lcp"),
+    ):
+        simulations[title], frames = made({**MEET, **TORN}, pairs, method, **keys), []
+        simulations[title].advance(100, frames.append)
+        last[title] = np.fmax.reduce([frame.series["penetration"] for frame in frames], axis=0)
+    assert last["one"][0] > 0.0
+    assert last["two"][0] == last["both"][0] > 1.5 * last["one"][0]  # softer by a half
+    assert np.isnan(last["both"]).tolist() == [False] * 5 + [True]
+    assert np.isnan(last["two"]).tolist() == [False] + [True] * 5
+    steps = simulations["two"]._time_step
+    assert "contact.pairs.a-b.penalty.kappa" in steps._advice("pairs.a-b.penalty springs and bulk")
+    owners = [owner for _, owner in simulations["both"].limits()]
+    assert len(set(owners)) == len(owners)
+
+
 def test_pairs_with_the_same_contact_and_the_ledger_are_as_with_one():
     bodies = {**MEET, "c": rectangle([-0.34, -0.06], [0.06, 0.34], velocity=[0.0, 1.0])}
     last = {}
@@ -319,8 +341,16 @@ def test_two_rigid_bodies_need_a_law_that_acts_between_them():
         "q": {**ball, "geometry": {**ball["geometry"], "centre": [0.3, 0.6]}},
     }
     with pytest.raises(SceneError, match=r"pairs.p-q: contact between two rigid bodies"):
-        made(bodies, {"p-q": {"method": "lcp"}})
+        made(bodies, {"p-q": {"method": "penalty"}})
+    with pytest.raises(SceneError, match=r"pairs.p-q: contact between two rigid bodies"):
+        made(bodies, {"p-q": {"method": "tied"}}, method="lcp")
     made(bodies, {"p-q": {"method": "impulse"}}, method="lcp")
+    made(bodies, {"p-q": {"method": "lcp"}, "a-p": {"method": "tied"}})
+    one = made(bodies, {"a-p": {"method": "tied"}}, method="lcp")
+    assert [pair.label for pair in one.state.pairs] == ["a-p", "a-q", "p-q"]
+    assert one.setup.plugin("rigid_pairs") is None
+    kept = made(bodies, {"a-p": {"method": "lcp"}}).setup.plugin("rigid_pairs")
+    assert [label for *_, label in kept.pairs] == ["penalty"] * 2
 
 
 def test_pairs_may_be_an_array_and_lie_in_a_file(tmp_path):

@@ -79,7 +79,10 @@ class ContactsByPair(ContactStrategy):
         for (a, b), contact in named.items():
             if not labels[contact]:
                 _check(contact, f"contact.pairs.{a}-{b}.method")
-                contact.name = f"pairs.{a}-{b}.{contact.name}"
+                for fact in ("name", "law_name"):
+                    setattr(contact, fact, f"pairs.{a}-{b}.{getattr(contact, fact)}")
+                if contact.softer_by is not None:
+                    contact.softer_by = contact.softer_by.replace("contact", f"contact.pairs.{a}-{b}", 1)
             labels[contact] |= {f"{a}-{b}", f"{b}-{a}"}
         for contact, own in labels.items():
             contact.detection.acts_on = lambda pair, own=own: pair.label in own
@@ -103,8 +106,8 @@ class ContactsByPair(ContactStrategy):
         self.surface_map = maps.pop() if maps else "auto"
         for fact in ("needs_surface", "uses_friction", "takes_friction_law"):
             setattr(self, fact, any(getattr(each, fact) for each in contacts))
-        self.meets_rigid_pairs = all(each.meets_rigid_pairs for each in contacts)
-        self.softer_by, self.compliance = base.softer_by, getattr(base, "compliance", lambda: None)
+        self.softer_by = " or ".join(filter(None, (each.softer_by for each in contacts))) or None
+        self.compliance = getattr(base, "compliance", lambda: None)
         # the one that lacks a radius, which bodies of revolution need
         self.detection = min((each.detection for each in contacts), key=lambda each: each.has_radius)
 
@@ -121,6 +124,17 @@ class ContactsByPair(ContactStrategy):
                 part.name = part.name if contact is self.base else f"{part.name} of {contact.name}"
                 found.append(part)
         return found
+
+    def between(self, first: str, second: str) -> Any:
+        """Return the contact of a pair."""
+        return self.named.get((first, second), self.named.get((second, first), self.base))
+
+    def monitors(self) -> list[Any]:
+        """Return one monitor of all laws of forces."""
+        from mpmfw.contact.events import ContactEvents
+
+        forces = [each for each in self.contacts if each.gives_forces]
+        return [ContactEvents(*forces)] if forces else []
 
     def reach(self, cell_size: float) -> float | None:
         """Return the largest reach; ``cell_size`` is h [m]."""
@@ -157,8 +171,8 @@ class ContactsByPair(ContactStrategy):
         for a, b in self.named:
             if not labels & {f"{a}-{b}", f"{b}-{a}"}:
                 raise SceneError(
-                    "contact between two rigid bodies; expected a law of impulses on surfaces for every pair "
-                    "of the scene, and a body that moves freely",
+                    "contact between two rigid bodies; expected a law of impulses on surfaces, and a body "
+                    "that moves freely",
                     key=f"contact.pairs.{a}-{b}",
                 )
         self.hook.setup(setup=setup)

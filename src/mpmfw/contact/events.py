@@ -25,7 +25,7 @@ FEWEST_STEPS = 3
 _STEPS = "fewest steps that a contact of a place lasted, of those that ended since the last output"
 _DEPTH = "deepest penetration since the last output, over the cell size"
 STEPS_PER_CONTACT = Field("steps_per_contact", ("pair",), "1", _STEPS, "series", output=True, missing=True)
-PENETRATION = Field("penetration", ("pair",), "1", _DEPTH, "series", output=True)
+PENETRATION = Field("penetration", ("pair",), "1", _DEPTH, "series", output=True, missing=True)
 
 
 @kernel
@@ -53,14 +53,14 @@ def follow_contacts(
 
 
 class ContactEvents:
-    """Follows the contacts of a strategy's rows, if the scene requests it."""
+    """Follows the contacts of the rows of laws of forces, if the scene requests it."""
 
     name = "contact_events"
     stage = "output"
     history = ("old_age", "old_pair", "fewest", "deepest", "fewest_ever")
 
-    def __init__(self, contact: ContactLaw) -> None:
-        self.contact = contact
+    def __init__(self, *laws: ContactLaw) -> None:
+        self.laws = laws
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
@@ -71,7 +71,9 @@ class ContactEvents:
     def setup(self, setup: Setup) -> None:
         """Begin without a contact."""
         self.state, self.cell_size = setup.state, setup.cell_size
-        self.old_age, self.old_pair = np.zeros(0), np.zeros(0, dtype=np.int64)
+        #: of the last rows, by the law's name
+        self.old_age = {law.name: np.zeros(0) for law in self.laws}
+        self.old_pair = {law.name: np.zeros(0, dtype=np.int64) for law in self.laws}
         self.fewest = self.fewest_ever = self.deepest = np.zeros(0)
         self.add_pairs(setup.state)
 
@@ -86,22 +88,28 @@ class ContactEvents:
     @hookimpl
     def end_step(self) -> None:
         """Follow the contacts of this step."""
-        rows = self.contact.last_rows
-        age = np.zeros(rows.count)
-        follow_contacts(rows, rows.count, age, self.old_pair, self.old_age, self.fewest, self.deepest)
-        self.old_age, self.old_pair = age, rows.pair[: rows.count].copy()
+        for law in self.laws:
+            rows, of_last = law.last_rows, (self.old_pair[law.name], self.old_age[law.name])
+            age = np.zeros(rows.count)
+            follow_contacts(rows, rows.count, age, *of_last, self.fewest, self.deepest)
+            self.old_age[law.name], self.old_pair[law.name] = age, rows.pair[: rows.count].copy()
 
     def restored(self) -> None:
         """Refuse ages of other rows than those of the last step by ``NotSaved``."""
-        rows = self.contact.last_rows
-        if len(self.old_age) != rows.count or not np.array_equal(self.old_pair, rows.pair[: rows.count]):
-            raise NotSaved("the ages of contacts are not those of the rows")
+        for law in self.laws:
+            pairs = law.last_rows.pair[: law.last_rows.count]
+            if len(self.old_age[law.name]) != len(pairs) or (self.old_pair[law.name] != pairs).any():
+                raise NotSaved("the ages of contacts are not those of the rows")
 
     @hookimpl
-    def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:  # noqa: ARG002
-        """The series; contacts of the settling do not count."""
+    def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
+        """The series, NaN where other contacts act; contacts of the settling do not count."""
+        followed = np.any([law.detection.acting(state) for law in self.laws], axis=0)
         fewest = np.where(np.isfinite(self.fewest), self.fewest, np.nan)
-        series = {"steps_per_contact": fewest, "penetration": self.deepest / self.cell_size}
+        series = {
+            "steps_per_contact": fewest,
+            "penetration": np.where(followed, self.deepest / self.cell_size, np.nan),
+        }
         if interval == 0.0:
             series["steps_per_contact"] = np.full_like(fewest, np.nan)
         else:
@@ -115,7 +123,10 @@ class ContactEvents:
         """Contacts that the steps do not resolve."""
         return [
             f"{pair.label}: a contact lasted {steps:.0f} steps, fewer than {FEWEST_STEPS}, and gains energy; "
-            f"try a smaller {' or '.join(filter(None, ('time.safety', self.contact.softer_by)))}"
-            for pair, steps in zip(self.state.pairs, self.fewest_ever, strict=True)
-            if steps < FEWEST_STEPS
+            f"try a smaller {' or '.join(filter(None, ('time.safety', law.softer_by)))}"
+            for law in self.laws
+            for pair, steps, own in zip(
+                self.state.pairs, self.fewest_ever, law.detection.acting(self.state), strict=True
+            )
+            if own and steps < FEWEST_STEPS
         ]

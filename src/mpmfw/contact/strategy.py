@@ -53,6 +53,10 @@ class ContactStrategy(PlugIn):
         """Return facts of these pairs without effect under its options, one line each, for ``explain``."""
         return []
 
+    def between(self, first: str, second: str) -> ContactStrategy:  # noqa: ARG002
+        """Return the contact that acts between the bodies of two names."""
+        return self
+
     def monitors(self) -> list[Any]:
         """Return plug-ins that watch the strategy's stability (``output.stability``)."""
         return []

@@ -17,25 +17,27 @@ class RigidPairs:
     name = "rigid_pairs"
     stage = "contact"
 
-    def __init__(self, pairs: list[tuple[Body, Body]], contact: str) -> None:
-        self.pairs, self.contact = pairs, contact
+    def __init__(self, pairs: list[tuple[Body, Body, str]]) -> None:
+        self.pairs = pairs  #: with the labels of their contacts
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts | str:
         """Return the pairs of rigid bodies but those whose motions are prescribed, which may overlap."""
         contact, rigid = setup.contact, [body for body in setup.bodies if body.rigid]
         ordered = itertools.permutations(rigid, 2)
-        pairs = [(a, b) for a, b in ordered if not (a.prescribed and b.prescribed)]
-        if contact is None or contact.meets_rigid_pairs or not pairs:
-            return "contact acts between them" if pairs else "no two that move freely"
-        names = ", ".join(f"{a.name}-{b.name}" for a, b in pairs if a.index < b.index)
-        return Acts(f"{names}: the run ends where they touch", [cls(pairs, contact.label)])
+        free = [(a, b) for a, b in ordered if not (a.prescribed and b.prescribed)]
+        found = [(a, b, contact.between(a.name, b.name)) for a, b in free] if contact is not None else []
+        pairs = [(a, b, law.label) for a, b, law in found if not law.meets_rigid_pairs]
+        if not pairs:
+            return "contact acts between them" if free else "no two that move freely"
+        names = ", ".join(f"{a.name}-{b.name}" for a, b, _ in pairs if a.index < b.index)
+        return Acts(f"{names}: the run ends where they touch", [cls(pairs)])
 
     @hookimpl
     def end_step(self, state: State) -> None:
         """Raise SimulationError if bodies touch."""
         surface = state.tracked_surface
-        for first, second in self.pairs:
+        for first, second, contact in self.pairs:
             own, other = surface.position[surface.of(first.index)], surface.position[surface.of(second.index)]
             near = own[((own >= other.min(axis=0)) & (own <= other.max(axis=0))).all(axis=1)]
             if len(near) == 0:
@@ -44,7 +46,7 @@ class RigidPairs:
             if distance.min() < 0.0:
                 raise SimulationError(
                     f"the rigid bodies '{first.name}' and '{second.name}' touch, and contact "
-                    f"'{self.contact}' has no force between them",
+                    f"'{contact}' has no force between them",
                     position=near[distance.argmin()].tolist(),
                     time=state.time,
                     advice="contact lcp or impulse",

@@ -233,9 +233,12 @@ def _add_interfaces(setup: Setup) -> None:
         pairs = np.concatenate([ends, pairs[rigid[pairs[:, 1]]]])
         state.near = near
     # Nothing moves two prescribed bodies apart, and few contacts two rigid ones
-    meets = getattr(contact, "meets_rigid_pairs", False)
-    out = np.array([body.prescribed if meets else body.rigid for body in state.bodies])
-    near.add(state, *pairs[~out[pairs].all(axis=1)].T)
+    kept: Any = ~np.array([body.rigid for body in state.bodies])[pairs].all(axis=1)
+    for k in np.flatnonzero(~kept):
+        a, b = (state.bodies[i] for i in pairs[k])
+        own = None if contact is None else contact.between(a.name, b.name)
+        kept[k] = own is not None and own.meets_rigid_pairs and not (a.prescribed and b.prescribed)
+    near.add(state, *pairs[kept].T)
 
 
 def _plugin(kind: Any, name: Any, options: Any) -> Any:

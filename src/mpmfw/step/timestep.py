@@ -89,14 +89,16 @@ class TimeStep:
 
     def _advice(self, owner: str) -> str:
         """Return ways to lengthen the steps that a contact limits."""
-        contact = getattr(self.contact, "base", self.contact)
-        names = contact.name.split("+") if contact is not None else []
-        if contact is None or not owner.startswith((contact.name, names[-1])):
-            return "another shape function"
-        softer = f" ({contact.softer_by})" if contact.softer_by else ""
-        mapped = contact.needs_surface and "map" in contact.Options.model_fields
-        other = f"another contact.{names[0]}.map, " if mapped else ""
-        return f"a softer contact{softer}, {other}or another shape function"
+        for contact in getattr(self.contact, "contacts", (self.contact,)):
+            if contact is None or not owner.startswith(
+                (contact.name, getattr(contact, "law_name", contact.name))
+            ):
+                continue
+            softer = f" ({contact.softer_by})" if contact.softer_by else ""
+            mapped = contact.needs_surface and "map" in contact.Options.model_fields
+            other = f"another contact.{contact.name.split('+')[0]}.map, " if mapped else ""
+            return f"a softer contact{softer}, {other}or another shape function"
+        return "another shape function"
 
     def check(self, hook: Any) -> None:
         """Refuse a step past the first limit."""
@@ -105,7 +107,7 @@ class TimeStep:
             raise SceneError(f"{refusal}; expected a smaller {key}, or allow_unstable = true", key=key)
 
     def limits(self, hook: Any) -> list[tuple[float, str]]:
-        """Return every stable time step [s] with its owner, before the safety factor; the bulk's comes first.
+        """Return the stable time step [s] of every owner, before the safety factor; the bulk's comes first.
 
         Raise PluginError for NaN, which a minimum would pass over."""
         answers = hook.stable_timestep(state=self.state)
@@ -116,7 +118,10 @@ class TimeStep:
                     "expected a time [s] above 0 and its owner"
                 )
                 raise PluginError(text, step=self.state.steps, time=self.state.time)
-        return [self._bulk, *answers]
+        least: dict[str, float] = {}
+        for limit, owner in answers:
+            least[owner] = min(limit, least.get(owner, limit))
+        return [self._bulk, *((limit, owner) for owner, limit in least.items())]
 
     def _choose(self, limits: list[tuple[float, str]]) -> tuple[float, str]:
         """Return the step [s], and the reason if it is past a stability limit."""
