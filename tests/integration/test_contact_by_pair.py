@@ -309,6 +309,21 @@ def test_pairs_among_many_bodies_are_listed_as_they_come_near():
         ({"pairs": {"a-b": {"method": "tied", "penalty": {}}}}, r"a-b\.penalty: has no effect"),
         ({"pairs": {"a-b": {"penalty": {}}}}, r"pairs\.a-b\.method: missing; expected method"),
         ({"pairs": {"a-b": {"method": "tied", "friction_law": "stribeck"}}}, r"a-b\.friction_law: unknown"),
+        ({"pairs": {"a-b": 3}}, r"contact\.pairs\.a-b: expected a table with friction, method, .* not 3"),
+        ({"pairs": [3]}, r"contact\.pairs\[0\]: expected a table with bodies, friction, method"),
+        ({"pairs": "tied"}, r"contact\.pairs: expected tables \[contact\.pairs\.a-b\] of two bodies"),
+        (
+            {"pairs": {"a-b": {"friction": 0.1}, "b-a": {"method": "tied"}}},
+            r"contact\.pairs\.b-a\.bodies: the same bodies as the pair 'a-b' before",
+        ),
+        (
+            {"pairs": {"a-b": {"method": "tied", "pairs": {}}}},
+            r"a-b\.pairs: unknown key; valid keys: friction, method, detection, law$",
+        ),
+        (
+            {"pairs": {"a-b": {"method": "tied", "zzz": 1}}},
+            r"a-b\.zzz: unknown key; valid keys: friction, method, detection, law, adhesion",
+        ),
         ({"pairs": {"a-b": {"method": "none"}}}, "'none' has no detection and acts between all bodies"),
         (
             {"pairs": {"a-b": {"detection": "points", "law": "impulse"}}},

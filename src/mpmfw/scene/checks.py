@@ -134,8 +134,8 @@ def _contact(scene: Tables) -> Iterator[Problem]:
         if len(set(pair.bodies)) == 1:
             yield Problem(path, f"a pair is two bodies, not '{pair.bodies[0]}' twice")
         elif seen.setdefault(frozenset(pair.bodies), index) != index:
-            first = seen[frozenset(pair.bodies)]
-            yield Problem(path, f"the same bodies as contact.pairs[{first}]")
+            first = scene.contact.pairs[seen[frozenset(pair.bodies)]]
+            yield Problem(path, f"the same bodies as the pair '{'-'.join(first.bodies)}' before")
 
 
 def _friction_law(scene: Tables, plugins: Mapping[Path, type[Any]]) -> Iterator[Problem]:

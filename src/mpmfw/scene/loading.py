@@ -93,11 +93,11 @@ def scene_from(source: Source, overrides: Mapping[str, Any]) -> Scene:
         raise error_of(problems + outside, source, overrides)
     try:
         scene = Scene.model_validate(core, context=context_of_cells(core))
-        problems += check(scene, chosen.plugins, chosen.options)
+        problems += map(chosen.placed, check(scene, chosen.plugins, chosen.options))
     except ValidationError as error:
-        problems += problems_of(error, Scene, chosen.core)
+        problems += map(chosen.placed, problems_of(error, Scene, chosen.core))
     if problems or scene is None:
-        raise error_of(map(chosen.placed, problems), source, overrides)
+        raise error_of(problems, source, overrides)
     scene = _with_options(scene, chosen)
     scene._source, scene._read = replace(source, overrides=overrides), scene_from
     scene._mapping = chosen.whole

@@ -53,8 +53,12 @@ class Chosen:
         return replace(problem, path=path)
 
 
-def separate_options(mapping: Mapping[str, Any]) -> Chosen:
-    """Split the plug-ins' options from the core's tables, and validate those of the chosen plug-ins."""
+def separate_options(
+    mapping: Mapping[str, Any], contact_keys: tuple[str, ...] = CORE_KEYS["contact"]
+) -> Chosen:
+    """Split the plug-ins' options from the core's tables, and validate those of the chosen plug-ins.
+
+    ``contact_keys`` are those that the core reads of ``[contact]``."""
     chosen = Chosen(dict(mapping))
     contact = mapping.get("contact")
     if isinstance(contact, Mapping):
@@ -63,7 +67,8 @@ def separate_options(mapping: Mapping[str, Any]) -> Chosen:
         if parts is not None:
             chosen.core["contact"], chosen.contact_tables = parts.table, parts.names
         chosen.whole = dict(chosen.core)
-        table = _method_table(chosen, "contact", chosen.core["contact"], "method" if parts is None else "law")
+        named_by = "method" if parts is None else "law"
+        table = _method_table(chosen, "contact", chosen.core["contact"], contact_keys, named_by)
         if "pairs" in table:
             table = {**table, "pairs": _pairs(chosen, table["pairs"])}
         # what is wrong with the parts was told
@@ -71,7 +76,7 @@ def separate_options(mapping: Mapping[str, Any]) -> Chosen:
     else:
         chosen.whole = dict(chosen.core)
     if isinstance(mapping.get("shape"), Mapping):
-        chosen.core["shape"] = _method_table(chosen, "shape", mapping["shape"])
+        chosen.core["shape"] = _method_table(chosen, "shape", mapping["shape"], CORE_KEYS["shape"])
     for group in NAMED:
         tables = mapping.get(group)
         if isinstance(tables, Mapping):
@@ -81,32 +86,37 @@ def separate_options(mapping: Mapping[str, Any]) -> Chosen:
 
 def _pairs(chosen: Chosen, given: Any) -> Any:
     """Return the tables of pairs, ``{a-b: …}`` or with ``bodies``, as a list without options."""
-    if not isinstance(given, Mapping | list) or not all(isinstance(each, Mapping) for each in _values(given)):
-        return given
+    if not isinstance(given, Mapping | list):
+        text = f"expected tables [contact.pairs.a-b] of two bodies, or an array of tables, not {shown(given)}"
+        chosen.problems.append(Problem(("contact", "pairs"), text))
+        return []
     named, tables = isinstance(given, Mapping), []
+    kept = ("friction",) if named else ("bodies", "friction")
+    valid = [*kept, "method", *PARTS]
     for key, table in given.items() if isinstance(given, Mapping) else enumerate(given):
+        path: Path = ("contact", "pairs", key)
         if named and str(key).count("-") != 1:
-            problem = Problem(("contact", "pairs", key), "expected the names of two bodies, joined by '-'")
-            chosen.problems.append(problem)
+            chosen.problems.append(Problem(path, "expected the names of two bodies, joined by '-'"))
+            continue
+        if not isinstance(table, Mapping):
+            text = f"expected a table with {', '.join(valid[:-1])} or {valid[-1]}, not {shown(table)}"
+            chosen.problems.append(Problem(path, text))
             continue
         chosen.pairs += (key,)
-        kept = ("friction", "friction_law") if named else ("bodies", "friction", "friction_law")
         core = {name: value for name, value in table.items() if name in kept}
         core |= {"bodies": str(key).split("-")} if named else {}
-        contact = {name: value for name, value in table.items() if name not in kept}
+        of_all = {"bodies", *CORE_KEYS["contact"]}.difference(valid)
+        chosen.problems += [unknown_key((*path, name), valid) for name in table if name in of_all]
+        contact = {name: value for name, value in table.items() if name not in {*kept, *of_all}}
         if contact:
-            core |= _contact_of_pair(chosen, ("contact", "pairs", key), contact)
+            core |= _contact_of_pair(chosen, path, contact)
         tables.append(core)
     return tables
 
 
-def _values(given: Any) -> Any:
-    return given.values() if isinstance(given, Mapping) else given
-
-
 def _contact_of_pair(chosen: Chosen, path: Path, table: Mapping[str, Any]) -> dict[str, Any]:
     """Validate the contact of the pair at ``path``, written as in ``[contact]``; return its method."""
-    own = separate_options({"contact": table})
+    own = separate_options({"contact": table}, ("friction", "method", *PARTS))
     core: dict[str, Any] = own.core["contact"]
     used = {*own.contact_tables, core.get("method"), *CORE_KEYS["contact"]}
     if not own.problems and "method" not in core:
@@ -117,14 +127,18 @@ def _contact_of_pair(chosen: Chosen, path: Path, table: Mapping[str, Any]) -> di
     chosen.problems += [replace(problem, path=(*path, *problem.path[1:])) for problem in own.problems]
     chosen.options |= {(*path, *name[1:]): options for name, options in own.options.items()}
     chosen.plugins |= {(*path, *name[1:]): plugin for name, plugin in own.plugins.items()}
-    return core
+    return {"method": "", **core} if own.problems else core  # what is wrong was told
 
 
 def _method_table(
-    chosen: Chosen, kind: Kind, table: Mapping[str, Any], named_by: str = "method"
+    chosen: Chosen,
+    kind: Kind,
+    table: Mapping[str, Any],
+    core_keys: tuple[str, ...],
+    named_by: str = "method",
 ) -> dict[str, Any]:
     """Return the core's part of a table; problems of the method are those of the key ``named_by``."""
-    core_keys, installed = CORE_KEYS[kind], choices(kind)
+    installed = choices(kind)
     if kind == "contact":
         for part in ("detection", "law", "friction"):
             installed.update(available(part))
