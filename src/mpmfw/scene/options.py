@@ -53,12 +53,9 @@ class Chosen:
         return replace(problem, path=path)
 
 
-def separate_options(
-    mapping: Mapping[str, Any], contact_keys: tuple[str, ...] = CORE_KEYS["contact"]
-) -> Chosen:
-    """Split the plug-ins' options from the core's tables, and validate those of the chosen plug-ins.
-
-    ``contact_keys`` are those that the core reads of ``[contact]``."""
+def separate_options(mapping: Mapping[str, Any], contact_keys: Any = CORE_KEYS["contact"]) -> Chosen:
+    """Split the plug-ins' options from the core's tables, and validate those of the chosen plug-ins; the core
+    reads ``contact_keys`` of ``[contact]``."""
     chosen = Chosen(dict(mapping))
     contact = mapping.get("contact")
     if isinstance(contact, Mapping):
@@ -67,8 +64,8 @@ def separate_options(
         if parts is not None:
             chosen.core["contact"], chosen.contact_tables = parts.table, parts.names
         chosen.whole = dict(chosen.core)
-        named_by = "method" if parts is None else "law"
-        table = _method_table(chosen, "contact", chosen.core["contact"], contact_keys, named_by)
+        by = "method" if parts is None else "law"
+        table = _method_table(chosen, "contact", chosen.core["contact"], contact_keys, by)
         if "pairs" in table:
             table = {**table, "pairs": _pairs(chosen, table["pairs"])}
         # what is wrong with the parts was told
@@ -131,11 +128,7 @@ def _contact_of_pair(chosen: Chosen, path: Path, table: Mapping[str, Any]) -> di
 
 
 def _method_table(
-    chosen: Chosen,
-    kind: Kind,
-    table: Mapping[str, Any],
-    core_keys: tuple[str, ...],
-    named_by: str = "method",
+    chosen: Chosen, kind: Kind, table: Mapping[str, Any], core_keys: tuple[str, ...], named_by: str = "method"
 ) -> dict[str, Any]:
     """Return the core's part of a table; problems of the method are those of the key ``named_by``."""
     installed = choices(kind)

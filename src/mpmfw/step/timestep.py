@@ -118,9 +118,7 @@ class TimeStep:
                     "expected a time [s] above 0 and its owner"
                 )
                 raise PluginError(text, step=self.state.steps, time=self.state.time)
-        least: dict[str, float] = {}
-        for limit, owner in answers:
-            least[owner] = min(limit, least.get(owner, limit))
+        least = {owner: limit for limit, owner in sorted(answers, reverse=True)}
         return [self._bulk, *((limit, owner) for owner, limit in least.items())]
 
     def _choose(self, limits: list[tuple[float, str]]) -> tuple[float, str]:
