@@ -36,9 +36,8 @@ def solve(size):
     """Return the coefficient of restitution, the time of contact [s] and the error of the energy."""
     left = _mesh("", Disc(centre=(-HALF, 0.0), radius=0.2).fitted(size).corners, 0, 1.0)
     turned = Disc(centre=(0.0, 0.0), radius=0.2).fitted(size).corners @ np.array([[0.8, 0.6], [-0.6, 0.8]])
-    right = _mesh(
-        "", turned + np.array([HALF, 0.0]), 0, 1.0
-    )  # the meshes are no mirror images: nodes meet edges
+    # the meshes are not mirror images, so that nodes meet edges
+    right = _mesh("", turned + np.array([HALF, 0.0]), 0, 1.0)
     split, points = len(left.nodes), np.concatenate([left.nodes, right.nodes])
     cells = np.concatenate([left.cells, right.cells + split])
     outlines = [one.cells[tuple(one.outline.T)] for one in (left, right)]

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, cg
 
-from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseLaw
+from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseLaw, SimulationError
 from mpmfw.contact.nodes import AtNodes
 from mpmfw.kernels.contact import add_row_forces, relative_motion
 
@@ -46,5 +46,9 @@ class Tied(ImpulseLaw):
         rows.momentary_velocity(grid, motion)
         scaled = LinearOperator((size, size), lambda u: u / np.repeat(diagonal, grid.dim), dtype=float)
         operator = LinearOperator((size, size), respond, dtype=float)
-        impulse, _ = cg(operator, -motion.ravel(), rtol=1e-13, M=scaled)
+        impulse, left = cg(operator, -motion.ravel(), rtol=1e-13, M=scaled)
+        if left:
+            raise SimulationError(
+                "the impulses of ties do not converge", advice="smaller cells or other pairs"
+            )
         rows.force[:n] = impulse.reshape(n, -1)

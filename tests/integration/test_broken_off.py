@@ -104,7 +104,7 @@ def test_a_file_that_was_broken_off_says_so_at_a_glance(path):
 
 
 def test_frames_are_readable_a_moment_after_they_were_written(path, monkeypatch):
-    """What a kill leaves: nothing is written when the writer is not closed."""
+    """Files that a kill leaves, with a writer that is never closed."""
     monkeypatch.setattr("mpmfw.results.writing.WRITTEN_EVERY", 0.0)
     writer = RunWriter(path, HEADER)
     for k in range(3):

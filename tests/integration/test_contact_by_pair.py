@@ -5,7 +5,7 @@ import pytest
 
 from contact_scenes import CELL, STEP, rectangle, scene
 from mpmfw.cli.explain import unused_facts
-from mpmfw.errors import SceneError
+from mpmfw.errors import SceneError, SimulationError
 from mpmfw.kernels.contact import relative_motion
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
@@ -110,6 +110,12 @@ def test_a_tie_leaves_no_relative_velocity(bodies, scheme):
     tied, change = moved(bodies, 30, method="tied", stepping={"scheme": scheme})
     assert change < 1e-2  # of momentum and angular momentum, which MUSL does not keep
     assert slip(tied, tied.contact) < 1e-11
+
+
+def test_ties_that_do_not_converge_end_the_run(monkeypatch):
+    monkeypatch.setattr("mpmfw_contact.tied.cg", lambda _, b, **__: (0.0 * b, 1))
+    with pytest.raises(SimulationError, match="impulses of ties do not converge"):
+        moved(TORN, 1, method="tied")
 
 
 def test_a_tie_holds_as_the_grid_itself_does():
@@ -336,6 +342,10 @@ def test_pairs_among_many_bodies_are_listed_as_they_come_near():
         (
             {"pairs": {"a-b": {"method": "penalty", "penalty": {"map": "plain"}}}},
             "contacts with map auto and plain; expected one",
+        ),
+        (
+            {"pairs": {"a-b": {"method": "penalty", "penalty": {"passes": "one", "master": "c"}}}},
+            r"contact\.pairs\.a-b: the master 'c' is not of this pair; expected a or b",
         ),
     ],
 )

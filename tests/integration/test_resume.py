@@ -107,7 +107,7 @@ def interrupts(after, *numbers):
 
 
 def stopped(scene, path, after, *numbers, **arguments):
-    """What a run raises that gets signals in the middle of a step."""
+    """Return the error of a run that gets signals in the middle of a step."""
     with interrupts(after, *(numbers or (signal.SIGTERM,))), pytest.raises(Interrupted) as caught:
         mpmfw.run(scene, output=path, **arguments)
     return caught.value

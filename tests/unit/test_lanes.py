@@ -40,7 +40,7 @@ def copy(a, out, spacing):
 
 @kernel
 def all_within(values, low, high):
-    """Whether the first numbers are, in all lanes."""
+    """Return whether the first numbers are within the bounds, in all lanes."""
     x = lanes.matrix((0.0,), (0.0,))
     lanes.read(values, lanes.points_from(0, len(values)), x, (0.0,))
     return lanes.within(x[0, 0], low, high)

@@ -212,7 +212,7 @@ def codes_of(given: Iterable[Any]) -> list[Any]:
 
 
 def _contact_refusals(scene: Scene) -> Iterator[tuple[str, str]]:
-    """Yield contacts that are no contact with friction, which adapters write between all bodies."""
+    """Yield contacts without friction: adapters write one contact with friction between all bodies."""
     contact: Any = scene.contact
     if scene.pairs and not load("contact", contact.method).uses_friction:
         yield "contact.method", f"writes contact with friction, and not '{contact.method}'"

@@ -26,8 +26,9 @@ SPRING_WORK = "spring_work"
 
 
 class RigidMotion(Observer):
-    """What contacts before have done to rigid bodies: the next one finds them in rigid motion, prescribed and
-    held as they are. After the last one the points have the impulses of all."""
+    """Gives rigid bodies a rigid motion between two contacts, prescribed and held as before.
+
+    After the last contact their points have the impulses of all."""
 
     name = "rigid motion"
     observes = ("after_momentum_projection", "after_momentum_update", "after_second_projection")
@@ -83,6 +84,10 @@ class ContactsByPair(ContactStrategy):
                     setattr(contact, fact, f"pairs.{a}-{b}.{getattr(contact, fact)}")
                 if contact.softer_by is not None:
                     contact.softer_by = contact.softer_by.replace("contact", f"contact.pairs.{a}-{b}", 1)
+            master = getattr(contact.detection.options, "master", None)
+            if master not in (None, a, b):
+                text = f"the master '{master}' is not of this pair; expected {a} or {b}"
+                raise SceneError(text, key=f"contact.pairs.{a}-{b}")
             labels[contact] |= {f"{a}-{b}", f"{b}-{a}"}
         for contact, own in labels.items():
             contact.detection.acts_on = lambda pair, own=own: pair.label in own

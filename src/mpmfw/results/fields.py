@@ -47,7 +47,7 @@ def field(
     Raises
     ------
     SceneError
-        There is no such field, body or time, or the run keeps no material points, or no contact forces.
+        The field, body or time is missing, or the run keeps neither material points nor contact forces.
     """
     on_nodes = name.startswith(CONTACT_FIELDS)
     group, dim = ("surface", "surface_node") if on_nodes else ("particles", "particle")

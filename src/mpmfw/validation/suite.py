@@ -37,7 +37,7 @@ class CaseTask(NamedTuple):
 
 @dataclass(frozen=True)
 class CaseResult:
-    """What came of one case: rows, figures (PNG files), and an error."""
+    """Results of one case: rows, figures (PNG files), and an error."""
 
     folder: Path
     rows: tuple[Row, ...] = ()
