@@ -15,20 +15,11 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from mpmfw.errors import SceneError
+from mpmfw.plots import style
 from mpmfw.plots.contact_figure import contact_figure
 from mpmfw.plots.field_panel import Box, FieldPanel, Scales
 from mpmfw.plots.plane_cut import plane_cut
 from mpmfw.plots.space import SpacePanel
-from mpmfw.plots.style import (
-    PANEL,
-    dress,
-    in_brackets,
-    journal_style,
-    length_scale,
-    new_panels,
-    readable,
-    with_prefix,
-)
 from mpmfw.results.point_fields import CONTACT_FIELDS
 from mpmfw.results.selection import Results, frame_at, opened, opened_run, runs_of
 from mpmfw.state.fields import FloatArray
@@ -167,7 +158,7 @@ def _labels(results: Sequence[Results], trees: Sequence[xr.DataTree]) -> list[st
 class Drawing:
     """Panels of runs by label with common scales and a colour bar, which move through their ``frames``."""
 
-    @journal_style()
+    @style.journal_style()
     def __init__(
         self,
         trees: Mapping[str, xr.DataTree],
@@ -188,8 +179,8 @@ class Drawing:
         ratio = (x1 - x0) / (y1 - y0)
         most = 1 if ratio > _WIDE else 2
         below = ratio > 1.0 or min(most, len(panels)) > 1
-        width = 25.4 * PANEL - _BESIDE - (0.0 if below else _BAR)
-        self.figure, grid = new_panels(len(panels), min(width / ratio, 110.0) + _ABOVE, most)
+        width = 25.4 * style.PANEL - _BESIDE - (0.0 if below else _BAR)
+        self.figure, grid = style.new_panels(len(panels), min(width / ratio, 110.0) + _ABOVE, most)
         self.figure.set_layout_engine("compressed")
         self.axes = dict(zip(self.panels, grid, strict=True))
         length = self.scales.length
@@ -199,11 +190,11 @@ class Drawing:
             axes.set_aspect("equal")
             axes.set_xlim(length * x0, length * x1)
             axes.set_ylim(length * y0, length * y1)
-            dress(axes, f"{along} [{metres}]", f"{up} [{metres}]")
+            style.dress(axes, f"{along} [{metres}]", f"{up} [{metres}]")
             axes.grid(False)
         self._bar(unit, below=below)
 
-    @journal_style()
+    @style.journal_style()
     def show(self, label: str, frame: int) -> None:
         """Draw one output of one panel."""
         title = label or _methods(self.panels[label].tree)
@@ -214,12 +205,12 @@ class Drawing:
         colours, ends = ScalarMappable(self.scales.norm, self.scales.colours), self.scales.extend
         place: dict[str, Any] = {"location": "bottom" if below else "right", "aspect": 30, "pad": 0.02}
         bar = self.figure.colorbar(colours, ax=list(self.axes.values()), extend=ends, **place)
-        bar.set_label(in_brackets(about["long_name"], unit))
+        bar.set_label(style.in_brackets(about["long_name"], unit))
         if self.scales.largest_force > 0.0:
             groups = next(iter(self.panels.values())).tree["surface"].children.values()
             stored = next(group["force"] for group in groups if "force" in group.data_vars)
             size, prefix = (1e3, "k") if self.scales.largest_force >= 1e3 else (1.0, "")
-            force = f"{self.scales.largest_force / size:.3g} {prefix}{readable(stored.attrs['units'])}"
+            force = f"{self.scales.largest_force / size:.3g} {prefix}{style.readable(stored.attrs['units'])}"
             text = f"contact force on surface nodes, longest arrow: {force}"
             self.figure.supxlabel(text, color="#D55E00")
 
@@ -234,12 +225,12 @@ def _scales(
     found, boxes = zip(*(panel.survey(frames[label]) for label, panel in panels.items()), strict=True)
     low, high, colours = colour_range(found, limits)
     units = next(iter(panels.values())).about["units"]
-    size, unit = with_prefix(units, max(abs(low), abs(high)))
+    size, unit = style.with_prefix(units, max(abs(low), abs(high)))
     box = _with_margin(np.array(boxes))
     forces = [panel.largest_force(frames[label]) for label, panel in panels.items()] if arrows else [0.0]
     if arrows and not any(panel.stores_force for panel in panels.values()):
         raise SceneError("the run stored no contact force of surface nodes; leave the arrows out")
-    length, _ = length_scale(box[1] - box[0])
+    length, _ = style.length_scale(box[1] - box[0])
     norm = Normalize(low / size, high / size)
     below, above = min(least for least, _ in found) < low, max(largest for _, largest in found) > high
     extend = ("neither", "min", "max", "both")[below + 2 * above]

@@ -14,21 +14,8 @@ from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 
 from mpmfw.errors import SceneError
+from mpmfw.plots import style
 from mpmfw.plots.field_figure import labelled
-from mpmfw.plots.style import (
-    PANEL,
-    Look,
-    combinations,
-    count_in,
-    dress,
-    entry,
-    head,
-    journal_style,
-    legend_below,
-    new_panels,
-    scaled_label,
-    time_scale,
-)
 from mpmfw.results.analysis import without_round_off
 from mpmfw.results.selection import Results, checked_name, opened, series_of
 from mpmfw.state.fields import FloatArray
@@ -73,7 +60,7 @@ class Panel:
     exact: tuple[FloatArray, FloatArray] | None = None
 
 
-@journal_style()
+@style.journal_style()
 def history(
     results: Results | Mapping[str, Results] | Sequence[Results],
     names: str | Sequence[str],
@@ -107,7 +94,7 @@ def history(
     if isinstance(results, xr.Dataset):
         panels, key = _compared(without_round_off(results), names, selection)
         figure = _drawn(panels, results)
-        legend_below(figure, key)
+        style.legend_below(figure, key)
         return figure
     with labelled(results) as trees:
         runs = {label: without_round_off(series_of(tree)) for label, tree in trees.items()}
@@ -119,8 +106,8 @@ def history(
     figure = _drawn(panels)
     if entries:
         longest = max(len(str(one.get_label())) for one in entries)
-        most = max(1, int(_LETTERS * figure.get_figwidth() / PANEL / (longest + 8)))
-        legend_below(figure, [entries[k : k + most] for k in range(0, len(entries), most)])
+        most = max(1, int(_LETTERS * figure.get_figwidth() / style.PANEL / (longest + 8)))
+        style.legend_below(figure, [entries[k : k + most] for k in range(0, len(entries), most)])
     return figure
 
 
@@ -128,7 +115,7 @@ def history(
 Beside = tuple[xr.DataArray, str, FloatArray, FloatArray]
 
 
-@journal_style()
+@style.journal_style()
 def beside_reference(
     comparisons: Sequence[tuple[xr.Dataset, str, Mapping[str, Beside]]], label: str, noisy: str = ""
 ) -> Figure:
@@ -149,8 +136,8 @@ def beside_reference(
     figure = _drawn(panels, comparisons[0][0] if len(comparisons) == 1 else None)
     key = max(keys, key=lambda rows: sum(map(len, rows)))
     if any(len(times) for _, _, series in comparisons for _, _, times, _ in series.values()):
-        key[0].insert(0, entry(label, **_EXACT))
-    legend_below(figure, key)
+        key[0].insert(0, style.entry(label, **_EXACT))
+    style.legend_below(figure, key)
     return figure
 
 
@@ -167,8 +154,8 @@ def _of_one(runs: Mapping[str, xr.Dataset], curves: Sequence[Curve]) -> tuple[li
             if along := ", ".join(str(value) for _, value in rest):
                 look["linestyle"] = styles.setdefault(along, _STYLES[len(styles) % len(_STYLES)])
         lines.setdefault(curve.name, []).extend((series, curve, look) for series in runs.values())
-    key = [entry(name, color=colour, linewidth=2.5) for name, colour in colours.items()]
-    key += [entry(name, color="0.3", linestyle=style) for name, style in styles.items()]
+    key = [style.entry(name, color=colour, linewidth=2.5) for name, colour in colours.items()]
+    key += [style.entry(name, color="0.3", linestyle=dashes) for name, dashes in styles.items()]
     return [Panel(name, of_name) for name, of_name in lines.items()], key
 
 
@@ -180,15 +167,15 @@ def _of_several(runs: Mapping[str, xr.Dataset], curves: Sequence[Curve]) -> tupl
         Panel(curve.name, [(runs[label], curve, look) for label, look in looks.items()], curve.label)
         for curve in curves
     ]
-    return panels, [entry(label, **look) for label, look in looks.items()]
+    return panels, [style.entry(label, **look) for label, look in looks.items()]
 
 
 def _drawn(panels: Sequence[Panel], compared: xr.Dataset | None = None) -> Figure:
     if len(panels) > _MOST:
         raise SceneError(f"{len(panels)} panels, of {_MOST} at most; choose a body, a pair or an axis")
-    figure, grid = new_panels(len(panels), 58.0 if len(panels) <= 2 else 48.0)
+    figure, grid = style.new_panels(len(panels), 58.0 if len(panels) <= 2 else 48.0)
     if compared is not None:
-        head(figure, compared)
+        style.head(figure, compared)
     for axes, panel in zip(grid, panels, strict=True):
         for series, curve, look in panel.lines:
             values = curve.of(series)
@@ -196,11 +183,11 @@ def _drawn(panels: Sequence[Panel], compared: xr.Dataset | None = None) -> Figur
                 axes.plot(series["time"].values, values, **look)
         if panel.exact is not None:
             axes.plot(*panel.exact, **_EXACT)
-        scale, unit = time_scale(max(float(series["time"].values[-1]) for series, _, _ in panel.lines))
-        count_in(axes.xaxis, 1.0 / scale)
+        scale, unit = style.time_scale(max(float(series["time"].values[-1]) for series, _, _ in panel.lines))
+        style.count_in(axes.xaxis, 1.0 / scale)
         stored = next(series[panel.name] for series, _, _ in panel.lines if panel.name in series)
-        words = scaled_label(axes.yaxis, panel.name.replace("_", " "), stored.attrs.get("units", "1"))
-        dress(axes, f"time [{unit}]", words, panel.title)
+        words = style.scaled_label(axes.yaxis, panel.name.replace("_", " "), stored.attrs.get("units", "1"))
+        style.dress(axes, f"time [{unit}]", words, panel.title)
     return figure
 
 
@@ -210,10 +197,10 @@ def _compared(
     if not {"contact", "shape"} <= set(dataset.dims) or dataset.sizes.get("time", 0) < 2:
         kind = dataset.attrs.get("kind", "")
         raise SceneError(f"these results{f' of a {kind!r}' if kind else ''} hold no series over time to draw")
-    look, points = Look(dataset), dataset.sizes["time"]
+    look, points = style.Look(dataset), dataset.sizes["time"]
     curves = _curves([dataset.isel(dict.fromkeys(dataset["status"].dims, 0))], names, selection)
     runs, drawn = [], []
-    for turn, (contact, shape, run) in enumerate(combinations(dataset)):
+    for turn, (contact, shape, run) in enumerate(style.combinations(dataset)):
         runs.append((run, look.line(contact, shape, points, turn)))
         if any(np.isfinite(curve.of(run)).any() for curve in curves):
             drawn.append((contact, shape))

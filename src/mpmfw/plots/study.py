@@ -13,17 +13,7 @@ from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from mpmfw.plots.style import (
-    Look,
-    combinations,
-    dress,
-    entry,
-    head,
-    journal_style,
-    legend_below,
-    new_panels,
-    on_lines,
-)
+from mpmfw.plots import style
 from mpmfw.results.selection import points_of
 from mpmfw.state.fields import STEP_STAGES
 
@@ -101,13 +91,13 @@ def study_figures(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
     return figures
 
 
-@journal_style()
+@style.journal_style()
 def front(dataset: xr.Dataset) -> Figure:
     """Draw error over CPU time of a study, a panel a problem, with the Pareto front; size is resolution."""
     named = with_methods(dataset)
     problems = list(problems_of(named))
-    look, resolution = Look(named), resolution_of(named)
-    figure, panels = new_panels(len(problems), 66.0, sharey=True)
+    look, resolution = style.Look(named), resolution_of(named)
+    figure, panels = style.new_panels(len(problems), 66.0, sharey=True)
     for axes, (title, problem) in zip(panels, problems, strict=True):
         _draw_front(axes, problem)
         for row in runs_of(problem):
@@ -118,11 +108,13 @@ def front(dataset: xr.Dataset) -> Figure:
         axes.axhline(100.0 * float(dataset.attrs["under"]), zorder=0, **_LIMIT)
         quantity = str(dataset.attrs["quantity"]).replace("-", " ")
         ylabel = f"error of {quantity} [%]" if axes is panels[0] else ""
-        dress(axes, "CPU time [s]", ylabel, _title(title, problem))
+        if without := len(_without_result(problem)):
+            title = f"{title} ({without} without a result)".strip()
+        style.dress(axes, "CPU time [s]", ylabel, title)
         _plain_ticks(axes)
     key = _key(named, look, resolution)
     most = max(map(len, key))
-    legend_below(figure, key, most=most, columnspacing=0.8, handlelength=1.3, handletextpad=0.5)
+    style.legend_below(figure, key, most=most, columnspacing=0.8, handlelength=1.3, handletextpad=0.5)
     return figure
 
 
@@ -131,11 +123,6 @@ def _size(dataset: xr.Dataset, resolution: str | None, row: dict[str, Any]) -> f
         return 5.0
     order = order_of(dataset, resolution)
     return float(np.interp(order.index(row[resolution]), (0, max(1, len(order) - 1)), _SIZES))
-
-
-def _title(title: str, problem: xr.Dataset) -> str:
-    without = len(_without_result(problem))
-    return f"{title} ({without} without a result)".strip() if without else title
 
 
 def _without_result(dataset: xr.Dataset) -> list[str]:
@@ -147,7 +134,7 @@ def _without_result(dataset: xr.Dataset) -> list[str]:
     ]
 
 
-def _draw_run(axes: Any, row: dict[str, Any], look: Look, size: float) -> None:
+def _draw_run(axes: Any, row: dict[str, Any], look: style.Look, size: float) -> None:
     """Draw a run with the range of its repeats: filled and with a dark edge on the front, open else."""
     run, colour = row["run"], look.colours[row["contact"]]
     if not (np.isfinite(run["error"]) and run["error"] > 0.0 and np.isfinite(run["cpu_time"])):
@@ -185,20 +172,20 @@ def _plain_ticks(axes: Any) -> None:
         axis.set_minor_formatter(NullFormatter())
 
 
-def _key(dataset: xr.Dataset, look: Look, resolution: str | None) -> list[list[Artist]]:
+def _key(dataset: xr.Dataset, look: style.Look, resolution: str | None) -> list[list[Artist]]:
     colours, _ = look.key()
     grey: dict[str, Any] = {"color": "0.3", "linestyle": "", "markersize": 5}
-    markers = [entry(name, marker=marker, **grey) for name, (_, marker) in look.styles.items()]
+    markers = [style.entry(name, marker=marker, **grey) for name, (_, marker) in look.styles.items()]
     filled: dict[str, Any] = {"markerfacecolor": "0.6", "markeredgecolor": "black", "markersize": 4}
     lines = [
-        entry("front", color="0.25", linewidth=0.9, marker="o", **filled),
-        entry(f"{100.0 * float(dataset.attrs['under']):g} %", **_LIMIT),
+        style.entry("front", color="0.25", linewidth=0.9, marker="o", **filled),
+        style.entry(f"{100.0 * float(dataset.attrs['under']):g} %", **_LIMIT),
     ]
     sizes = []
     if resolution is not None:
         for label in order_of(dataset, resolution):
             size = _size(dataset, resolution, {resolution: label})
-            sizes.append(entry(label_of(resolution, label), marker="o", **grey | {"markersize": size}))
+            sizes.append(style.entry(label_of(resolution, label), marker="o", **grey | {"markersize": size}))
     return [colours, markers, [*sizes, *lines]] if len(sizes) <= 2 else [colours, markers, sizes, lines]
 
 
@@ -206,11 +193,11 @@ def _key(dataset: xr.Dataset, look: Look, resolution: str | None) -> list[list[A
 _COLOURS = ("#0072B2", "#56B4E9", "#009E73", "#D55E00", "#E69F00", "#CC79A7", "#6B6B6B")
 
 
-@journal_style()
+@style.journal_style()
 def cost_bars(dataset: xr.Dataset) -> Figure:
     """Draw CPU time per material point and step, stacked by stage."""
     rows = []
-    for contact, shape, run in combinations(dataset):
+    for contact, shape, run in style.combinations(dataset):
         if "code" in run and str(run["code"].item()):
             continue  # another code does not say what its stages take
         work = run["steps"] * run["material_points"]
@@ -219,7 +206,7 @@ def cost_bars(dataset: xr.Dataset) -> Figure:
     return _bars({"": rows}, list(STEP_STAGES), "CPU time [ns per point and step]", dataset)
 
 
-@journal_style()
+@style.journal_style()
 def stages(dataset: xr.Dataset) -> Figure:
     """Draw CPU time of a study by stage, at the finest resolution that ran."""
     named = with_methods(dataset)
@@ -236,19 +223,19 @@ def _bars(
     bars: dict[str, list[dict[str, Any]]], names: list[str], label: str, compared: xr.Dataset | None = None
 ) -> Figure:
     longest = max(map(len, bars.values()))
-    figure, panels = new_panels(len(bars), 16.0 + 4.2 * longest, sharex=True, sharey=True)
+    figure, panels = style.new_panels(len(bars), 16.0 + 4.2 * longest, sharex=True, sharey=True)
     if compared is not None:
-        head(figure, compared)
+        style.head(figure, compared)
     for axes, (title, rows) in zip(panels, bars.items(), strict=True):
         _draw_bars(axes, rows, names)
-        dress(axes, label, "", title)
+        style.dress(axes, label, "", title)
         axes.grid(False, axis="y")
     panels[0].invert_yaxis()  # shared: the first combination on top of every panel
     drawn = [row["run"]["stage_time"] for rows in bars.values() for row in rows]
     occurs = [any(float(times.sel(stage=name)) > 0.0 for times in drawn) for name in names]
     handles = list(itertools.compress(panels[0].get_legend_handles_labels()[0], occurs))
     half = (len(handles) + 1) // 2
-    legend_below(figure, [handles[:half], handles[half:]])
+    style.legend_below(figure, [handles[:half], handles[half:]])
     return figure
 
 
@@ -268,7 +255,7 @@ def _draw_bars(axes: Any, rows: list[dict[str, Any]], names: list[str]) -> None:
         axes.barh(places, widths, left=left, color=colour, label=name, height=0.72)
         left += widths
     labels = (", ".join(str(row[dim]) for dim in row["dims"] if dim in ("contact", "shape")) for row in rows)
-    axes.set_yticks(places, list(map(on_lines, labels)))
+    axes.set_yticks(places, list(map(style.on_lines, labels)))
     axes.set_ylim(-0.8, len(rows) - 0.2)
     for k, row in enumerate(rows):
         status = str(row["run"]["status"].item()).partition(":")[0]
