@@ -217,7 +217,7 @@ def test_anybodys_executor_runs_a_campaign(undisturbed):
         data = mpmfw.campaign(SLIDING, VARY, executor=threads, repeats=1)
     same(data, undisturbed)
     assert data.attrs["cores"] == "the workers of a ThreadPoolExecutor"
-    with pytest.raises(SceneError, match="executor: 3 is none; expected"):
+    with pytest.raises(SceneError, match="executor: 3 cannot run tasks; expected"):
         mpmfw.campaign(SLIDING, VARY, executor=3)
     both = {"executor": threads, "jobs": 3}
     for request in (
@@ -317,9 +317,7 @@ def test_ctrl_c_says_what_is_kept_and_how_to_go_on(tmp_path):
 
     (tmp_path / "runs").mkdir()
     (tmp_path / "runs" / f".{32 * 'a'}.{32 * 'b'}.part.json").touch()  # a process that was killed left it
-    with pytest.raises(
-        KeyboardInterrupt, match=r"runs keeps the 2 runs that were done; the same campaign goes on"
-    ):
+    with pytest.raises(KeyboardInterrupt, match=r"runs keeps 2 finished runs; the same campaign continues"):
         mpmfw.campaign(SLIDING, VARY, store=tmp_path / "runs", progress=stop, repeats=1)
     with pytest.raises(KeyboardInterrupt, match="nothing is kept"):
         mpmfw.campaign(SLIDING, VARY, progress=stop, repeats=1)

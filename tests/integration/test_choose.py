@@ -98,7 +98,7 @@ def test_a_motion_along_y_is_judged_along_y():
     asked = {"measure": "end-displacement", "shape": ["cpdi", "gimp"], "finest": 0.2}
     found = mpmfw.choose(falling, "50 %", **asked)
     assert found.attrs["quantity"] == "end-displacement of block along y"
-    with pytest.raises(SceneError, match="along x is nothing beside that along y"):
+    with pytest.raises(SceneError, match="along x is negligible beside that along y"):
         mpmfw.choose(falling, "50 %", axis="x", **asked)
 
 
@@ -120,7 +120,7 @@ def no_contact():
         (scene(), {"measure": "accelerations"}, "'accelerations' is unknown; did you mean 'acceleration'"),
         (no_reference(), {}, "has no closed form or reference; .* or a measure"),
         (no_reference(), {"measure": "interface-stress"}, "is a field; expected a number or a curve"),
-        (scene(), {"measure": "spin", "axis": "x"}, "^axis: has no effect: spin looks at body"),
+        (scene(), {"measure": "spin", "axis": "x"}, "^axis: has no effect: spin takes body"),
         (scene(), {"body": "blok"}, "'blok' is no body of the scene; expected one of block, plane"),
         (SLIDING, {}, 'bodies.block.particles.size: is 0.1 m at every cell size.*expected cells, such as "0.5 cells"'),  # noqa: E501
         (scene(), {"finest": 0.3}, "finest 0.3 m: must be at most half of the coarsest cell, 0.4 m"),

@@ -119,7 +119,7 @@ COHESION = "contact.mohr_coulomb.cohesion"
 
 
 def test_options_of_a_law_that_does_not_run_are_refused() -> None:
-    said = rf"--set {COHESION}: has no effect: friction 'mohr_coulomb' does not run here; what runs is no law"
+    said = rf"--set {COHESION}: has no effect: friction 'mohr_coulomb' does not run here; those that run: no"
     with pytest.raises(SceneError, match=said):
         chosen_scene("sliding-block", None, None, [f"{COHESION}=10"], False)
     assert chosen_scene(

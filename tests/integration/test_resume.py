@@ -307,7 +307,7 @@ def test_a_checkpoint_of_another_run_is_refused(tmp_path, path, changes, objects
 def test_a_new_run_forgets_the_checkpoint_of_the_last(path):
     stopped(BLOCKS, path, 9)
     done = called("run", "rolling-cylinder-slip", "-o", path, status=2)
-    assert "run.nc: is there already, of a run that did not end; mpmfw resume" in done.stderr
+    assert "run.nc: exists already, from a run that did not end; mpmfw resume" in done.stderr
     with pytest.raises(SimulationError):
         mpmfw.run(FAILING, output=path)
     assert not Path(f"{path}.checkpoint").exists()

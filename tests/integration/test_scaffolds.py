@@ -88,4 +88,4 @@ def test_what_cannot_be_written_is_refused(kind, name, said, tmp_path):
 def test_the_command_writes_and_does_not_write_over(tmp_path):
     arguments = "new", "load", "wind", "--into", tmp_path
     called(*arguments)
-    assert "is there already" in called(*arguments, status=2).output
+    assert "exists already" in called(*arguments, status=2).output

@@ -77,7 +77,7 @@ def test_a_worker_that_is_killed_loses_nothing(cluster, tmp_path):
 
 def test_a_scheduler_that_does_not_answer_is_said(monkeypatch):
     monkeypatch.setattr("mpmfw.campaigns.executors.PATIENCE", 0.2)
-    with pytest.raises(SceneError, match="no scheduler answers there"):
+    with pytest.raises(SceneError, match="no scheduler answers at this address"):
         mpmfw.study(tiny_study(), executor="tcp://127.0.0.1:1")
 
 

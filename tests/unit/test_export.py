@@ -166,7 +166,7 @@ def test_no_output_of_an_earlier_export_stays_behind(exported, tmp_path):
     for every in (2.0, "a", None, 0):
         with pytest.raises(SceneError, match="expected a whole number of 1 or more"):
             mpmfw.export(tree, tmp_path / "drop.pvd", every=every)
-    with pytest.raises(SceneError, match=r"drop-points.pvd: is there already"):
+    with pytest.raises(SceneError, match=r"drop-points.pvd: exists already"):
         mpmfw.export(tree, tmp_path / "drop.pvd", every=3)
     mpmfw.export(tree, tmp_path / "drop.pvd", every=3, force=True)
     listed_files = {file for _, file in listed(tmp_path / "drop-points.pvd")}

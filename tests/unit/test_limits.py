@@ -41,7 +41,7 @@ def refusal(**overrides):
          "bodies.a.particles.size: the body 'a' of 8e+06 by 8e+06 m has up to 1.02e+15 material points"),
         ({"grid.cell_size": 1e-8}, "grid.cell_size: the body 'a' of 2 by 2 m has up to 4e+16 nodes"),
         ({"bodies.a.particles.size": 1e-9}, "bodies.a.particles.size: the body 'a' of 2 by 2 m has up to"),
-        ({"title": "\ud800"}, "title: has the character '\\ud800', which is none of Unicode"),
+        ({"title": "\ud800"}, "title: has the character '\\ud800', which is not valid Unicode"),
         ({"time.step": 1e-50}, "time.end: 0.01 s in steps of 1e-50 s, set by time.step, takes 1e+48 steps"),
         ({"materials.m.bulk_modulus": 1e30}, "time.end: 0.01 s in steps of 7.91e-15 s, set by bulk wave"),
     ],

@@ -57,7 +57,7 @@ def test_figures_pages_and_exports_are_replaced_by_force_alone(folder, command, 
     said(*command, status=0)
     for mine in ((folder / target).read_bytes(), MINE.encode()):
         (folder / target).write_bytes(mine)
-        assert "is there already; give another name, or --force to replace it" in said(*command, status=2)
+        assert "exists already; give another name, or --force to replace it" in said(*command, status=2)
         assert (folder / target).read_bytes() == mine
     said(*command, "--force", status=0)
     assert (folder / target).read_bytes() != MINE.encode()
@@ -83,7 +83,7 @@ def test_what_is_called_as_a_checkpoint_and_is_none_stays(folder, force):
 
 def test_a_checkpoint_without_its_results_is_not_dropped_unasked(folder):
     (folder / "new.nc.checkpoint").write_bytes(bytes(30) + b"mpmfw checkpoint 5, of a run that was killed")
-    assert "is the checkpoint of a run whose results are not there" in said(
+    assert "is the checkpoint of a run whose results are missing" in said(
         "run", "s.toml", "-o", "new.nc", status=2
     )
     said("run", "s.toml", "-o", "new.nc", "--force", status=0)
@@ -98,7 +98,7 @@ def test_a_validation_takes_the_place_of_no_other_file(folder, target, option):
     (folder / target).parent.mkdir(exist_ok=True)
     (folder / target).write_text(MINE)
     output = said("validate", "sliding-block", "--quick", *option, status=2)
-    assert f"{target}: is there already; give another name" in output
+    assert f"{target}: exists already; give another name" in output
     assert (folder / target).read_text() == MINE
     assert "is a file; give the name of a folder" in said(
         "validate", "sliding-block", "-o", "s.toml", status=2
@@ -140,7 +140,7 @@ def test_an_empty_folder_beside_results_lets_nothing_be_replaced(folder):
     assert Path.cwd() == folder
     Path("a.nc.runs").mkdir()
     before = os.stat("a.nc").st_mtime_ns
-    assert "a.nc: is there already; give another name, or --force" in said(
+    assert "a.nc: exists already; give another name, or --force" in said(
         "run", "s.toml", "-o", "a.nc", status=2
     )
     assert os.stat("a.nc").st_mtime_ns == before
@@ -149,9 +149,9 @@ def test_an_empty_folder_beside_results_lets_nothing_be_replaced(folder):
     said(*command, status=0)  # its finished runs lie beside it
     for path in Path("c.nc.runs").iterdir():
         path.unlink()
-    assert "c.nc: is there already; give another name, or --force" in said(*command, status=2)
+    assert "c.nc: exists already; give another name, or --force" in said(*command, status=2)
     Path("d.nc.runs").write_text(MINE)
-    assert "d.nc.runs: is a file, and no folder of finished runs" in said(*command[:-1], "d.nc", status=2)
+    assert "d.nc.runs: is a file, not a folder of finished runs" in said(*command[:-1], "d.nc", status=2)
 
 
 @pytest.mark.parametrize(

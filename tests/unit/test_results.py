@@ -89,7 +89,7 @@ def test_results_that_link_to_another_file_are_refused_and_do_not_write_to_it(tm
     before = (tmp_path / "victim.nc").read_bytes()
     content = np.frombuffer(zlib.decompress(base64.b85decode(LINKED)), np.uint8)
     with (
-        pytest.raises(MpmfwError, match="damaged, or of another run"),
+        pytest.raises(MpmfwError, match="damaged, or belongs to another run"),
         RunWriter("run.nc", header(), content) as writer,
     ):
         writer.write(frame(0.1))
@@ -176,7 +176,7 @@ def test_a_file_is_repeated_to_the_bit(tmp_path):
     with RunWriter(tmp_path / "b.nc", header(), half) as writer:
         writer.write(dataclasses.replace(frame(0.1 * 3), particles={}))
         writer.write(frame(0.1 * 4))
-    with pytest.raises(MpmfwError, match="its copy of the results is damaged, or of another run"):
+    with pytest.raises(MpmfwError, match="its copy of the results is damaged, or belongs to another run"):
         RunWriter(tmp_path / "c.nc", header(), half[:1000])
     xr.testing.assert_identical(open_results(tmp_path / "b.nc"), open_results(tmp_path / "a.nc"))
 

@@ -92,7 +92,7 @@ def test_a_key_that_a_measure_does_not_look_at_is_refused(quantity, key, given):
     if key in MEASURES[quantity].keys:
         assert judged(error)[0].measure is MEASURES[quantity]
         return
-    with pytest.raises(SceneError, match=rf"^error\.{key}: has no effect: {quantity} looks at "):
+    with pytest.raises(SceneError, match=rf"^error\.{key}: has no effect: {quantity} takes "):
         judged(error)
 
 

@@ -57,7 +57,7 @@ quantity = "acceleration"
         ("[error]", "[error]\nnorm = 'l2'", 8, "is a number"),
         ('"acceleration"', '"impulse"', 1, "kind = 'finest'"),
         ("[error]", "[cost]\nrepeats = 0\n[error]", 8, "must be at least 1"),
-        ("[error]", "[set]\ncell_size = 0.3\n[error]", 8, "takes its place"),
+        ("[error]", "[set]\ncell_size = 0.3\n[error]", 8, "replaces it"),
         ("[vary]", "[vary", 3, "not valid TOML"),
     ],
 )

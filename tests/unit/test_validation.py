@@ -276,5 +276,5 @@ def test_files_of_others_are_not_written_over(suite, tmp_path, name):
     (tmp_path / "out" / "runs").mkdir(parents=True)
     (tmp_path / "out" / name).write_text("mine")
     output = validate(suite(a=GREEN), tmp_path, status=2)
-    assert f"{name}: is there already" in output.replace("\n", "")
+    assert f"{name}: exists already" in output.replace("\n", "")
     assert (tmp_path / "out" / name).read_text() == "mine"

@@ -48,7 +48,7 @@ def campaign(
         Values by key: ``contact`` and ``shape`` (names, names with options, configured strategy objects),
         short names such as ``cell_size``, or dotted keys of the scene. A dimension each, in this order.
     measures
-        Names of quantities to read off every run, see :data:`mpmfw.campaigns.measures.MEASURES`.
+        Names of quantities to measure in every run, see :data:`mpmfw.campaigns.measures.MEASURES`.
     reference
         Keys of a study's table ``error``, such as ``{"kind": "finest"}``; by default the scene's reference.
     set
@@ -59,8 +59,8 @@ def campaign(
     Returns
     -------
     xarray.Dataset
-        Over what varies: series (…, time, body | pair, axis), ``status``, costs (…[, stage]),
-        ``cpu_time_repeat`` (…, repeat), ``load``; of each measure ``NAME`` (numbers alone) and ``NAME_error``
+        Over the varied dimensions: series (…, time, body | pair, axis), ``status``, costs (…[, stage]),
+        ``cpu_time_repeat`` (…, repeat), ``load``; for each measure ``NAME`` (if a number) and ``NAME_error``
         (relative).
 
     Raises
@@ -81,7 +81,8 @@ def run_grid(
     threads: int = 1,
     grown: Callable[[xr.Dataset], None] | None = None,
 ) -> xr.Dataset:
-    """Run and join all points of a grid, as :func:`campaign`; ``grown`` gets the dataset after each run."""
+    """Run and join all points of a grid, as :func:`campaign`; ``grown`` is called with the dataset after each
+    run."""
     if not grid.runnable:
         raise SceneError(problems=next(iter(grid.combinations.values())).problems)
     judges = judge_all(grid, measures, reference)
@@ -152,7 +153,7 @@ def compare(
         A file, the name of a shipped scene, or a mapping.
     contact, shape
         Methods, each once: names with or without options, such as ``"penalty(kappa=2)"``, ``"module:Class"``,
-        strategy objects or their classes. Options beside a name are set over those of the scene.
+        strategy objects or their classes. Options beside a name override those of the scene.
     vary
         Scene keys and their values, such as ``{"grid.cell_size": [0.4, 0.2]}``; the key's last part names the
         dimension.
@@ -160,12 +161,12 @@ def compare(
         Other codes, each a label of the dimension ``contact``: names with or without options, or adapters. A
         bare name stands for a code's plainest and its best settings. A code runs once, whatever the shape.
     output
-        NetCDF file to write, brought up to date after every run. Finished runs are kept in the folder
+        NetCDF file to write, updated after every run. Finished runs are kept in the folder
         ``<output>.runs``, from which an interrupted study continues.
     set
         Scene keys that all runs share. ``output.particles`` keeps fields if all runs have the same points.
     measures
-        As :func:`mpmfw.campaign` takes them; by default those of which the scene has an exact value.
+        As in :func:`mpmfw.campaign`; by default those for which the scene has an exact value.
     **running
         As :class:`mpmfw.campaigns.running.Execution` takes them.
 
@@ -174,7 +175,7 @@ def compare(
     xarray.Dataset
         Series with dims (contact, shape, *vary, time, body | pair, axis), costs with dims (contact, shape,
         *vary[, stage]), ``status`` ("ok", "suspect: …", "failed: …" or "refused: …"). A failing method does
-        not stop the others; what it did not reach is NaN.
+        not stop the others; its values are NaN after the failure.
 
     Raises
     ------

@@ -47,23 +47,23 @@ class Executor(Protocol):
     cores: str  #: tasks at a time, in words
 
     def outcomes(self, work: Callable[[T], R], tasks: Sequence[T]) -> Iterator[tuple[T, R | None]]:
-        """Do all tasks and yield each as it is done, with None where the process that did it died."""
+        """Run all tasks and yield each with its outcome, or with None if its process died."""
 
 
 class InProcess:
-    """One task after the other, in this process."""
+    """Runs one task after the other, in this process."""
 
     timing = "exclusive"
     cores = "one core"
 
     def outcomes(self, work: Callable[[T], R], tasks: Sequence[T]) -> Iterator[tuple[T, R | None]]:
-        """Do all tasks in their order."""
+        """Run all tasks in their order."""
         for task in tasks:
             yield task, work(task)
 
 
 class Pool:
-    """Processes of one thread each, by default one for each core, which die alone."""
+    """Pool of single-threaded processes, by default one for each core; if one dies, the others continue."""
 
     def __init__(self, jobs: int | None = None) -> None:
         self.jobs = jobs or cores()
@@ -71,7 +71,8 @@ class Pool:
         self.cores = "one core" if self.jobs == 1 else f"{self.jobs} processes on {cores()} cores"
 
     def outcomes(self, work: Callable[[T], R], tasks: Sequence[T]) -> Iterator[tuple[T, R | None]]:
-        """Do all tasks; repeat alone those whose process died; do here those that cannot be pickled."""
+        """Run all tasks. Repeat those whose process died one by one; run here those that cannot be
+        pickled."""
         leaving, here, died, dead = (deque[T]() for _ in range(4))
         for task in tasks:
             (leaving if _leaves(task) else here).append(task)
@@ -85,7 +86,7 @@ class Pool:
     def _done(
         self, work: Callable[[T], R], waiting: deque[T], jobs: int, died: deque[T]
     ) -> Iterator[tuple[T, R]]:
-        """Do tasks, some at a time; add those whose process died to ``died``."""
+        """Run tasks, some at a time; add those whose process died to ``died``."""
         context = multiprocessing.get_context("spawn")  # threads do not survive a fork
         idle: list[ProcessPoolExecutor] = []
         under_way: dict[Future[R], tuple[T, ProcessPoolExecutor]] = {}
@@ -132,7 +133,7 @@ class Futures:
         self.opened, self.cores = opened, cores
 
     def outcomes(self, work: Callable[[T], R], tasks: Sequence[T]) -> Iterator[tuple[T, R | None]]:
-        """Do all tasks; if the executor breaks, do the rest in new processes, each alone."""
+        """Run all tasks; if the executor breaks, run each of the rest in a new process."""
         waiting = deque(tasks)
         under_way: dict[Future[R], T] = {}
         with self.opened() as executor:
@@ -152,7 +153,7 @@ class Futures:
                     future.cancel()
 
     def _result(self, future: Future[R]) -> R | None:
-        """Return the result of a task, None if Dask gave it up."""
+        """Return the result of a task, None if Dask dropped it."""
         try:
             return future.result()
         except BrokenExecutor:
@@ -160,11 +161,11 @@ class Futures:
         except (Exception, asyncio.CancelledError, CancelledError) as error:
             if type(error).__name__ == "KilledWorker":
                 return None
-            raise MpmfwError(f"{self.cores}: a run was given up: {error}") from error
+            raise MpmfwError(f"{self.cores}: a run was dropped: {error}") from error
 
 
 def dask_cluster(place: Any) -> Futures:
-    """Return the workers of a Dask ``Client``, cluster or scheduler's address; they share no files."""
+    """Return the workers of a Dask ``Client``, a cluster or a scheduler's address; they share no files."""
     try:
         import distributed
     except ImportError as error:
@@ -182,7 +183,7 @@ def dask_cluster(place: Any) -> Futures:
             dask: Any = distributed
             made = dask.Client(place, timeout=PATIENCE, set_as_default=False)
         except (ValueError, OSError, TypeError) as error:  # TypeError: tls:// without certificates
-            text = f"{said}: no scheduler answers there ({error})"
+            text = f"{said}: no scheduler answers at this address ({error})"
             raise SceneError(f"{text}; expected an address such as tcp://127.0.0.1:8786") from error
         with made:
             yield made
@@ -200,7 +201,7 @@ def dask_cluster(place: Any) -> Futures:
 
 
 def _knock(comm: Any, address: str) -> None:
-    """Raise a ValueError for no address, an OSError without an answer."""
+    """Connect to an address. Raise a ValueError if it is malformed, an OSError without an answer."""
     scheme, place = comm.parse_address(address)
     comm.registry.get_backend(scheme)
     socket.create_connection(comm.parse_host_port(place), timeout=PATIENCE).close()
@@ -219,7 +220,7 @@ def _begin_worker() -> None:
 
 
 def executor_of(executor: Any, jobs: int | None) -> Executor:
-    """Return an ``executor``, or one of so many processes."""
+    """Return the ``executor``, or one with ``jobs`` processes."""
     if executor is not None and jobs not in (None, 1):
         raise SceneError("jobs: has no effect with an executor")
     if executor is None:
@@ -232,4 +233,6 @@ def executor_of(executor: Any, jobs: int | None) -> Executor:
         return dask_cluster(executor)
     if hasattr(executor, "outcomes"):
         return executor  # type: ignore[no-any-return]
-    raise SceneError(f"executor: {executor!r} is none; expected one of concurrent.futures, or of Dask")
+    raise SceneError(
+        f"executor: {executor!r} cannot run tasks; expected one of concurrent.futures, or of Dask"
+    )

@@ -51,12 +51,12 @@ class Combination:
 
     @functools.cached_property
     def key(self) -> str:
-        """Of its run; empty if it is refused."""
+        """Key of its run; empty if it is refused."""
         return "" if self.scene is None else key_of(self.scene, self.contact, self.shape, self.what)
 
     @property
     def why(self) -> str:
-        """Why it is refused; of an option's problems the first, without the option."""
+        """Reason why it is refused, the first if an option has several."""
         first, *others = self.problems
         return "\n".join([first.plain] if first.override else [str(one) for one in (first, *others)])
 
@@ -107,7 +107,8 @@ def make_grid(
 ) -> RunGrid:
     """Expand ``vary``, values by key, over scenes by label; ``shared`` are values of all runs.
 
-    Among the values of ``contact`` may be adapters to other codes."""
+    The values of ``contact`` may include adapters to other codes.
+    """
     names = dimension_names(vary)
     coords: dict[str, list[Any]] = {"scene": list(scenes)} if list(scenes) != [""] else {}
     offset = len(coords)
@@ -198,7 +199,7 @@ def _without_twins(combinations: Mapping[Index, Combination]) -> dict[Index, Com
 
 
 def in_words(labels: Mapping[str, Any]) -> str:
-    """A place in a grid, as ``penalty, cpdi, cell_size 0.4``."""
+    """Return a point of a grid in words: ``penalty, cpdi, cell_size 0.4``."""
     bare = ("scene", "contact", "shape", "scheme", "transfer")
     return ", ".join(str(label) if dim in bare else f"{dim} {label}" for dim, label in labels.items())
 

@@ -42,7 +42,7 @@ def costs_of(coords: Mapping[str, Sequence[Any]], costs: Mapping[Index, Sequence
 
 
 def least(each: xr.Dataset) -> xr.Dataset:
-    """Return of every run the repeat of the least CPU time, and the largest peak memory."""
+    """Return for each run the repeat with the least CPU time, and the largest peak memory."""
     one = each.isel(repeat=each["cpu_time"].fillna(np.inf).argmin("repeat"))
     return one.assign(peak_memory=each["peak_memory"].max("repeat"))
 
@@ -52,7 +52,7 @@ def over_repeats(each: xr.Dataset) -> dict[str, xr.DataArray]:
     times = each["cpu_time"]
     count = times.count("repeat")
     spread, load = 0.5 * (times.max("repeat") - times.min("repeat")), each["load"].mean("repeat")
-    half, busy = "half the range of the repeats; NaN of a single one", "cores that others kept busy meanwhile"
+    half, busy = "half the range of the repeats; NaN for a single one", "cores that other processes kept busy"
     return {
         "cpu_time_spread": spread.where(count > 1).assign_attrs(units="s", long_name=half),
         "repeats": count.astype(float).assign_attrs(units="1", long_name="runs of the cost"),
@@ -61,7 +61,7 @@ def over_repeats(each: xr.Dataset) -> dict[str, xr.DataArray]:
 
 
 def timing_of(costs: Sequence[Cost]) -> str:
-    """Return ``exclusive`` if nothing ran beside them."""
+    """Return ``exclusive`` if all costs were measured one run at a time."""
     if not costs:
         return ""
     if any(cost.timing != "exclusive" for cost in costs):
@@ -71,9 +71,9 @@ def timing_of(costs: Sequence[Cost]) -> str:
 
 
 class GridRuns:
-    """The runs of a grid, which a store keeps and an executor does; ``what`` names the whole in messages.
+    """The runs of a grid, with their store and executor; messages call the whole ``what``.
 
-    With ``exclusive`` only costs count that were measured one run at a time.
+    With ``exclusive`` only costs that were measured one run at a time count.
     """
 
     def __init__(
@@ -102,7 +102,7 @@ class GridRuns:
             complete(tasks, self.store, self.executor, times, self.exclusive, tell, how.run_progress)
 
     def do(self, work: Callable[[Task], Finished]) -> None:
-        """Do other work with the points that are missing."""
+        """Do ``work`` for the missing points instead of running them."""
         with resumable(self.store, self.what):
             do(work, self.grid.tasks().values(), self.store, self.executor, self.execution.progress)
 
@@ -141,17 +141,17 @@ class GridRuns:
         return {"processor": ", ".join(processors), "cores": self.executor.cores, "timing": timing_of(every)}
 
     def notes(self) -> dict[str, list[str]]:
-        """Return remarks on results, by the name of a point."""
+        """Return warnings about results, by the name of a point."""
         return {one.name: [*outcome.notes] for _, one, outcome in self.known() if outcome.notes}
 
     def warn(self) -> None:
-        """Warn of remarks on results."""
+        """Issue the warnings about results."""
         for name, notes in self.notes().items():
             for note in notes:
                 warnings.warn(f"{name}: {note}", ResultsWarning, stacklevel=3)
 
     def complete_results(self, index: Index) -> xr.DataTree | None:
-        """Return the results of a point's run that came to its end, or None."""
+        """Return the results of a point's run if it finished, else None."""
         outcome = self.outcome(index)
         return None if outcome is None or not is_complete(outcome.status) else self.results(index)
 

@@ -35,11 +35,11 @@ At = Callable[[tuple[str, ...], str], SceneError]
 
 
 class ErrorTable(Table):
-    """Error that is measured: against a closed form, a reference, or the study's finest run."""
+    """The quantity whose error is measured, and its reference: closed form, value, file or finest run."""
 
     quantity: str  #: name of a measure, see :data:`mpmfw.campaigns.measures.MEASURES`
     kind: Literal["closed-form", "reference", "finest"] = "closed-form"
-    body: str | None = None  #: what the quantity is of; if left out, the motion decides, as for the next two
+    body: str | None = None  #: body that is measured; by default, as for pair and axis, the motion decides
     pair: str | None = None
     axis: Axis | None = None
     #: of the difference of two curves or fields; if left out, the measure decides
@@ -61,7 +61,8 @@ class Judgement:
 
 
 class Judge:
-    """Judges runs; ``at`` makes an error about a key, ``beside`` the path of a file that the table names."""
+    """Measures errors of runs; ``at`` makes an error about a key, ``beside`` the path of a file that the
+    table names."""
 
     def __init__(
         self,
@@ -78,7 +79,7 @@ class Judge:
         for key in ("body", "pair", "axis"):
             if getattr(self.about, key) is not None and key not in self.measure.keys:
                 taken = " and ".join(self.measure.keys) or "none of body, pair and axis"
-                raise self.at(("error", key), f"has no effect: {self.measure.name} looks at {taken}")
+                raise self.at(("error", key), f"has no effect: {self.measure.name} takes {taken}")
         scenes = grid.runnable
         for scene in scenes.values():
             check_names(self.about, scene, self.at)
@@ -122,7 +123,7 @@ class Judge:
         return said(self.measure.name, self.about)
 
     def measured(self, results: Results) -> dict[Index, Measured]:
-        """Read the measure off all complete runs; a SceneError where it is next to nothing."""
+        """Measure all complete runs; raise a SceneError if the quantity is negligible."""
         for index, scene in self.grid.runnable.items():
             if (tree := results(index)) is not None:
                 if not self._declared:  # a closed form says itself what it is of
@@ -132,7 +133,7 @@ class Judge:
         return measured(self.measure, self.grid, results, self.about)
 
     def _check_size(self, run: xr.DataTree, scene: Scene) -> None:
-        """Refuse a quantity along an axis where nothing happens."""
+        """Refuse a component that is negligible beside another one."""
         if "axis" not in self.measure.keys:
             return
         sizes = {
@@ -141,7 +142,7 @@ class Judge:
         }
         largest = max(sizes, key=sizes.__getitem__)
         if sizes[self.about.axis or "x"] < NEAR_ZERO * sizes[largest]:
-            text = f"{self.says()} is nothing beside that along {largest}; expected '{largest}'"
+            text = f"{self.says()} is negligible beside that along {largest}; expected '{largest}'"
             raise self.at(("error", "axis"), text)
 
     def judge(self, results: Results) -> dict[Index, Judgement]:
@@ -195,7 +196,7 @@ class Judge:
 def measured(
     measure: Measure, grid: RunGrid, results: Results, about: About | None = None
 ) -> dict[Index, Measured]:
-    """Read a measure off all complete runs; without ``about`` the first decides what it is of."""
+    """Measure all complete runs; without ``about`` the first one decides the body, pair and axis."""
     found: dict[Index, Measured] = {}
     for index, scene in grid.runnable.items():
         if (tree := results(index)) is not None:
@@ -223,7 +224,7 @@ def said(measure: str, about: About) -> str:
 
 
 def interpolated(reference: Measured, at: Measured) -> FloatArray:
-    """Return the reference's values at another run's times; a number as it is."""
+    """Return the reference's values at another run's times; a number is unchanged."""
     return _within(at.time, reference.time, reference.values) if reference.time.size else reference.values
 
 
@@ -261,7 +262,7 @@ def _read_reference(error: ErrorTable, at: At, beside: Callable[[Any], Any]) -> 
     others = [name for name in columns if name != "time"]
     column = error.column or (others[0] if len(others) == 1 else None)
     if "time" not in columns or column not in others:
-        target = f"'{error.column}'" if error.column else "one other (or error.column, which says which)"
+        target = f"'{error.column}'" if error.column else "one other (or name it by error.column)"
         known = f"{error.file} has the columns {', '.join(columns) or 'none'}"
         raise at(("error", "column" if error.column else "file"), f"{known}; expected 'time' and {target}")
     time, values = table["time"].to_numpy(), table[column].to_numpy()

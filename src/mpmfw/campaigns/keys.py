@@ -72,7 +72,7 @@ def is_numerical(key: str) -> bool:
 
 
 def is_own_method(key: str) -> bool:
-    """Return True if a key has a meaning for mpmfw's methods alone, and none for another code."""
+    """Return True if a key concerns mpmfw's methods alone, not those of other codes."""
     return _OWN_METHODS.match(full_key(key)) is not None
 
 

@@ -1,7 +1,8 @@
-"""Measures by name: quantities that a campaign reads off stored runs, and their exact values.
+"""Measures by name: quantities that a campaign computes from stored runs, and their exact values.
 
-A measure is an announced class derived from :class:`mpmfw.api.results.Measure`, or a function
-``(run, scene, about)`` under ``@measure(…)`` that returns a number or :class:`mpmfw.api.results.Measured`."""
+A measure is a class derived from :class:`mpmfw.api.results.Measure` with an entry point, or a function
+``(run, scene, about)`` under ``@measure(…)`` that returns a number or :class:`mpmfw.api.results.Measured`.
+"""
 
 from __future__ import annotations
 
@@ -39,8 +40,10 @@ def measure(
     norm: Literal["largest", "l2"] = "largest",
     particles: bool = False,
 ) -> Callable[[Extract], Extract]:
-    """Register the function below under a name, with the attributes of a :class:`mpmfw.api.results.Measure`;
-    the first line of its docstring says what it means.
+    """Register the decorated function under a name, with the attributes of a
+    :class:`mpmfw.api.results.Measure`.
+
+    The first line of the function's docstring is its meaning.
     """
 
     def register(function: Extract) -> Extract:
@@ -77,7 +80,7 @@ def _made(kind: Literal["measure", "reference"], name: str, base: type[Any]) -> 
 
 
 def outputs_for(measure: Measure) -> dict[str, bool]:
-    """Return overrides that record only what a measure needs."""
+    """Return overrides that record only what a measure reads."""
     unused = dict.fromkeys(("output.surface", "output.gap", "output.ledger"), False)
     return {"output.particles": measure.particles, **unused}
 

@@ -1,4 +1,4 @@
-"""Run what a campaign still lacks: first the results, then the repeats that make the cost known."""
+"""Run the missing part of a campaign: first the results, then the repeats that measure their cost."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def do(
     executor: Executor,
     progress: Progress | None = None,
 ) -> None:
-    """Do the tasks (each with a ``key`` and a ``name``) that the store lacks, and keep each as it ends."""
+    """Do the tasks (each with a ``key`` and a ``name``) that the store lacks, and store each when it ends."""
     missing = [task for task in tasks if store.outcome(task.key) is None]
     _do(work, missing, store, executor, _Counter(progress, len(missing)))
 
@@ -51,7 +51,7 @@ def complete(
     progress: Progress | None = None,
     run_progress: Callable[[float, int], None] | None = None,
 ) -> None:
-    """Run what the store lacks, results and repeats, and keep each as it ends.
+    """Run the results and repeats that the store lacks, and store each when it ends.
 
     Each run gets ``repeats`` costs; ``exclusive`` ones are measured one at a time after all results.
     """
@@ -113,7 +113,7 @@ def _do(
 
 
 def _names(tasks: Iterable[Any], executor: Executor) -> Iterator[str]:
-    """Return names of runs that follow each other."""
+    """Return the names of runs in their order, if they run one after the other."""
     return iter([task.name for task in tasks] if isinstance(executor, InProcess) else ())
 
 
@@ -126,7 +126,7 @@ def counted(outcome: Outcome | None, exclusive: bool) -> list[Cost]:
 def _with_repeat(known: Outcome, finished: Finished | None) -> Outcome:
     if finished is None or not finished.outcome.costs or not is_complete(finished.outcome.status):
         why = "its process ended abruptly" if finished is None else finished.outcome.status
-        return _noted(known, f"a repeat for its cost did not end as the run did: {why}")
+        return _noted(known, f"a repeat that measures the cost ended differently: {why}")
     longer = replace(known, costs=(*known.costs, finished.outcome.costs[0]))
     if finished.outcome.digest == known.digest:
         return longer
@@ -141,7 +141,7 @@ def _noted(outcome: Outcome, note: str) -> Outcome:
 
 @contextmanager
 def resumable(store: Store, what: str) -> Iterator[None]:
-    """Context in which an interruption says how to go on."""
+    """Context in which the message of an interruption says how to continue."""
     with interruptible():
         try:
             yield
@@ -149,26 +149,24 @@ def resumable(store: Store, what: str) -> Iterator[None]:
             text = "nothing is kept"
             if store.lasts:
                 kept = len(list(store.folder.glob("[!.]*.json")))
-                text = (
-                    f"{store.folder} keeps the {kept} runs that were done; the same {what} goes on from there"
-                )
+                text = f"{store.folder} keeps {kept} finished runs; the same {what} continues from them"
             raise Interrupted(getattr(error, "number", signal.SIGINT), f"interrupted: {text}") from None
 
 
 class _Counter:
-    """Tells how many runs are done."""
+    """Counts and reports finished runs."""
 
     def __init__(self, progress: Progress | None, total: int) -> None:
         self.done, self.total, self.progress = 0, total, progress
         self.coming: Iterator[str] = iter(())  #: names of the runs that have not begun
 
     def __call__(self, name: str, status: str) -> None:
-        """One run more has ended."""
+        """Count one more run."""
         self.done += 1
         self.tell(name, status)
 
     def tell(self, name: str = "", status: str = "") -> None:
-        """Report where the campaign is."""
+        """Report the progress."""
         if self.progress is not None:
             self.progress(Event(self.done, self.total, name, status, next(self.coming, "")))
 
@@ -187,19 +185,19 @@ class Running(TypedDict, total=False):
 
 @dataclass(frozen=True)
 class Execution:
-    """How runs take place.
+    """How runs are executed.
 
-    All that take these keywords raise MpmfwError where a file cannot be written, and Interrupted at Ctrl-C or
-    SIGTERM, with what is done in the store.
+    Functions that take these keywords raise MpmfwError if a file cannot be written, and Interrupted at Ctrl-C
+    or SIGTERM; the store then has the finished runs.
     """
 
     #: an executor of ``concurrent.futures``, a ``Client`` or cluster of ``dask.distributed``, or the address
     #: of its scheduler
     executor: Any = None
-    jobs: int | None = 1  #: processes of one thread each; 1 is this process itself, None one for each core
-    #: folder of finished runs, from which a campaign takes what applies; without it nothing is kept
+    jobs: int | None = 1  #: single-threaded processes; 1 is this process, None one for each core
+    #: folder of finished runs, which a campaign reuses; without it nothing is kept
     store: str | os.PathLike[str] | None = None
-    repeats: int | None = None  #: runs of each point, of which the cheapest counts; 1, or as a study says
+    repeats: int | None = None  #: runs of each point, the cheapest counts; by default 1, or the study's
     force: bool = False  #: whether runs may be past the limits of steps and frames
     progress: Progress | None = None  #: called after every run
     run_progress: Callable[[float, int], None] | None = None  #: called within runs in this process

@@ -1,4 +1,4 @@
-"""Finished runs in a folder, one pair of files each, so that a campaign goes on where it stopped."""
+"""Finished runs in a folder, one pair of files each, from which an interrupted campaign continues."""
 
 from __future__ import annotations
 
@@ -92,12 +92,12 @@ class Store:
         return self._known[key]
 
     def results(self, key: str) -> xr.DataTree | None:
-        """Return what a run wrote, or None."""
+        """Return the results of a run, or None."""
         path = self._path(key, "nc")
         return read_run(path) if path.is_file() else None
 
     def put(self, outcome: Outcome, results: bytes | None = None) -> None:
-        """Store an outcome and its file, in memory if it would not last."""
+        """Store an outcome and its file; an outcome that is not ``lasting`` stays in memory."""
         self._known[outcome.key] = outcome
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
@@ -119,10 +119,11 @@ class Store:
     def prune(
         self, takes: Callable[[Mapping[str, str]], bool], days: float | None = None
     ) -> tuple[int, int, int]:
-        """Forget outcomes whose code ``takes`` refuses, older than ``days``, or left by killed processes.
+        """Remove outcomes that ``takes`` rejects by their code, that are older than ``days``, or that killed
+        processes left.
 
-        Return the numbers of runs forgotten and kept, and the bytes freed. A SceneError refuses other
-        folders.
+        Return the numbers of removed and kept runs, and the bytes freed. A SceneError refuses folders without
+        finished runs.
         """
         try:
             own, long_ago = own_files(self.folder), time.time() - _ABANDONED
@@ -172,6 +173,6 @@ _NAME = re.compile(r"(?:([0-9a-f]{32})|\.[0-9a-f]{32}\.[0-9a-f]{32}\.part)\.(?:j
 
 
 def own_files(folder: Path) -> dict[Path, str]:
-    """Return the files of a store, each with its key, "" of one that is half written; links are left out."""
+    """Return the files of a store, each with its key, "" for a half-written one; links are left out."""
     named = ((path, _NAME.fullmatch(path.name)) for path in sorted(folder.iterdir()))
     return {path: name[1] or "" for path, name in named if name and path.is_file() and not path.is_symlink()}

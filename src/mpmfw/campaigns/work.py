@@ -1,4 +1,4 @@
-"""What a worker does: run a scene once, in a process that does nothing else meanwhile."""
+"""Work of one process: run a scene once, with nothing beside it."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def processor() -> str:
 
 
 class Load:
-    """Cores that other processes keep busy since it was made."""
+    """Measures the number of cores that other processes keep busy, from its creation on."""
 
     def __init__(self) -> None:
         self._busy, self._own, self._wall = _busy(), _own(), time.perf_counter()
@@ -111,7 +111,7 @@ def run_once(task: Task, progress: Callable[[float, int], None] | None = None) -
 
 
 def time_once(task: Task) -> Finished:
-    """Run a task for its cost; the series are kept as a digest alone."""
+    """Run a task for its cost; only a digest of the series is kept."""
     with _ALONE, _warnings():
         return Finished(_try(task, None, None)[0])
 

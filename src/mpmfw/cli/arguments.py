@@ -214,18 +214,18 @@ def check_result(path: Path, kind: str, force: bool = False) -> Path:
     exists = path.is_file() and path.stat().st_size > 0
     resumable, hint = False, ""
     if kind == "run" and (checkpoint := Path(f"{path}.checkpoint")).exists():
-        hint = f", of a run that did not end; mpmfw resume {path} continues it"
+        hint = f", from a run that did not end; mpmfw resume {path} continues it"
         if is_foreign(str(checkpoint)):
             raise SceneError(f"{checkpoint}: is not a checkpoint of a run, for {path}; give another name")
         if not force and not exists:
-            text = f"{checkpoint}: is the checkpoint of a run whose results are not there"
+            text = f"{checkpoint}: is the checkpoint of a run whose results are missing"
             raise SceneError(f"{text}; give another name, or --force to replace it")
     elif kind != "run" and (folder := Path(f"{path}.runs")).exists():
         if not folder.is_dir():
-            raise SceneError(f"{folder}: is a file, and no folder of finished runs; give another name")
+            raise SceneError(f"{folder}: is a file, not a folder of finished runs; give another name")
         resumable = bool(own_files(folder))
     if exists and not force and not resumable:
-        raise SceneError(f"{path}: is there already{hint}; give another name, or --force to replace it")
+        raise SceneError(f"{path}: exists already{hint}; give another name, or --force to replace it")
     return path
 
 

@@ -42,7 +42,7 @@ class Exact:
 
 
 class Measure:
-    """Base of measures; the docstring says what is measured."""
+    """Base class of measures; the docstring is the meaning of the quantity."""
 
     name: ClassVar[str]  #: in studies and campaigns
     unit: ClassVar[str]  #: of its values, SI, as ``m s-1``

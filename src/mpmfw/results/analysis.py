@@ -44,9 +44,9 @@ def rolling_solution(
 ) -> RollingSolution:
     """Return the motion of a rigid cylinder or sphere on an inclined plane, released from rest.
 
-    The plane has the ``tilt`` θ [rad], the contact Coulomb's μ, the body the ``radius`` R [m] and the
-    ``inertia`` β = I/(m R²): 1/2 of a cylinder, 2/5 of a sphere. With slip (tan θ > (1 + 1/β) μ):
-    a = g (sin θ - μ cos θ), α = μ g cos θ / (β R). Without: a = g sin θ / (1 + β), α = a / R.
+    The plane has the ``tilt`` θ [rad], the body the ``radius`` R [m] and the ``inertia`` β = I/(m R²): 1/2
+    for a cylinder, 2/5 for a sphere. μ is Coulomb's coefficient. With slip (tan θ > (1 + 1/β) μ): a = g (sin
+    θ - μ cos θ), α = μ g cos θ / (β R). Without: a = g sin θ / (1 + β), α = a / R.
     """
     slips = bool(np.tan(tilt) > (1.0 + 1.0 / inertia) * friction)
     if slips:
@@ -59,7 +59,7 @@ def rolling_solution(
 
 
 def value_at(time: FloatArray, values: FloatArray, at: float) -> float:
-    """Return a series at ``at``, by the parabola through three outputs."""
+    """Interpolate a series to the time ``at``, by the parabola through the three nearest outputs."""
     known = np.isfinite(values)
     time, values = time[known], values[known]
     slack = 1e-9 * abs(at)
@@ -73,7 +73,7 @@ def value_at(time: FloatArray, values: FloatArray, at: float) -> float:
 def fitted_acceleration(time: FloatArray, displacement: FloatArray, start: float, end: float) -> float:
     """Return a [m/s²] of the least-squares fit d0 + v0 t + a t²/2 between ``start`` and ``end`` [s].
 
-    NaN if the series (time,) ends before, or has fewer than four outputs there.
+    NaN if the series (time,) ends before ``end``, or has fewer than four outputs in the interval.
     """
     slack = 1e-9 * abs(end)
     known = np.isfinite(displacement)
@@ -110,9 +110,11 @@ NOISE_WINDOW = 20
 
 
 def force_noise(time: FloatArray, force: FloatArray, window: float | None = None) -> float:
-    """Return the rms of a force (time,) or (time, axis) [N/m] less its running mean, over that of the mean.
+    """Return the rms deviation of a force (time,) or (time, axis) [N/m] from its running mean, over the
+    mean's rms.
 
-    The ``window`` [s] is :data:`NOISE_WINDOW` intervals by default. NaN if the series is below twice of it.
+    The ``window`` [s] of the mean is :data:`NOISE_WINDOW` intervals by default. NaN if the series is shorter
+    than two such windows.
     """
     known = np.isfinite(np.atleast_2d(force.T).T).all(axis=1)
     if known.sum() < 2 * NOISE_WINDOW:
@@ -131,7 +133,7 @@ def relative_l2(time: FloatArray, values: FloatArray, reference: FloatArray) -> 
 
 @dataclass(frozen=True)
 class ContactPhases:
-    """When a pair's force acts [s]; NaN for what did not happen."""
+    """Start, end and longest break of a pair's contact [s]; NaN if there was none."""
 
     first: float  #: first contact
     gap_start: float  #: start of the longest interval without force in between
@@ -140,7 +142,8 @@ class ContactPhases:
 
 
 def contact_phases(time: FloatArray, force: FloatArray, threshold: float = 1e-6) -> ContactPhases:
-    """Find the phases of a force (time,), none below ``threshold`` of its largest value."""
+    """Find the phases of contact in a force (time,); a force below ``threshold`` times the largest one is
+    zero."""
     size, nan = np.abs(np.nan_to_num(force)), float("nan")
     acting = np.flatnonzero(size > threshold * size.max())
     if len(acting) == 0:
@@ -172,7 +175,10 @@ _WORKS = ("contact_energy", "frictional_work", "damping_work")
 
 
 def energy_kept(run: xr.Dataset) -> FloatArray:
-    """Return energy, friction and damping over the energy at the start (time,); absent series are zero."""
+    """Return energy plus work of friction and damping, relative to the initial energy (time,).
+
+    Series that are absent count as zero.
+    """
     total = np.zeros(run.sizes["time"])
     for names, dim in ((_ENERGIES, "body"), (_WORKS, "pair")):
         for name in names:
@@ -192,8 +198,9 @@ GAP_ROUND_OFF = 1e-5
 def without_round_off(series: xr.Dataset) -> xr.Dataset:
     """Return the series over time with values below round-off set to zero.
 
-    The scale of a series is the largest magnitude of its unit: at least L/T of velocities, with the largest
-    coordinate L and the time T, and one turn over T of spins. Of positions the displacement counts.
+    Each series is compared with the largest magnitude among the series of its unit. For velocities this is at
+    least L/T, with the largest coordinate L and the time T; for spins at least one turn in T. For positions
+    it is the largest displacement.
     """
     if "time" not in series.dims or series.sizes["time"] < 2:
         return series

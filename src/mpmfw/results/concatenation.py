@@ -1,4 +1,4 @@
-"""Join the trees of several runs into one dataset, NaN where a run has nothing."""
+"""Join the trees of several runs into one dataset, with NaN where a run has no value."""
 
 from __future__ import annotations
 
@@ -32,9 +32,10 @@ Index = tuple[int, ...]
 def concatenate_runs(
     coords: Mapping[str, Sequence[Any]], trees: Mapping[Index, xr.DataTree], *, fields: bool = True
 ) -> xr.Dataset:
-    """Join the runs of a grid over new dimensions, whose values are ``coords``; ``trees`` are by index.
+    """Join the runs of a grid along new dimensions with the values ``coords``; ``trees`` are by index.
 
-    With ``fields`` those of material points are ``particle_<name>``; the attribute ``fields`` says why not.
+    ``fields`` adds the fields of material points as ``particle_<name>``. If they cannot be joined, the
+    attribute ``fields`` gives the reason.
     """
     shape = tuple(len(values) for values in coords.values())
     joined: dict[str, Any] = {}
@@ -66,7 +67,7 @@ def concatenate_runs(
 def over_grid(
     coords: Mapping[str, Sequence[Any]], runs: Mapping[Index, xr.Dataset]
 ) -> dict[str, xr.DataArray]:
-    """Return arrays of aligned runs over the grid, NaN where a run has none."""
+    """Return arrays of aligned runs over the grid, NaN for missing runs."""
     shape, joined = tuple(len(values) for values in coords.values()), {}
     for index, data in runs.items():
         for name, one in data.data_vars.items():
@@ -131,7 +132,7 @@ def union_of_times(times: Sequence[FloatArray]) -> FloatArray:
 def series_at_outputs(tree: xr.DataTree) -> xr.Dataset:
     """Return the series of a run at the multiples of its output interval.
 
-    Series are linear between records, means are constant, whole numbers are those of the nearest record.
+    Series are linear between records and means are constant. Integers come from the nearest record.
     """
     series, times = tree["series"].to_dataset(), output_times(tree)
     if tree.attrs.get("outputs", "exact") == "exact" or times.size < 2:
@@ -168,7 +169,7 @@ def _at(recorded: FloatArray, values: AnyArray, outputs: FloatArray, *, mean: bo
 
 
 def _other_points(coords: Mapping[str, Sequence[Any]], trees: Mapping[Index, xr.DataTree]) -> str:
-    """Return why fields cannot be joined, if two runs have other points."""
+    """Return the reason why fields cannot be joined, if the material points of two runs differ."""
     kept = {index: tree["particles"] for index, tree in trees.items() if "particles" in tree.children}
     for index, others in kept.items():
         first, points = next(iter(kept.items()))
@@ -178,7 +179,7 @@ def _other_points(coords: Mapping[str, Sequence[Any]], trees: Mapping[Index, xr.
         )
         if not same:
             runs = " and ".join(", ".join(_labels(coords, one)) for one in (first, index))
-            why = f"{runs} have other material points; run them one by one to draw them"
+            why = f"{runs} have different material points; run them one by one to draw them"
             return f"fields are not joined: {why}"
     return ""
 
@@ -220,7 +221,7 @@ def _costs(tree: xr.DataTree | None) -> xr.Dataset:
 
 
 def _outlines(tree: xr.DataTree) -> list[xr.Dataset]:
-    """Return first and last outlines as closed polylines, parted by NaN."""
+    """Return first and last outlines as closed polylines, separated by NaN."""
     lines = []
     for body, node in tree["surface"].children.items() if "surface" in tree.children else ():
         surface = node.to_dataset()
@@ -235,7 +236,7 @@ def _outlines(tree: xr.DataTree) -> list[xr.Dataset]:
         lines.append(xr.DataArray(line, labels, tuple(labels)).expand_dims(outlined_body=[body], axis=1))
     if not lines:
         return []
-    meaning = "surface of the body at the first and last output; NaN parts its loops"
+    meaning = "surface of the body at the first and last output; NaN separates its loops"
     outline = xr.concat(lines, "outlined_body", join="outer")
     times = tree["series"].coords["time"].values[[0, -1]]
     return [

@@ -26,7 +26,7 @@ _BY_PAIR = ("contact_energy", "frictional_work")
 
 
 def energy_error(run: xr.DataTree, scene: Scene) -> float:
-    """Return the largest error of strain and contact over the energy put in."""
+    """Return the largest error of strain and contact energy, relative to the energy put in."""
     series = run["series"].to_dataset()
     if "energy_residual" not in series:
         return float("nan")
@@ -36,17 +36,17 @@ def energy_error(run: xr.DataTree, scene: Scene) -> float:
 
 
 def energy_put_in(run: xr.DataTree | xr.Dataset, scene: Scene) -> float:
-    """Return the energy at the start plus the largest works done [J/m]."""
+    """Return the initial energy plus the largest work of gravity and of loads [J/m]."""
     series = _series(run)
     start = float(series["total_energy"].isel(time=0).sum())
     return start + sum(max(0.0, float(series[name].max())) for name in _works(scene) if name in series)
 
 
 def dissipation(run: xr.DataTree | xr.Dataset, scene: Scene) -> float:
-    """Return the share of the energy put in that is lost, beside what friction and materials take.
+    """Return the fraction of the energy put in that is lost, apart from friction and material dissipation.
 
-    The transfer, the strain's integration, impulses and dashpots take it; it is negative where a run gains
-    energy. NaN of a run that did not end, and without a ledger under gravity, loads or moving sides.
+    Transfer, integration of strain, impulses and dashpots lose it; a negative value is a gain. NaN if the run
+    did not end, or has gravity, loads or moving sides but no energy ledger.
     """
     series, works = _series(run), _works(scene)
     if "total_energy" not in series or (scene.gravity and not _has(series, "gravity_work")):
@@ -66,7 +66,7 @@ def _series(run: xr.DataTree | xr.Dataset) -> xr.Dataset:
 
 
 def _has(series: xr.Dataset, name: str) -> bool:
-    """Return True if this run, and not only another one, has the series."""
+    """Return True if this run has the series; other runs of its dataset may have it alone."""
     return name in series and bool(series[name].notnull().any())
 
 
@@ -78,7 +78,8 @@ def _works(scene: Scene) -> list[str]:
 
 
 def momentum_change(run: xr.DataTree, scene: Scene) -> float:
-    """Return the largest change of free bodies' momentum over their own."""
+    """Return the largest change of total momentum over the sum of the bodies' initial momenta; for free
+    bodies."""
     held = any(body.sides or body.prescribed for body in scene.bodies.values())
     if scene.gravity or scene.loads or held:
         return float("nan")

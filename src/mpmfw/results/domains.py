@@ -23,7 +23,8 @@ Corners = Callable[[xr.Dataset], FloatArray]
 def corners_of(tree: xr.DataTree, body: str) -> Corners | None:
     """Return a function that gives the corners of the domains of a body's material points.
 
-    CPDI2 stores them; CPDI has x_p + F R_0 ξ, R_0 from the stored scene. None of other shapes, and in 3D.
+    CPDI2 stores them. Those of CPDI are x_p + F R_0 ξ, with R_0 from the stored scene. Return None for other
+    shape functions and in 3D.
     """
     points = tree[f"particles/{body}"].to_dataset()
     if points.sizes.get("axis") != 2:
@@ -69,7 +70,7 @@ def facets_of(tree: xr.DataTree, body: str) -> IntArray:
         return np.stack([np.arange(len(following)), following], axis=1)
     if "triangles" not in surface:
         raise MpmfwError(
-            f"surface/{body}: has no triangles: the file is of an earlier version; run the scene again"
+            f"surface/{body}: has no triangles: an earlier version wrote the file; run the scene again"
         )
     return np.asarray(surface["triangles"].values)
 

@@ -31,12 +31,12 @@ def field(
     results
         A tree or a file.
     name
-        ``von_mises``, ``velocity`` (its size), ``velocity_x``, ``stress_xy`` …; of surface nodes
-        ``contact_pressure``, ``contact_traction`` (its size), ``contact_traction_x`` …
+        ``von_mises``, ``velocity`` (its magnitude), ``velocity_x``, ``stress_xy`` …; on surface nodes
+        ``contact_pressure``, ``contact_traction`` (its magnitude), ``contact_traction_x`` …
     time
         [s]; the nearest output, the last one by default.
     body
-        All bodies by default; of surface nodes those that are not rigid.
+        All bodies by default; for fields on surface nodes all that deform.
 
     Returns
     -------
@@ -69,7 +69,7 @@ def field(
 def pressed_bodies(tree: xr.DataTree, selection: str | Sequence[str] | None = None) -> list[str]:
     """Return the bodies with contact forces on surface nodes, by default without rigid ones.
 
-    A SceneError says if there is none, or no such body.
+    Raises a SceneError if there is no such body.
     """
     stored = [body for body in surfaces_of(tree) if "force" in tree[f"surface/{body}"].data_vars]
     if not stored:
@@ -85,9 +85,9 @@ def pressed_bodies(tree: xr.DataTree, selection: str | Sequence[str] | None = No
 def contact_fields(tree: xr.DataTree, body: str, surface: xr.Dataset) -> xr.Dataset:
     """Return contact pressure and traction (surface_node, …) [Pa] of a body at one output of its ``surface``.
 
-    ``contact_pressure`` is −f·n/A, of the outward normal n and the area A that the node carries at this time,
+    ``contact_pressure`` is −f·n/A, with the outward normal n and the node's tributary area A at this time;
     ``contact_traction`` is (f − (f·n) n)/A. They are summed over pairs, zero without a force, and NaN where A
-    is zero. The scene gives the thickness: the body's, or the largest of the others where that is less.
+    is zero. The thickness is the body's, or the largest of the other bodies if that is less.
     """
     scene = scene_of(tree.attrs)
     widths: dict[str, Any] = {
@@ -110,10 +110,10 @@ def contact_fields(tree: xr.DataTree, body: str, surface: xr.Dataset) -> xr.Data
 
 
 def carried_areas(force: FloatArray, position: FloatArray, facets: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Return areas (n,) [m^(dim−1)] that surface nodes with forces (n, dim) carry, and outward normals.
+    """Return tributary areas (n,) [m^(dim−1)] of surface nodes with forces (n, dim), and outward normals.
 
-    Of each of its facets, segments (k, 2) or triangles (k, 3), a node carries an equal part, if the facet is
-    level with the one that its force presses most.
+    A facet, a segment (k, 2) or a triangle (k, 3), is divided equally among its nodes. A node counts the
+    facets that are level with the one that its force presses most.
     """
     dim = position.shape[1]
     corners = position[facets]

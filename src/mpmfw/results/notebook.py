@@ -39,8 +39,8 @@ def history(
     name
         ``centre_of_mass``, ``min_gap`` …, see the page on results.
     body, pair, axis
-        Labels that select; ``axis`` also selects the component of a rotation. Other dimensions stay, but for
-        the pair of a scene that has one.
+        Labels to select; ``axis`` also selects the component of a rotation. Other dimensions stay, except
+        the pair if the scene has only one.
 
     Raises
     ------
@@ -71,7 +71,7 @@ def gap(results: Results, pair: str | None = None) -> xr.DataArray:
 def table(comparison: Results) -> pd.DataFrame:
     """Return the table of a comparison: a row for each method, with errors [%], gaps and costs.
 
-    It is indexed by the methods; NaN where a run ended early. Raises a SceneError for other results.
+    Its index are the methods; values are NaN if a run ended early. Raises a SceneError for other results.
     """
     import pandas as pd
 
@@ -85,9 +85,9 @@ def table(comparison: Results) -> pd.DataFrame:
 
 
 def pareto(study: Results) -> pd.DataFrame:
-    """Return the runs of a study that no other one beats in error and in cost, the cheapest first.
+    """Return the Pareto-optimal runs of a study in error and cost, cheapest first.
 
-    They are indexed by the dimensions of the study, with ``error`` (relative) and ``cpu_time`` [s]. Raises a
+    Its index are the dimensions of the study; columns are ``error`` (relative) and ``cpu_time`` [s]. Raises a
     SceneError for other results.
     """
     dataset = series_of(study)

@@ -29,14 +29,15 @@ class _Part(NamedTuple):
 def point_field(points: xr.Dataset, name: str) -> xr.DataArray:
     """Return a scalar field of a body's material points, (particle,) or (time, particle).
 
-    A vector gives its size and its components as ``velocity_x``, a tensor its components as ``stress_xy``.
-    Beside them: ``volume_ratio``, det F; ``pressure``, −tr σ/3, in 3D; ``in_plane_pressure``,
-    −(σ_xx + σ_yy)/2, in 2D. A stored field of such a name takes its place. A SceneError lists the fields.
+    A vector gives its magnitude and components such as ``velocity_x``, a tensor components such as
+    ``stress_xy``. Derived fields are ``volume_ratio``, det F; ``pressure``, −tr σ/3, in 3D; and
+    ``in_plane_pressure``, −(σ_xx + σ_yy)/2, in 2D. A stored field of the same name takes precedence. For an
+    unknown name a SceneError lists the fields.
     """
     parts = point_fields(points)
     if name not in parts:
         if name in CONTACT_FIELDS:
-            why = "is on surface nodes; mpmfw.field and the command plot give it of runs"
+            why = "is on surface nodes; for single runs mpmfw.field and the command plot have it"
             raise SceneError(f"field '{name}' {why}; expected a field of material points")
         raise SceneError(f"no field '{name}'; {did_you_mean(name, {*parts, *CONTACT_FIELDS})}")
     part = parts[name]

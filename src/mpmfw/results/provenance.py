@@ -44,13 +44,13 @@ _CLEAR, _STATUS = Path("/proc/self/clear_refs"), Path("/proc/self/status")
 
 
 def restart_peak_memory() -> None:
-    """Forget the largest resident memory so far, on Linux."""
+    """Reset the peak of resident memory, on Linux."""
     with contextlib.suppress(OSError):
         _CLEAR.write_text("5")
 
 
 def peak_memory() -> int:
-    """Return the largest resident memory since the restart [bytes]."""
+    """Return the largest resident memory since the reset [bytes]."""
     with contextlib.suppress(OSError):
         found = re.search(r"^VmHWM:\s*(\d+) kB$", _STATUS.read_text(), re.MULTILINE)
         if found:

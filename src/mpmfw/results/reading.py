@@ -29,7 +29,7 @@ _OPEN: set[netCDF4.Dataset] = set()
 
 
 def open(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree | xr.Dataset:
-    """Open a results file, as the object that its function returned.
+    """Open a results file as the object that ``run``, ``compare`` or ``study`` returned.
 
     Parameters
     ----------
@@ -42,8 +42,8 @@ def open(path: str | os.PathLike[str], *, lazy: bool = False) -> xr.DataTree | x
     Returns
     -------
     xarray.DataTree or xarray.Dataset
-        Of a run a tree with the groups ``series``, ``particles/<body>``, ``surface/<body>`` and
-        ``contact/<pair>``, each with its ``time``; else a dataset. Incomplete outputs are left out.
+        For a run a tree with the groups ``series``, ``particles/<body>``, ``surface/<body>`` and
+        ``contact/<pair>``, each with its ``time``; otherwise a dataset. Incomplete outputs are left out.
 
     Raises
     ------
@@ -125,7 +125,7 @@ def _reason(name: str, error: OSError | UnicodeError) -> str:
 
 
 def is_hdf5(path: str) -> bool:
-    """Return whether a file begins as one of HDF5, whole or not."""
+    """Return True if a file begins with the signature of HDF5; it may still be damaged."""
     try:
         with builtins.open(path, "rb") as file:
             return file.read(8) == b"\x89HDF\r\n\x1a\n"
@@ -147,7 +147,7 @@ def check_results(path: str | os.PathLike[str]) -> None:
 
 
 def checked_tree(dataset: netCDF4.Dataset, size: int, *, load: bool) -> xr.DataTree:
-    """Return the tree of a file, unless it declares much more than its ``size`` [bytes]."""
+    """Return the tree of a file; raise if it declares much more data than its ``size`` [bytes]."""
     declared = sum(8 * v.size for _, group in groups_of(dataset) for v in group.variables.values())
     if declared > LARGER * size + SPARE:
         raise MpmfwError(DAMAGED)

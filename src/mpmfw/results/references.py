@@ -43,7 +43,7 @@ class Incline:
 
 @dataclass(frozen=True)
 class RollingReference(Incline):
-    """A disc or a ball that rolls; its spin is known as well."""
+    """Disc or ball that rolls, with its spin."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class SlidingReference(Incline):
 
 @dataclass(frozen=True)
 class RingsReference:
-    """The collision of two rings that was solved by finite elements."""
+    """Collision of two rings, solved by finite elements."""
 
     first: str  #: the left ring, which is the first of the pair
     second: str  #: the right ring
@@ -95,7 +95,7 @@ def described(dataset: xr.Dataset) -> str:
 
 
 def reference_of(attributes: Mapping[str, Any]) -> Reference | None:
-    """Return the reference that a result's scene meets, or None."""
+    """Return the reference of a result's scene, or None."""
     scene = scene_of_results(attributes)
     try:
         return None if scene is None else declared(scene)

@@ -1,4 +1,4 @@
-"""Write a file whole or not at all, and by one writer; results replace files of their own kind alone."""
+"""Write files whole or not at all, by one writer each; results replace only results of their kind."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def check_replaceable(path: str | os.PathLike[str], kind: str) -> None:
 def check_new(path: Path, force: bool = False) -> Path:
     """Return the path; raise a SceneError if a file would be lost."""
     if not force and path.is_file() and path.stat().st_size:
-        raise SceneError(f"{path}: is there already; give another name, or --force to replace it")
+        raise SceneError(f"{path}: exists already; give another name, or --force to replace it")
     return path
 
 
@@ -91,7 +91,7 @@ def abandoned(path: str | os.PathLike[str]) -> list[Path]:
 
 @contextlib.contextmanager
 def replacement(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Context with the name of a file, which replaces ``path`` if all goes well."""
+    """Context with the name of a temporary file, which replaces ``path`` on success."""
     target = Path(os.path.realpath(path))
     name = f".{target.stem[:_REPEATED]}.{uuid.uuid4().hex}.part{target.suffix[:_REPEATED]}"
     growing = target.with_name(name)
@@ -114,7 +114,7 @@ def replace_bytes(content: bytes | memoryview, path: str | os.PathLike[str]) -> 
 
 
 def replace_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
-    """Write a dataset as NetCDF, built in memory: HDF5 keeps a file open that finds no room on its disk."""
+    """Write a dataset as NetCDF, built in memory: HDF5 keeps a file open when its disk is full."""
     from xarray.backends import NetCDF4DataStore
 
     with replacement(path) as growing:
@@ -133,10 +133,10 @@ with contextlib.suppress(ImportError):  # Windows
 
 
 def claim(path: str) -> int:
-    """Take the lock of a file; return a descriptor for :func:`release`.
+    """Lock a file; return a descriptor for :func:`release`.
 
-    The lock is Linux's, of an open file description. It ends with its process, and neither the HDF5 library
-    nor another descriptor of the process releases it. On other systems there is none.
+    The lock belongs to Linux's open file description. It ends with the process, and no other descriptor of
+    the process, such as the HDF5 library's, releases it. Other systems have no lock.
     """
     descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
     if not _locked(descriptor, "F_WRLCK"):
@@ -146,14 +146,14 @@ def claim(path: str) -> int:
 
 
 def release(descriptor: int | None) -> None:
-    """Give the lock of a file back."""
+    """Release the lock of a file."""
     if descriptor is not None:
         with contextlib.suppress(OSError):
             os.close(descriptor)
 
 
 def is_written(path: str | os.PathLike[str]) -> bool:
-    """Return whether a run is writing the file now."""
+    """Return True if a run is writing the file."""
     try:
         descriptor = os.open(path, os.O_RDONLY)
     except OSError:
@@ -165,7 +165,7 @@ def is_written(path: str | os.PathLike[str]) -> bool:
 
 
 def _locked(descriptor: int, kind: str) -> bool:
-    """Return True if the lock was taken, or there are none."""
+    """Return True if the lock was taken, or the system has none."""
     if not hasattr(fcntl, "F_OFD_SETLK"):
         return True
     whole_file = struct.pack("hhqqi4x", getattr(fcntl, kind), os.SEEK_SET, 0, 0, 0)

@@ -25,7 +25,7 @@ Results = xr.DataTree | xr.Dataset | str | os.PathLike[str]
 
 @contextmanager
 def opened(results: Results) -> Iterator[xr.DataTree | xr.Dataset]:
-    """Context with results; a file is open while it lasts."""
+    """Context with results; a file is closed at its end."""
     if isinstance(results, xr.DataTree | xr.Dataset):
         yield results
         return
@@ -57,7 +57,7 @@ def _source(results: xr.DataTree | xr.Dataset) -> str:
 
 
 def points_of(dataset: xr.Dataset, dims: Iterable[Hashable]) -> Iterator[tuple[dict[str, Any], xr.Dataset]]:
-    """Yield every point along some dimensions: its labels and its data."""
+    """Yield labels and data of every point along some dimensions."""
     names = [str(dim) for dim in dims]
     for labels in itertools.product(*(dataset[name].values.tolist() for name in names)):
         point = dict(zip(names, labels, strict=True))
@@ -144,8 +144,8 @@ def chosen_frames(tree: xr.DataTree, every: int) -> list[int]:
 def select(comparison: Results, **choice: Any) -> xr.DataTree:
     """Return one run of a comparison as a tree: ``series``, and ``particles/<body>`` if it keeps fields.
 
-    ``choice`` names a label of each dimension that has several, such as ``contact="penalty"``; a SceneError
-    says if it does not.
+    ``choice`` names a label for each dimension that has several, such as ``contact="penalty"``. A SceneError
+    lists the labels if one is missing or unknown.
     """
     with opened(comparison) as dataset:
         if not isinstance(dataset, xr.Dataset) or "status" not in dataset:
@@ -186,7 +186,7 @@ def _tree(run: xr.Dataset) -> xr.DataTree:
 def runs_of(
     comparison: xr.Dataset, against: str | None = None, name: str = "", *, contact: str | None = None
 ) -> dict[str, xr.DataTree]:
-    """Return the runs of a comparison that keep points; ``against`` a contact, their differences."""
+    """Return the runs of a comparison that keep points, or their differences ``against`` one contact."""
     if "particle_position" not in comparison:
         why = "the comparison keeps no fields; run it with --set output.particles=true"
         raise SceneError(str(comparison.attrs.get("fields", why)))
@@ -214,11 +214,11 @@ def runs_of(
 def difference(run: xr.DataTree, reference: xr.DataTree, name: str = "von_mises") -> xr.DataTree:
     """Return a run with the field ``NAME_difference`` against the ``reference``.
 
-    A SceneError says if there is no such field, or the material points or their times differ.
+    Raises a SceneError if there is no such field, or the material points or their times differ.
     """
     times, others = times_of(run), times_of(reference)
     if len(times) != len(others) or not np.allclose(times, others):
-        raise SceneError("fields cannot be compared: the runs recorded their material points at other times")
+        raise SceneError("fields cannot be compared: the runs recorded material points at different times")
     tree, known = run.copy(), bodies_of(reference)
     for body in bodies_of(run):
         points = run[f"particles/{body}"].to_dataset()

@@ -36,7 +36,7 @@ _WHOLE = {
 
 @dataclasses.dataclass(frozen=True)
 class RunHeader:
-    """All that is known of a run before its first step."""
+    """Data of a run before its first step."""
 
     dim: int  #: number of space dimensions, 2 or 3
     bodies: tuple[str, ...]  #: names, in the scene's order
@@ -55,7 +55,7 @@ class RunHeader:
 
 @dataclasses.dataclass
 class Frame:
-    """Arrays of one output with the declared shapes, without the time; a field that is absent is NaN."""
+    """Arrays of one output with the declared shapes, without the time; an absent field is NaN."""
 
     time: float  #: [s]
     #: fields over the points of all bodies, in the header's order; a frame may have none
@@ -71,7 +71,7 @@ class Frame:
 
 @dataclasses.dataclass(slots=True)
 class _Column:
-    """A variable, and its arrays of frames that wait."""
+    """A variable and its buffered arrays, one a frame."""
 
     variable: netCDF4.Variable[Any]
     static: bool  #: whether it has no time
@@ -80,9 +80,9 @@ class _Column:
 
 
 class Timeline:
-    """The times of a group, along a dimension, and its variables; a group that has times is continued.
+    """Times and variables of a group along a dimension; those that exist are continued.
 
-    ``times`` [s] are those of earlier frames, in which the group has nothing.
+    ``times`` [s] are those of earlier frames, for which the group has no values.
     """
 
     def __init__(
@@ -105,22 +105,22 @@ class Timeline:
 
     @property
     def waits(self) -> int:
-        """Number of frames that are not written yet."""
+        """Number of buffered frames."""
         return len(self._times)
 
     def add(self, time: float, arrays: Mapping[str, tuple[Field, AnyArray]]) -> None:
-        """Take one frame: arrays by name, each with its declaration."""
+        """Buffer one frame: arrays by name, each with its declaration."""
         for field, values in arrays.values():
             self._put(field, values)
         self._times.append(time)
 
     def forget_shapes(self) -> None:
-        """Forget the sizes of dimensions, of which one has grown."""
+        """Forget the sizes of dimensions after one has grown."""
         for column in self._columns.values():
             column.shape = None
 
     def write(self) -> None:
-        """Write the frames that wait: first the arrays, then the times."""
+        """Write the buffered frames: first the arrays, then the times."""
         for column in self._columns.values():
             if column.waiting and column.static:
                 column.variable[...] = column.waiting[0]
@@ -132,7 +132,7 @@ class Timeline:
         self.forget()
 
     def forget(self) -> None:
-        """Drop the frames that wait."""
+        """Drop the buffered frames."""
         self._times.clear()
         for column in self._columns.values():
             column.waiting.clear()
@@ -198,7 +198,7 @@ def _is_static(field: Field) -> bool:
 def _variable(
     group: netCDF4.Dataset, name: str, dtype: Any, dims: tuple[str, ...], **layout: Any
 ) -> netCDF4.Variable[Any]:
-    """Return a new variable, NaN where none is written; deflate would be slow and save a sixth."""
+    """Return a new variable filled with NaN; compression would be slow and save a sixth."""
     missing = np.nan if np.dtype(dtype).kind == "f" else None
     variable: netCDF4.Variable[Any] = group.createVariable(name, dtype, dims, fill_value=missing, **layout)
     variable.set_auto_maskandscale(False)  # takes longer than the writing itself
@@ -206,7 +206,7 @@ def _variable(
 
 
 def _write(variable: netCDF4.Variable[Any], start: int, values: AnyArray) -> None:
-    """Write frames from ``start`` on, faster than by an index."""
+    """Write frames from ``start`` on; faster than assignment by index."""
     at = [start] + [0] * (values.ndim - 1)
     variable._put(np.ascontiguousarray(values), at, list(values.shape), [1] * values.ndim)
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 AXES = ("x", "y", "z")
 
 _CONNECTIVITY = {
-    "next": "surface node at which the segment that starts at this one ends",
+    "next": "end node of the segment that starts at this surface node",
     "triangles": "surface nodes of each triangle, counter-clockwise as seen from outside",
 }
 
@@ -43,13 +43,13 @@ QUICK = 0.025
 class RunWriter:
     """A run's NetCDF-4 file, open for appending frames; ``path`` None keeps the results in memory.
 
-    Frames within a quarter of a second are written together. After a kill those written are readable, unless
-    it came within a sync. Each group, such as ``particles/<body>``, has its own ``time``: a shared dimension
-    costs with the square of the number of groups. The root's ``time``, along ``output``, is written last: it
-    says which outputs are complete.
+    Frames within a quarter of a second are written together. Written frames survive a kill, except during a
+    sync. Each group, such as ``particles/<body>``, has its own ``time``: the cost of a shared dimension grows
+    with the square of the number of groups. The root's ``time``, along ``output``, is written last and marks
+    the complete outputs.
 
-    ``content`` are the bytes of a file of the same run, whose outputs the new file begins with. A MpmfwError
-    says that it is damaged, or that the file cannot be written.
+    ``content`` is a file of the same run in bytes; the new file starts with its outputs. Raises MpmfwError if
+    it is damaged, or if the file cannot be written.
     """
 
     def __init__(
@@ -139,7 +139,7 @@ class RunWriter:
         self._dataset.sync()
 
     def close(self) -> None:
-        """Close the file, once or again."""
+        """Close the file; a second call has no effect."""
         if not self._dataset.isopen():
             return
         try:
@@ -193,7 +193,7 @@ class RunWriter:
     def _repeat(self, content: Any) -> None:
         """Write the complete outputs of another file of the same run.
 
-        To append to the file itself would be unsafe: HDF5 follows its links, and writes to other files.
+        Appending to that file would be unsafe: HDF5 follows its links and would write to other files.
         """
         try:
             with netCDF4.Dataset("results.nc", memory=content) as old:
@@ -218,13 +218,13 @@ class RunWriter:
             TypeError,
             AttributeError,
         ) as error:
-            raise MpmfwError("its copy of the results is damaged, or of another run") from error
+            raise MpmfwError("its copy of the results is damaged, or belongs to another run") from error
 
     def _repeat_group(self, place: str, group: xr.Dataset) -> None:
         kind, columns = place.partition("/")[0], []
         for field in (one for (of, name), one in self._fields.items() if of == kind and name in group):
             if group[field.name].dtype != field.dtype:
-                raise ValueError(f"{place}/{field.name} is not as it was declared")
+                raise ValueError(f"{place}/{field.name} differs from its declaration")
             columns.append((field, group[field.name], "time" in group[field.name].dims))
         for k, at in enumerate(group["time"].values.tolist()):
             arrays = {
@@ -291,7 +291,7 @@ class RunWriter:
         if len(labels) <= self._pairs:
             return
         if not self.header.more_pairs:
-            raise MpmfwError("frame names more pairs than the header, which allows no more")
+            raise MpmfwError("frame names more pairs than the header allows")
         self.flush()
         self._dataset["pair"][self._pairs : len(labels)] = np.array(labels[self._pairs :], dtype=object)
         self._pairs = len(labels)

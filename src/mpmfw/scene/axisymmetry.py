@@ -26,7 +26,7 @@ def check_axisymmetry(scene: Tables, plugins: Mapping[Path, type[Any]]) -> Itera
         message = f"'{shape}' has no form for grid.axisymmetric; expected another shape function"
         yield Problem(("shape", "method"), message)
     if scene.sleep is not None:
-        yield Problem(("sleep",), "does not go with grid.axisymmetric: hoop stress is not kept aside")
+        yield Problem(("sleep",), "does not go with grid.axisymmetric: sleeping bodies keep no hoop stress")
     for key in ("contact_moment", "side_moment"):
         if getattr(scene.output, key) is not None:
             message = "has no meaning with grid.axisymmetric: moments round a ring cancel"
@@ -45,7 +45,7 @@ def _pulls_sideways(gravity: Gravity) -> bool:
 
 
 def _body(body: Body, path: Path) -> Iterator[Problem]:
-    """Yield what a body of revolution cannot have."""
+    """Yield keys that a body of revolution cannot have."""
     refused: list[tuple[bool, str, str]] = [
         (body.thickness is not None, "thickness", "does not go with grid.axisymmetric: a ring has its own"),
         (bool(body.angular_velocity), "angular_velocity", "does not go with grid.axisymmetric"),
@@ -64,7 +64,7 @@ def _body(body: Body, path: Path) -> Iterator[Problem]:
 
 
 def _rigid(body: RigidBody, path: Path) -> Iterator[Problem]:
-    """Yield what of a rigid body's table acts across the axis, or not at all."""
+    """Yield keys of a rigid body's table that act across the axis, or have no effect."""
     at, rigid = (*path, "rigid"), None if isinstance(body.rigid, bool) else body.rigid
     motion = None if rigid is None else rigid.motion
     for where, key, table in (

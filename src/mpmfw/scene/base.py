@@ -1,4 +1,4 @@
-"""What all tables of a scene share, and the types of their values."""
+"""Base class of all tables of a scene, and the types of their values."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What must hold between the keys of a scene; each check yields one problem for each thing that is wrong."""
+"""Checks between the keys of a scene; each yields a problem for each contradiction."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _DIMENSIONS = frozenset({"time", "body", "pair", "axis", "axis2", "rotation", "s
 
 
 def check(scene: Tables, plugins: Mapping[Path, type[Any]], options: Mapping[Path, Any]) -> Iterator[Problem]:
-    """Yield the problems between valid keys; ``plugins`` and their ``options`` are by path."""
+    """Yield contradictions between valid keys; ``plugins`` and their ``options`` are by path."""
     yield from _grid(scene)
     yield from _time(scene)
     yield from _stepping(scene, plugins)
@@ -61,7 +61,7 @@ def check(scene: Tables, plugins: Mapping[Path, type[Any]], options: Mapping[Pat
     if all(isinstance(body, RigidBody) for body in scene.bodies.values()):
         yield Problem(("bodies",), "every body is rigid; expected one that deforms")
     if scene.sleep is not None and any(isinstance(body, RigidBody) for body in scene.bodies.values()):
-        yield Problem(("sleep",), "does not go with rigid bodies: what touches one that moves cannot rest")
+        yield Problem(("sleep",), "does not go with rigid bodies: a body on a moving one cannot rest")
 
 
 def _grid(scene: Tables) -> Iterator[Problem]:
@@ -236,8 +236,8 @@ def _surface_mesh(scene: Tables, path: Path, geometry: SurfaceMesh) -> Iterator[
             return
     if geometry.mean_edge < FINEST * grid.cell_size:
         message = (
-            f"the sides of the triangles are {geometry.mean_edge / grid.cell_size:.2g} cells long on the "
-            f"mean; expected {FINEST:g} or more, best a quarter to a half: make the mesh coarser"
+            f"the sides of the triangles are {geometry.mean_edge / grid.cell_size:.2g} cells long on "
+            f"average; expected {FINEST:g} or more, best a quarter to a half: make the mesh coarser"
         )
         yield Problem((*path, "path"), message)
     elif geometry.edges.min() < SHORTEST * grid.cell_size:
@@ -246,7 +246,7 @@ def _surface_mesh(scene: Tables, path: Path, geometry: SurfaceMesh) -> Iterator[
         place = ", ".join(f"{x:.4g}" for x in nodes[facets[facet]].mean(axis=0))
         message = (
             f"a side of the triangles is {geometry.edges.min() / grid.cell_size:.2g} cells long (facet "
-            f"{facet}, at ({place}) m); expected {SHORTEST:g} or more: join nodes that are at one place"
+            f"{facet}, at ({place}) m); expected {SHORTEST:g} or more: join coincident nodes"
         )
         yield Problem((*path, "path"), message)
 

@@ -1,7 +1,8 @@
 """``[contact] detection = "nodes"``, ``law = "penalty"``: another form of ``method = "nodes+penalty"``.
 
-Options stand in the tables of the parts, ``[contact.nodes]`` and ``[contact.penalty]``. Nothing behind this
-module has both forms."""
+Options are in the tables of the parts, ``[contact.nodes]`` and ``[contact.penalty]``. Other modules see the
+method alone.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +28,7 @@ class Parts:
 
 
 def latest_spelling(mapping: dict[str, Any], set_paths: Iterable[Path]) -> None:
-    """Keep of a method and of parts in ``mapping`` those that were set over the scene last."""
+    """Keep either the method or the parts in ``mapping``, whichever the last override sets."""
     table, paths = mapping.get("contact"), set(set_paths)
     if not isinstance(table, dict):
         return
@@ -40,13 +41,13 @@ def latest_spelling(mapping: dict[str, Any], set_paths: Iterable[Path]) -> None:
 
 
 def parts_of(table: Mapping[str, Any]) -> tuple[Parts | None, list[Problem]]:
-    """The parts that ``[contact]`` names, or None where it names none; and what is wrong with them."""
+    """Return the parts that ``[contact]`` names, or None if it names none, and their problems."""
     given = [part for part in PARTS if part in table]
     if not given:
         return None, []
     problems = []
     if "method" in table:
-        message = "a method is named beside it; expected either method, or detection and law"
+        message = "does not go with a method; expected either method, or detection and law"
         problems.append(Problem(("contact", given[0]), message))
     elif len(given) == 1:
         (other,) = (part for part in PARTS if part not in given)
@@ -65,7 +66,7 @@ def parts_of(table: Mapping[str, Any]) -> tuple[Parts | None, list[Problem]]:
 
 
 def _joined(table: Mapping[str, Any], names: tuple[str, str]) -> tuple[Parts | None, list[Problem]]:
-    """The parts with one table of options, after those of each were checked where they stand."""
+    """Join the parts' options in one table, after each part's options were checked in its own table."""
     method = "+".join(names)
     tables = {name: table.get(name, {}) for name in (*names, method)}
     tables = {name: own for name, own in tables.items() if isinstance(own, Mapping)}
@@ -88,7 +89,7 @@ def _joined(table: Mapping[str, Any], names: tuple[str, str]) -> tuple[Parts | N
 
 
 def without_effect(overrides: Iterable[tuple[str, Path]], table: Any) -> list[Problem]:
-    """Refuse options that were set of a detection or a law that ``[contact]`` does not name."""
+    """Refuse options of a detection or a law that ``[contact]`` does not name."""
     if not isinstance(table, Mapping):
         return []
     named = [table.get(part) for part in PARTS]
@@ -97,6 +98,6 @@ def without_effect(overrides: Iterable[tuple[str, Path]], table: Any) -> list[Pr
     for key, path in overrides:
         if len(path) > 1 and path[0] == "contact" and path[1] in alone and path[1] not in named:
             written = f"{alone[path[1]]} = '{path[1]}'"
-            message = f"has no effect: the contact is not written with {written}; options stand in {stands}"
+            message = f"has no effect: [contact] does not have {written}; options belong in {stands}"
             problems.append(Problem((), message, override=key))
     return problems

@@ -1,4 +1,4 @@
-"""Table of the stress that soil begins with."""
+"""Table of the initial stress of soil."""
 
 from __future__ import annotations
 
@@ -15,10 +15,12 @@ StressRow = Annotated[tuple[Annotated[Length, Field(ge=0)], Pressure, Pressure],
 
 
 class InitialStress(Table):
-    """Stress of soil at the start by depth below ``top`` [m], that of the body's box without one.
+    """Initial stress of soil by depth below ``top`` [m], by default the top of the body's box.
 
-    Vertical it is the weight of what lies above, of a ``density`` [kg/m^3], the body's without one, and
-    horizontal ``k0`` times that. Or a ``table`` of rows (depth [m], vertical, horizontal pressure [Pa])."""
+    The vertical stress is the weight above, with the ``density`` [kg/m^3] or by default the body's; the
+    horizontal stress is ``k0`` times that. Alternatively ``table`` has rows (depth [m], vertical, horizontal
+    pressure [Pa]).
+    """
 
     k0: Annotated[Number, Field(ge=0)] | None = None
     density: Annotated[Density, Field(gt=0)] | None = None

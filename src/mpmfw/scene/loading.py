@@ -1,4 +1,4 @@
-"""From a file, a shipped scene's name or a mapping to a valid scene, or one error that lists all problems."""
+"""Load a valid scene from a file, a shipped scene's name or a mapping; one error lists all problems."""
 
 from __future__ import annotations
 
@@ -43,17 +43,17 @@ def load_scene(
         A TOML file, the name of a shipped scene such as ``colliding-rings``, or nested mappings; a scene
         passes through.
     set
-        Values by dotted key, set over the scene's own. Text is read as a TOML value where it is one.
+        Values by dotted key, which override the scene's. Text is parsed as a TOML value if possible.
     trust
         Whether a file may name plug-ins as ``module:Class``, whose code is imported. Mappings and ``set``
         always may.
     said
-        What messages call a key of ``set``, where it is not ``--set KEY``.
+        What messages call a key of ``set``, by default ``--set KEY``.
 
     Raises
     ------
     SceneError
-        One line for each thing that is wrong: file, line, key, what was expected, the nearest valid name.
+        One line for each problem: file, line, key, what was expected, the nearest valid name.
     """
     overrides = {k: parse_value(v) if isinstance(v, str) else v for k, v in (set or {}).items()}
     if isinstance(scene, Scene):
@@ -73,7 +73,7 @@ def refuse_code(source: Source) -> None:
 
 
 def scene_from(source: Source, overrides: Mapping[str, Any]) -> Scene:
-    """Validate a source under its own and further overrides; a SceneError lists all that is wrong."""
+    """Validate a source with its own and further overrides; a SceneError lists all problems."""
     overrides = {**source.overrides, **plain(overrides)}
     unreadable = list(check_content(source.mapping))
     for key, value in overrides.items():
@@ -105,7 +105,8 @@ def scene_from(source: Source, overrides: Mapping[str, Any]) -> Scene:
 
 
 def _expanded(overrides: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
-    """The overrides with the keys that methods with options stand for, and what of these is said twice."""
+    """Expand methods with options, such as ``penalty(kappa=2)``, into their keys; return duplicates as
+    problems."""
     found: dict[str, Any] = {}
     problems = []
     for key, value in overrides.items():
@@ -127,7 +128,7 @@ def _with_resolved_paths(
 ) -> tuple[dict[str, Any], list[Problem]]:
     """Return the tables with mesh files' paths from the scene's folder, and problems of those elsewhere.
 
-    A stranger's file may name files in its own folder and the working folder alone.
+    A file that is not trusted may name files in its own folder and in the working folder alone.
     """
     bodies = core.get("bodies")
     if directory is None or not isinstance(bodies, dict):
@@ -174,7 +175,7 @@ def _with_options(scene: Scene, chosen: Chosen) -> Scene:
 
 
 def origin_of(source: Source, overrides: Mapping[str, Any]) -> Origin:
-    """Where the keys of a scene were written."""
+    """Return where the keys of a scene were written."""
     targets: list[tuple[str, KeyPath]] = []
     for key, value in overrides.items():
         try:
@@ -186,7 +187,7 @@ def origin_of(source: Source, overrides: Mapping[str, Any]) -> Origin:
 
 
 def error_of(problems: Iterable[Problem], source: Source, overrides: Mapping[str, Any]) -> SceneError:
-    """Return what is wrong with a file or with what is set over it, in the order of its lines."""
+    """Return the error that lists the problems of a file and of its overrides, in the order of its lines."""
     origin = origin_of(source, overrides)
     ordered = sorted(distinct(problems), key=origin.line_number)
     return SceneError(problems=[origin.located(problem) for problem in ordered])

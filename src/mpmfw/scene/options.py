@@ -1,4 +1,4 @@
-"""Options of the chosen plug-ins, validated by the plug-ins' own models; others are known by name only."""
+"""Options of the chosen plug-ins, validated by their models; other plug-ins are not imported."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ NAMED: dict[str, Kind] = {
 
 @dataclass
 class Chosen:
-    """What the scene chose: the core's part of the mapping, options by path, and what is wrong with them."""
+    """Choices of a scene: the core's part of the mapping, options by path, and their problems."""
 
     core: dict[str, Any]
     whole: dict[str, Any] = field(default_factory=dict)  #: the mapping, its contact written with a method
@@ -46,7 +46,7 @@ class Chosen:
     pairs: tuple[str | int, ...] = ()
 
     def placed(self, problem: Problem) -> Problem:
-        """Return a problem of a pair, which has an index in the core's tables, at the pair's key."""
+        """Return a problem with the key of its pair; the core's tables have an index there."""
         path = problem.path
         if path[:2] == ("contact", "pairs") and path[2:] and isinstance(path[2], int):
             path = (*path[:2], self.pairs[path[2]], *path[3:])
@@ -54,8 +54,10 @@ class Chosen:
 
 
 def separate_options(mapping: Mapping[str, Any], contact_keys: Any = CORE_KEYS["contact"]) -> Chosen:
-    """Split the plug-ins' options from the core's tables, and validate those of the chosen plug-ins; the core
-    reads ``contact_keys`` of ``[contact]``."""
+    """Separate the plug-ins' options from the core's tables, and validate those of the chosen plug-ins.
+
+    The core reads ``contact_keys`` of ``[contact]``.
+    """
     chosen = Chosen(dict(mapping))
     contact = mapping.get("contact")
     if isinstance(contact, Mapping):
@@ -130,7 +132,7 @@ def _contact_of_pair(chosen: Chosen, path: Path, table: Mapping[str, Any]) -> di
 def _method_table(
     chosen: Chosen, kind: Kind, table: Mapping[str, Any], core_keys: tuple[str, ...], named_by: str = "method"
 ) -> dict[str, Any]:
-    """Return the core's part of a table; problems of the method are those of the key ``named_by``."""
+    """Return the core's part of a table; a problem of the method is reported at the key ``named_by``."""
     installed = choices(kind)
     if kind == "contact":
         for part in ("detection", "law", "friction"):
@@ -182,7 +184,7 @@ def _validate(
     options: Mapping[str, Any],
     core_keys: tuple[str, ...] = (),
 ) -> None:
-    """Validate one plug-in's options; what is wrong is noted, with the path of the name or of the option."""
+    """Validate one plug-in's options; collect problems with the path of the name or of the option."""
     installed = choices(kind)
     alone = name.partition("(")[0]
     if alone != name and alone in installed:

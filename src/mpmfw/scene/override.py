@@ -1,4 +1,4 @@
-"""Single keys set over a scene: ``grid.cell_size = 0.2``, ``bodies.plane.sides[0].fixed = true``."""
+"""Overrides of single keys: ``grid.cell_size = 0.2``, ``bodies.plane.sides[0].fixed = true``."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _NAMED_TABLES = ("bodies", "materials", "loads", "boundaries", "outputs")
 
 
 def parse_path(key: str) -> Path:
-    """Return the path of a key such as ``a.pairs[0]."b c"``; a ValueError if it is none."""
+    """Return the path of a key such as ``a.pairs[0]."b c"``; raise a ValueError for other text."""
     parts: list[str | int] = []
     at = 0
     while at < len(key):
@@ -38,7 +38,7 @@ def parse_path(key: str) -> Path:
 
 
 def parse_value(text: str) -> Any:
-    """A TOML value (``0.2``, ``true``, ``[1, 2]``), or the text itself where it is none (``2 mm``)."""
+    """Return a TOML value (``0.2``, ``true``, ``[1, 2]``), or the text itself if it is none (``2 mm``)."""
     try:
         document = tomllib.loads(f"value = {text}")
     except (tomllib.TOMLDecodeError, RecursionError):
@@ -47,7 +47,7 @@ def parse_value(text: str) -> Any:
 
 
 def merge(mapping: Mapping[str, Any], overrides: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
-    """A copy of the scene's mapping with every override set, and the overrides that have no place in it."""
+    """Return a copy of the scene's mapping with all overrides, and problems of those that do not fit."""
     merged: dict[str, Any] = copy.deepcopy(dict(mapping))
     problems = []
     for key, value in overrides.items():
@@ -60,7 +60,7 @@ def merge(mapping: Mapping[str, Any], overrides: Mapping[str, Any]) -> tuple[dic
 
 
 def _put(table: dict[str, Any], path: Path, value: Any) -> None:
-    """Set the value at the path; tables on the way are made where a scene may leave them out."""
+    """Set the value at the path; create optional tables on the way."""
     at: Any = table
     for depth, part in enumerate(path[:-1]):
         if isinstance(at, dict) and part not in at:
@@ -83,4 +83,4 @@ def _entry(at: Any, part: str | int, above: Path) -> Any:
     if isinstance(at, list):
         raise LookupError(f"{dotted(above)} has {len(at)} entries, chosen by an index from [0]")
     kind = "array" if isinstance(part, int) else "table"
-    raise LookupError(f"{dotted(above)} is no {kind}: it has nothing below it")
+    raise LookupError(f"{dotted(above)} is not a {kind}: it has no entries")

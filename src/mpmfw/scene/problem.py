@@ -1,4 +1,4 @@
-"""What is wrong with a scene, and where: one line each, all of them at once."""
+"""Problems of a scene and their places: one line each, all at once."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Locator:
         return _holds(_parsed(self._lines, len(self._lines))[1], path)
 
     def line(self, path: Path) -> int:
-        """Line (from 1) of the key, or of the nearest table or array around it; 1 for the root."""
+        """Return the line (from 1) of the key, or of the nearest table or array around it; 1 for the root."""
         while path and not self.holds(path):
             path = path[:-1]
         header, counts = f"[{dotted(path)}]", range(1, len(self._lines) + 1)
@@ -77,7 +77,7 @@ def _holds(document: Any, path: Path) -> bool:
 
 
 def dotted(path: Path) -> str:
-    """The path as a user writes it: ``contact.pairs[0].friction``."""
+    """Return the path as a user writes it: ``contact.pairs[0].friction``."""
     text = ""
     for part in path:
         if isinstance(part, int):
@@ -95,16 +95,16 @@ LONGEST = 2000
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """One thing that is wrong."""
+    """One problem of a scene."""
 
-    path: Path  #: key that it is about; where it is missing, the table's path and its name
+    path: Path  #: key; if it is missing, the table's path and its name
     message: str  #: what is wrong and what was expected
     kind: Literal["unknown", "missing", "value"] = "value"  #: a misspelt key is both unknown and missing
     suggestion: str | None = None  #: valid name that is nearest to an unknown key or name
     override: str | None = None  #: override that could not be set at all
-    value: Any = None  #: what was given, where it is known
-    expected: str = ""  #: what would have been valid, where it is known
-    keys: tuple[str, ...] = ()  #: of a problem of a table, those of its keys that it is between
+    value: Any = None  #: the given value, if known
+    expected: str = ""  #: valid values, if known
+    keys: tuple[str, ...] = ()  #: keys of a table that contradict each other
 
 
 def one_form(path: Path, given: Iterable[str], *forms: str) -> Iterator[Problem]:
@@ -117,7 +117,7 @@ def one_form(path: Path, given: Iterable[str], *forms: str) -> Iterator[Problem]
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """Where a scene came from, to say where a problem is."""
+    """Source of a scene; gives problems their place."""
 
     name: str | None  #: file name as the user gave it, or None for a mapping
     locator: Locator | None  #: lines of the file's keys, or None for a mapping
@@ -125,7 +125,7 @@ class Origin:
     said: Mapping[str, str] = field(default_factory=dict)  #: names of overrides that are not ``--set KEY``
 
     def located(self, problem: Problem) -> SceneProblem:
-        """Return the problem with where its key was written: ``file.toml:12``, or the option that set it."""
+        """Return the problem with its place: ``file.toml:12``, or the option that set its key."""
         override = problem.override or self._override_of(problem)
         key, source = dotted(problem.path), ""
         if override is not None:
@@ -146,9 +146,11 @@ class Origin:
         return 0 if self.locator is None else self.locator.line(problem.path)
 
     def _override_of(self, problem: Problem) -> str | None:
-        """Return the last override that set the key, one around it or one that a table's problem is between.
+        """Return the last override of the key, of a key around it, or of one of the keys in a table's
+        problem.
 
-        Of a table that the file does not have, any override that made it."""
+        If the file does not have the table, return any override that created it.
+        """
         path = problem.path
         between = [(*path, name) for name in problem.keys]
         absent = self.locator is not None and len(path) > 1 and not self.locator.holds(path[:-1])
@@ -168,7 +170,7 @@ def _printable(line: str) -> str:
 
 
 def distinct(problems: Iterable[Problem]) -> list[Problem]:
-    """One problem per cause: a misspelt required key is not also missing, and no key is reported twice."""
+    """Keep one problem per cause: a misspelt required key is not also missing, no key is reported twice."""
     found = list(problems)
     misspelt = {(*p.path[:-1], p.suggestion) for p in found if p.kind == "unknown"}
     kept: dict[Any, Problem] = {}

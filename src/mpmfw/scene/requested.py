@@ -1,4 +1,4 @@
-"""What must hold between the keys that a request sets or varies, and the methods that it runs."""
+"""Checks between the keys that a request sets or varies, and the methods that it runs."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def check_compared(
             raise SceneError(f"{said} {key}: {text} (Python: {path[0]}=[…])")
     for (said, key, path), (above, other, around) in itertools.permutations(given, 2):
         if above == "--vary" and path[: len(around)] == around:
-            raise SceneError(f"{said} {key}: {above} {other} takes its place; leave one of them out")
+            raise SceneError(f"{said} {key}: {above} {other} replaces it; leave one of them out")
     names = {kind: [name_of(one) for one in chosen] for kind, chosen in methods.items()}
     names["friction"] = friction_laws(scene, shared, varied)
     check_methods_run(shared, names)
@@ -57,14 +57,12 @@ def check_methods_run(keys: Iterable[str], methods: Mapping[str, Sequence[str]],
                 continue
             running = methods.get(kind, (name,) if kind == "friction" else ())
             if name not in running:
-                runs = ", ".join(running) or f"no {'law' if kind == 'friction' else 'method'}"
-                raise SceneError(
-                    f"{said} {key}: has no effect: {kind} '{name}' does not run here; what runs is {runs}"
-                )
+                text = f"{said} {key}: has no effect: {kind} '{name}' does not run here"
+                raise SceneError(f"{text}; those that run: {', '.join(running) or 'none'}")
 
 
 def friction_laws(scene: Any, shared: Mapping[str, Any], varied: Mapping[str, Any]) -> list[str]:
-    """Return the friction laws that a comparison runs: those that it varies, or its scene's."""
+    """Return the friction laws that a comparison runs: the varied ones, or the scene's."""
     if "contact.friction_law" in varied:
         return list(varied["contact.friction_law"])
     try:

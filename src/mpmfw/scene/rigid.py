@@ -26,7 +26,7 @@ Inertias = Annotated[
 
 
 class Motion(Table):
-    """Prescribed motion: constant, or rows in time, linear in between and constant outside."""
+    """Prescribed motion: constant, or rows over time, linear in between and constant outside."""
 
     velocity: VelocityInTime | None = None  #: of the reference point [m/s]
     angular_velocity: SpinInTime | None = None  #: [rad/s]
@@ -39,11 +39,12 @@ Held = Literal["x", "y", "z", "rotation", "rotation-x", "rotation-y", "rotation-
 
 
 class Rigid(Table):
-    """Motion of a rigid body: a prescribed ``motion``, or that of forces on its mass.
+    """Motion of a rigid body: a prescribed ``motion``, or free with a mass.
 
-    The mass is that of a ``density`` [kg/m^3], or ``mass`` [kg] with the ``inertia`` [kg m^2] about the
-    centroid. ``held`` names what of a free motion no force changes; a ``force`` [N] through the centroid and
-    a ``torque`` [N m] act on it, constant or in time."""
+    The mass follows from a ``density`` [kg/m^3], or is given as ``mass`` [kg] with the ``inertia`` [kg m^2]
+    about the centroid. Components in ``held`` stay as they are. A ``force`` [N] through the centroid and a
+    ``torque`` [N m] are constant or in time.
+    """
 
     motion: Motion | None = None
     density: Annotated[Density, Field(gt=0)] | None = None
@@ -75,7 +76,8 @@ OfDeformable = Annotated[Any, BeforeValidator(_refuse)]
 
 
 def check_rigid(body: RigidBody, path: Path, dim: int, *, turns: bool) -> Iterator[Problem]:
-    """Yield the problems of a rigid body's table at ``path``; one that never ``turns`` needs no inertia."""
+    """Yield the problems of a rigid body's table at ``path``; a body that never ``turns`` needs no
+    inertia."""
     at, rigid = (*path, "rigid"), body.rigid
     if body.prescribed:
         for key in ("velocity", "angular_velocity"):
@@ -102,7 +104,7 @@ def check_rigid(body: RigidBody, path: Path, dim: int, *, turns: bool) -> Iterat
 
 
 def _free(rigid: Rigid, at: Path, dim: int) -> Iterator[Problem]:
-    """Yield the problems of what moves a free body."""
+    """Yield the problems of the forces on a free body and of its mass."""
     yield from _held(rigid.held, (*at, "held"), dim)
     for index, message in problems_in_time(rigid.force, dim):
         yield Problem((*at, "force", *index), message)
@@ -132,7 +134,7 @@ def acts_along(given: Any, axis: int) -> bool:
 
 
 def _belt(motion: Motion, geometry: HalfSpace, at: Path) -> Iterator[Problem]:
-    """Refuse a belt that is not along the plane at all times."""
+    """Refuse a belt velocity that is not along the plane at all times."""
     if motion.surface_velocity is None or any(problems_in_time(motion.surface_velocity, geometry.dim)):
         return
     if motion.angular_velocity is not None:
@@ -176,7 +178,7 @@ def _axial(given: Any, at: Path, dim: int, unit: str) -> Iterator[Problem]:
 
 
 def check_spin(given: Any, at: Path, dim: int, unit: str) -> Iterator[Problem]:
-    """Refuse other spins than a number in the plane, and three components in space."""
+    """Refuse spins other than a number in the plane, and three components in space."""
     if given is not None and isinstance(given, tuple) != (dim == 3):
         expected = f"an array of 3 components in {unit}" if dim == 3 else f"a number in {unit}"
         yield Problem(at, f"expected {expected}, because the grid is {dim}D")

@@ -1,4 +1,4 @@
-"""A scene: what to simulate, validated; nothing in it changes."""
+"""A validated scene, which does not change."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Scene(Tables):
 
     @property
     def source(self) -> Source:
-        """Where the scene came from."""
+        """Source of the scene."""
         return self._source
 
     @property
@@ -36,7 +36,7 @@ class Scene(Tables):
 
     @property
     def pairs(self) -> tuple[tuple[str, str, float], ...]:
-        """All pairs of bodies in the scene's order, each with its Coulomb coefficient."""
+        """All pairs of bodies in the scene's order, each with its friction coefficient."""
         contact = self.contact
         default, named = (0.0, ()) if contact is None else (float(contact.friction), contact.pairs)
         given = {frozenset(pair.bodies): pair.friction for pair in named}
@@ -62,11 +62,11 @@ class Scene(Tables):
         return "".join(set_keys) + toml_text(self._mapping)
 
     def to_mapping(self) -> dict[str, Any]:
-        """The tables as nested mappings, as a scene writes them, overrides included."""
+        """Return the tables as nested mappings, as a scene writes them, with overrides."""
         return copy.deepcopy(self._mapping)
 
     def of_bodies(self, names: Collection[str]) -> Scene:
-        """Return a scene of some bodies, in motion from the start, without outputs and sleep."""
+        """Return a scene of some bodies, moving from the start, without outputs and sleep."""
         contact = self.contact
         if contact is not None:
             pairs = tuple(pair for pair in contact.pairs if set(pair.bodies) <= set(names))
@@ -89,6 +89,6 @@ class Scene(Tables):
         )
 
     def with_overrides(self, overrides: Mapping[str, Any], said: Mapping[str, str] | None = None) -> Scene:
-        """Return this scene with other values by dotted key; ``said`` is what messages call them."""
+        """Return this scene with overrides by dotted key; messages call them ``said``."""
         source = replace(self._source, said={**self._source.said, **(said or {})})
         return self._read(source, overrides)

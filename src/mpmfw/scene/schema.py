@@ -17,7 +17,7 @@ _LIMITS = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", 
 
 
 def json_schema() -> dict[str, Any]:
-    """The JSON Schema (draft 2020-12) of a scene; every installed plug-in is imported."""
+    """Return the JSON Schema (draft 2020-12) of a scene; this imports every installed plug-in."""
     schema = Tables.model_json_schema()
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
     schema["title"] = "Scene of mpmfw"

@@ -26,7 +26,7 @@ def check_sides(body: Body, path: Path, dim: int, end: float) -> Iterator[Proble
 
 
 def _contradicting(first: Side, second: Side, at: Path, dim: int) -> Iterator[Problem]:
-    """Components that both prescribe, with different values, on nodes that they share."""
+    """Return components that both sides prescribe, with different values, on nodes that they share."""
     where = "" if first.side == second.side else ", with which it shares a corner,"
     for axis in range(dim):
         one, other = _component(first, axis), _component(second, axis)
@@ -40,7 +40,7 @@ def _contradicting(first: Side, second: Side, at: Path, dim: int) -> Iterator[Pr
 
 
 def _meeting(body: Body, first: Side, second: Side, end: float) -> str:
-    """When two opposite sides meet; empty if they do not before the end."""
+    """Return when two opposite sides meet; empty if they do not before the end."""
     lower, upper = (second, first) if first.side in UPPER else (first, second)
     axis = AXIS[lower.side]
     below, above = _component(lower, axis), _component(upper, axis)
@@ -51,13 +51,13 @@ def _meeting(body: Body, first: Side, second: Side, end: float) -> str:
     if approach * end < high - low:
         return ""
     return (
-        f"meets side '{first.side}' at {(high - low) / approach:.4g} s, before time.end: the velocities of "
-        f"the two press the body to nothing; expected time.end, which is {end:g} s, to be earlier"
+        f"meets side '{first.side}' at {(high - low) / approach:.4g} s, before time.end: their velocities "
+        f"compress the body to nothing; expected time.end, which is {end:g} s, to be earlier"
     )
 
 
 def _component(side: Side, axis: int) -> float | None:
-    """Prescribed velocity along an axis [m/s]; None where the side leaves it free."""
+    """Return the prescribed velocity along an axis [m/s], None if the side leaves it free."""
     if side.velocity is not None and axis < len(side.velocity):
         value = side.velocity[axis]
         return None if isinstance(value, str) else float(value)

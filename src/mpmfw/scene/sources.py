@@ -1,4 +1,4 @@
-"""TOML texts by name: a file, or one of those inside the package; and content that none may hold."""
+"""TOML texts by name, from a file or the package; checks of content that no text may have."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def walk(content: Any, at: KeyPath = ()) -> Iterator[tuple[KeyPath, Any]]:
 
 
 def check_content(content: Any) -> Iterator[Problem]:
-    """Problems of the values as such; too deep nesting comes alone."""
+    """Return problems of single values; nesting that is too deep is reported alone."""
     problems: list[Problem] = []
     for path, value in walk(content):
         if len(path) > DEEPEST:
@@ -77,13 +77,13 @@ def _text(text: Any) -> str:
     try:
         text.encode()
     except UnicodeEncodeError as error:
-        return f"has the character {text[error.start]!a}, which is none of Unicode; expected text"
+        return f"has the character {text[error.start]!a}, which is not valid Unicode; expected text"
     return ""
 
 
 @dataclass(frozen=True)
 class Source:
-    """Where a scene came from."""
+    """Source of a scene: a file, a shipped name or a mapping."""
 
     mapping: Mapping[str, Any]  #: the scene's tables as written, with no override
     text: str | None = None  #: the TOML text; None for a scene made from a mapping
@@ -101,7 +101,7 @@ def shipped_texts(folder: str) -> dict[str, str]:
 
 
 def plain(value: Any) -> Any:
-    """The value in terms of dict, list and scalars: mappings, tuples, arrays and paths are converted."""
+    """Convert mappings, tuples, arrays and paths to dict, list and scalars."""
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -123,11 +123,11 @@ def read_source(
     listed = ", ".join(shipped)
     if not isinstance(given, str | os.PathLike):
         raise SceneError(
-            f"{given!r} is no {kind}; expected a TOML file, a shipped {kind}'s name ({listed}) or a mapping"
+            f"{given!r} is not a {kind}; expected a TOML file, a shipped {kind} ({listed}) or a mapping"
         )
     name, path = os.fspath(given), Path(given)
     if "\0" in name:
-        raise SceneError(f"{name!r}: has the character NUL, as the name of no file has")
+        raise SceneError(f"{name!r}: has the character NUL, which no file name can have")
     if path.is_file():
         try:
             return _parse(path.read_text(encoding="utf-8-sig"), name, path.parent)

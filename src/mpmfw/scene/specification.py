@@ -1,7 +1,8 @@
 """A method and its options in one text: ``penalty(kappa=2, passes=one)``.
 
-A strategy's ``label`` prints the text, and every key or option that names a method takes it. Its options are
-set over those of the scene's table of the method."""
+A strategy's ``label`` prints the text, and every key or option that names a method accepts it. Its options
+override those of the scene's table of the method.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +34,7 @@ class Specification:
     options: Mapping[str, Any] = field(default_factory=dict)  #: by name, read as ``--set`` reads them
 
     def __str__(self) -> str:
-        """The text that is read as this, options in the order of the alphabet."""
+        """Return the text that parses to this specification, options in alphabetical order."""
         text = ", ".join(f"{key}={_bare(value)}" for key, value in sorted(self.options.items()))
         return f"{self.name}({text})" if text else self.name
 
@@ -57,7 +58,7 @@ def parse_specification(text: str) -> Specification:
 
 
 def split_specifications(text: str) -> list[str]:
-    """Split specifications at commas, but for those within brackets and quotes, which must be closed."""
+    """Split specifications at commas outside brackets and quotes, which must be closed."""
     return [part.strip() for part in _parts(text, text)]
 
 
@@ -82,14 +83,15 @@ def written(kind: Kind, text: str, said: str) -> str:
 
 
 def specification_of(name: str, options: Mapping[str, Any]) -> str:
-    """The text that names a method and its options; values of None are left out."""
+    """Return the text that names a method and its options; values of None are left out."""
     return str(Specification(name, {key: value for key, value in options.items() if value is not None}))
 
 
 def keys_of(key: str, value: Any) -> dict[Path, Any]:
-    """Return the keys and values that ``KIND.method = specification`` sets; none of other keys and values.
+    """Return the keys and values that ``KIND.method = specification`` sets; none for other keys and values.
 
-    Of a method that is not installed it is the name alone, which is what is wrong then."""
+    For a method that is not installed return the name alone, so that the problem is about the name.
+    """
     try:
         path = parse_path(key)
     except ValueError:
@@ -102,7 +104,7 @@ def keys_of(key: str, value: Any) -> dict[Path, Any]:
 
 
 def _parts(text: str, whole: str) -> list[str]:
-    """The text between commas that stand in no bracket and no quote; none of an empty text."""
+    """Return the text between commas outside brackets and quotes; nothing for an empty text."""
     parts, start, open_, quote = [], 0, "", ""
     for at, sign in enumerate(text):
         if quote:
@@ -124,6 +126,6 @@ def _parts(text: str, whole: str) -> list[str]:
 
 
 def _bare(value: Any) -> str:
-    """A value as it is read again: a text without quotes, where it is not taken for anything else."""
+    """Return a value as it parses: text without quotes, unless it would be taken for another type."""
     plain = isinstance(value, str) and value == value.strip() and not re.search(r"[,()\[\]{}\"'=]", value)
     return value if plain and value and parse_value(value) == value else value_text(value)

@@ -1,4 +1,4 @@
-"""The tables of a scene that the core itself reads; options of plug-ins are models of the plug-ins' own."""
+"""The tables of a scene that the core reads; models of plug-ins' options are in the plug-ins."""
 
 from __future__ import annotations
 
@@ -39,8 +39,10 @@ Options = SkipJsonSchema[BaseModel | None]
 
 
 class Grid(Table):
-    """Background grid: square cells of ``cell_size`` [m] from ``lower`` to ``upper`` [m]; in space or the
-    plane, or in the half-plane of bodies of revolution."""
+    """Background grid in the plane, in space, or in the half-plane of bodies of revolution.
+
+    Cells are squares or cubes of ``cell_size`` [m], from ``lower`` to ``upper`` [m].
+    """
 
     cell_size: PositiveLength
     lower: Position
@@ -54,11 +56,11 @@ class Grid(Table):
 
 
 class Time(Table):
-    """How long, how often recorded, and how far below the stability limit.
+    """Duration, output interval, and step relative to the stability limit.
 
-    With ``exact`` outputs steps are shortened to end at each of them. With ``nearest`` ones steps stay as
-    long as they may be: recorded is the end of the step nearest to each output, with the time that it has.
-    The last output is exact.
+    With ``exact`` outputs steps are shortened to end at each output. With ``nearest`` ones steps keep their
+    length; an output is then the end of the nearest step, with the time of that step. The last output is
+    exact.
     """
 
     end: PositiveTime  #: of the motion [s]
@@ -77,7 +79,8 @@ class Stepping(Table):
     pic_fraction: Annotated[Number, Field(ge=0, le=1)] | None = None
 
     def chosen(self, shape: Any) -> tuple[str, str]:
-        """Scheme and transfer, with what ``auto`` means for a shape function (its class or an object)."""
+        """Return scheme and transfer, with ``auto`` resolved for a shape function (its class or an
+        object)."""
         scheme = str(shape.auto_scheme) if self.scheme == "auto" else self.scheme
         return scheme, str(shape.auto_transfer) if self.transfer == "auto" else self.transfer
 
@@ -90,7 +93,7 @@ class Shape(Table):
 
 
 class ContactPair(Table):
-    """Coulomb's coefficient of one pair of bodies, and its contact; None is that of all pairs."""
+    """Friction coefficient and contact of one pair of bodies; None means that of all pairs."""
 
     bodies: Annotated[tuple[str, str], Strict(False)]
     friction: Friction | None = None
@@ -99,7 +102,7 @@ class ContactPair(Table):
 
     @model_validator(mode="after")
     def _has_an_effect(self) -> Self:
-        """Refuse a pair without friction and method."""
+        """Refuse a pair that sets neither friction nor a method."""
         if self.friction is None and self.method is None:
             raise ValueError("expected friction, a method, or detection and law")
         return self
@@ -108,8 +111,9 @@ class ContactPair(Table):
 class Contact(Table):
     """The contact strategy, its options, and pairs with another friction or contact.
 
-    A scene may write ``detection`` and ``law`` instead of a method; ``tables`` are those that its options
-    stand in. ``friction_law`` is None for Coulomb's, and has its options in a separate table."""
+    A scene may write ``detection`` and ``law`` instead of a method; ``tables`` are then those of its options.
+    ``friction_law`` is None for Coulomb's law; another law has its options in a separate table.
+    """
 
     method: str
     friction: Friction = 0.0
@@ -121,7 +125,8 @@ class Contact(Table):
 
 
 class Damping(Table):
-    """Viscous stress by the stiffness: times [s], or a share of critical damping at a frequency [Hz]."""
+    """Viscous stress proportional to stiffness: times [s], or a share of critical damping at a frequency
+    [Hz]."""
 
     bulk: NonNegativeTime = 0.0
     shear: NonNegativeTime = 0.0
@@ -138,7 +143,8 @@ class Damping(Table):
 
     @property
     def times(self) -> tuple[float, float]:
-        """Times of bulk and shear [s]: the share ξ of critical at a frequency f is that of ξ / (π f)."""
+        """Return the times of bulk and shear [s]; for a share ξ of critical at a frequency f they are ξ / (π
+        f)."""
         if self.critical is None or self.frequency is None:
             return self.bulk, self.shear
         time = self.critical / (math.pi * self.frequency)
@@ -157,8 +163,9 @@ class Material(Table):
 class Side(Table):
     """A condition on a side: fixed components, a velocity [m/s], a pressure or traction [Pa], a force [N].
 
-    The force is that on the whole side of a body of its thickness, spread evenly. A load is constant, or rows
-    of a time [s] and its values: linear in between, constant outside."""
+    The force acts on the whole side over the body's thickness, spread evenly. A load is constant, or rows of
+    a time [s] and its values: linear in between, constant outside.
+    """
 
     #: A plane side, or for a load the whole outside of the body, or all its holes.
     side: Literal["left", "right", "bottom", "top", "back", "front", "outer", "inner"]
@@ -175,7 +182,7 @@ class Side(Table):
 
     @property
     def is_constant(self) -> bool:
-        """Return True if it does not move and its loads are the same at all times."""
+        """Return True if the side does not move and its loads are constant."""
         loads = (self.pressure, self.traction, self.force)
         changing = any(isinstance(load, tuple) and isinstance(load[0], tuple) for load in loads)
         return self.velocity is None and not changing
@@ -211,7 +218,7 @@ class Body(Table):
 
 
 class RigidBody(Body):
-    """A body that does not deform: ``rigid`` says what moves it; at the start, if it is free, a velocity."""
+    """A rigid body; ``rigid`` gives its motion. A free one may start with a velocity."""
 
     rigid: RigidTable
     material: SkipJsonSchema[OfDeformable] = ""
@@ -239,7 +246,7 @@ AnyBody = Annotated[
 
 
 class Named(Table):
-    """A plug-in by its model, the bodies that it concerns (None is all), and its options."""
+    """A plug-in with its options, and the bodies that it concerns; None means all."""
 
     model: str
     bodies: Annotated[tuple[str, ...], Strict(False), Field(min_length=1)] | None = None
@@ -251,7 +258,7 @@ class Load(Named):
 
 
 class Boundary(Named):
-    """A motion that is prescribed by time and place, and the bodies that it holds."""
+    """A motion prescribed by time and place, and its bodies."""
 
 
 class Series(Named):
@@ -286,7 +293,8 @@ class Gravity(Table):
 
 
 class Settle(Table):
-    """Rest before the motion, until the residual force is below ``tolerance`` times the internal forces."""
+    """Settling before the motion, until the residual force is below ``tolerance`` times the internal
+    forces."""
 
     tolerance: Annotated[Number, Field(gt=0, lt=1)] = 1e-3
     max_time: PositiveTime | None = None
@@ -294,11 +302,11 @@ class Settle(Table):
 
 
 class Sleep(Table):
-    """Bodies at rest take no part in the steps until something disturbs them.
+    """Exclude bodies at rest from the steps until something disturbs them.
 
-    ``strain`` bounds the speed of every material point, over the body's wave speed: the strain of a plane
-    wave of that speed. ``crossings`` is how long the body must stay below it, in the times that its wave
-    takes along its longest edge.
+    ``strain`` bounds the speed of every material point, relative to the body's wave speed: the strain of a
+    plane wave of that speed. The body must stay below it for ``crossings`` times the wave's travel time along
+    its longest edge.
     """
 
     strain: Annotated[Number, Field(gt=0, lt=1)] = 1e-6
@@ -306,7 +314,7 @@ class Sleep(Table):
 
 
 class Output(Table):
-    """What a run records besides the series that every run has."""
+    """What a run records in addition to the series of every run."""
 
     gap: bool = True  #: least gap of every pair
     particles: bool = True  #: fields of material points
@@ -362,5 +370,5 @@ class Tables(Table):
     @field_validator("bodies")
     @classmethod
     def _rigid_bodies_last(cls, bodies: Mapping[str, Body]) -> Mapping[str, Body]:
-        """Put rigid bodies after the others, as their points of mass follow the nodes of the grid."""
+        """Put rigid bodies last; their mass points follow the grid's nodes."""
         return dict(sorted(bodies.items(), key=lambda each: isinstance(each[1], RigidBody)))

@@ -1,4 +1,4 @@
-"""Mappings as TOML text, so that results hold the scene that ran as a document that runs again."""
+"""Mappings as TOML text, so that results hold the scene as a document that runs again."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from mpmfw.scene.problem import dotted
 
 
 def toml_text(mapping: Mapping[str, Any]) -> str:
-    """The mapping as a TOML document: values first, then a table for each sub-mapping."""
+    """Return the mapping as a TOML document: values first, then a table for each sub-mapping."""
     lines: list[str] = []
     _table(lines, (), mapping)
     return "\n".join(lines).strip() + "\n"
@@ -27,7 +27,7 @@ def _table(lines: list[str], path: tuple[str, ...], mapping: Mapping[str, Any]) 
 
 
 def value_text(value: Any) -> str:
-    """One value as TOML writes it."""
+    """Return one value as TOML."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):

@@ -1,4 +1,4 @@
-"""Errors of pydantic in the words of a scene: one problem a key, with what was expected there."""
+"""Errors of pydantic as problems of a scene: one a key, with the expected value."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ def problems_of(
     prefix: Path = (),
     also_valid: tuple[str, ...] = (),
 ) -> list[Problem]:
-    """The problems of ``data`` at ``prefix`` of the scene; ``also_valid`` keys are another model's."""
+    """Return the problems of ``data`` at ``prefix`` of the scene; ``also_valid`` keys belong to another
+    model."""
     found: dict[Path, list[Any]] = {}
     for item in error.errors(include_url=False):
         found.setdefault(_data_path(item["loc"], data, item["type"]), []).append(item)
@@ -78,7 +79,7 @@ def _problem(
 
 
 def unknown_key(path: Path, valid: list[str]) -> Problem:
-    """An unknown key, with the nearest valid one, or all of them where none is near."""
+    """Return the problem of an unknown key, with the nearest valid one, or all if none is near."""
     close = nearest(str(path[-1]), valid)
     listed = f"valid keys: {', '.join(dict.fromkeys(valid))}" if valid else "no key is valid here"
     hint = f"did you mean '{close}'?" if close else listed
@@ -86,7 +87,7 @@ def unknown_key(path: Path, valid: list[str]) -> Problem:
 
 
 def unknown_name(path: Path, given: str, valid: list[str], what: str = "") -> Problem:
-    """Return the problem of a name that is none of the valid ones; ``what`` is said before it."""
+    """Return the problem of a name that is not valid; the message begins with ``what``."""
     close, listed = nearest(given, valid), one_of(valid)
     hint = f"did you mean '{close}'? ({listed})" if close else f"expected {listed}"
     message = f"{what}'{given}' is unknown; {hint}"
@@ -120,13 +121,13 @@ def _join(what: str, expectation: str) -> str:
 
 
 def shown(value: Any) -> str:
-    """A value as TOML writes it, shortened."""
+    """Return a value as TOML, shortened."""
     text = {True: "true", False: "false"}[value] if isinstance(value, bool) else repr(value)
     return text if len(text) <= 60 else text[:57] + "…"
 
 
 class _NoOptions(BaseModel):
-    """Stands for the model of a plug-in that declares none."""
+    """Stand-in for the model of a plug-in without options."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 

@@ -1,4 +1,5 @@
-"""Studies: a grid of runs with what each combination's accuracy costs in time.
+"""Studies: grids of runs with the error and the cost of each combination.
 
-``mpmfw.study`` is the way in. Nothing is imported here, so that worker processes load no more than they need.
+``mpmfw.study`` is the entry point. Nothing is imported here, so that worker processes load no more than they
+need.
 """

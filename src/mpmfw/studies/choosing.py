@@ -65,7 +65,7 @@ def choose(
     scene
         A file, the name of a shipped scene, or a mapping. Sizes of its particles are in cells.
     error
-        Relative error that is asked for: 0.01 or ``"1 %"``.
+        Target of the relative error: 0.01 or ``"1 %"``.
     measure
         Name of the quantity; by default the first that has a reference in the scene.
     contact, shape
@@ -84,14 +84,14 @@ def choose(
     Returns
     -------
     xarray.Dataset
-        Over (contact, shape, cell_size): ``status`` (``not run`` of many), ``error`` [1], ``cpu_time`` [s],
-        settling included, ``meets``, and ``answer`` (true of at most one). Attribute ``uncertainty``: of what
-        errors are against.
+        Over (contact, shape, cell_size): ``status`` (often ``not run``), ``error`` [1], ``cpu_time`` [s],
+        settling included, ``meets``, and ``answer`` (true of at most one). Attribute ``uncertainty``: that
+        of the reference.
 
     Raises
     ------
     SceneError
-        The request is wrong, or nothing is known that the measure's error could be of.
+        The request is wrong, or the measure has no reference.
     """
     target, output = relative_error(error, "error"), request.pop("output", None)
     shared = dict(request.pop("set", None) or {})
@@ -107,7 +107,7 @@ def choose(
     _check_lengths(base)
     sizes = _sizes(float(base.grid.cell_size), coarsest, finest)
     if base.contact is None and contact:
-        raise SceneError("contact: the scene has none, so that there is none to choose")
+        raise SceneError("contact: the scene has none, so there is nothing to choose")
     contacts = ["none"] if base.contact is None else list(contact or CONTACTS)
     contacts += codes_of(code)
     vary = {"contact": contacts, "shape": list(shape or SHAPES), "cell_size": sizes}

@@ -1,4 +1,4 @@
-"""What a study says: its rows, and the cheapest combination below an error."""
+"""Conclusions of a study: its rows, and the cheapest combination below an error."""
 
 from __future__ import annotations
 
@@ -71,8 +71,8 @@ def _of(row: dict[str, Any], dims: list[str]) -> str:
 def method_rows(dataset: xr.Dataset) -> list[dict[str, Any]]:
     """Return a row for each method: the answer, those that meet the target by cost, the others.
 
-    ``pilots`` are errors [%] at falling cell sizes; the rest is of the cheapest run that meets it, or the
-    best.
+    ``pilots`` are errors [%] at falling cell sizes. The other columns are those of the cheapest run that
+    meets the target, or of the best.
     """
     found = [_row(method) for _, method in points_of(dataset, ("contact", "shape"))]
 
@@ -102,7 +102,7 @@ def _row(method: xr.Dataset) -> dict[str, Any]:
 
 
 def advice(dataset: xr.Dataset) -> list[str]:
-    """Return the answer, the reference and the cost, a sentence each."""
+    """Return the answer, the reference and the cost, one sentence each."""
     target, slack = f"{percent(dataset.attrs['target'])} %", float(dataset.attrs["uncertainty"])
     rows, took = method_rows(dataset), float(dataset["cpu_time"].sum())
     against = f"Error of {dataset.attrs['quantity']} against {dataset.attrs['error_against']}"

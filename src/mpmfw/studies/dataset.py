@@ -79,7 +79,7 @@ def _errors(judge: Judge, runs: GridRuns) -> dict[str, xr.DataArray]:
     if measure.kind == "number":
         shown |= {
             "value": (measure.meaning, measure.unit),
-            "expected": ("what it is judged by", measure.unit),
+            "expected": ("its reference value", measure.unit),
         }
     return {
         name: grid.array({i: getattr(one, name) for i, one in judged.items()}, meaning, unit)

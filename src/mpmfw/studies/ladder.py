@@ -27,7 +27,7 @@ BEST_ORDER = 3.0
 
 @dataclass(frozen=True)
 class Limit:
-    """A motion at cells of size zero, about which most laws agree."""
+    """Extrapolation to zero cell size, on which most laws agree."""
 
     motion: Measured  #: the extrapolation of one method
     uncertainty: float  #: relative: largest distance and half width of the laws that agree
@@ -116,9 +116,10 @@ class Ladder:
         self.errors = {i: error for i, error in self.errors.items() if np.isfinite(error)}
 
     def _agreed(self, found: dict[Index, Measured]) -> Limit | None:
-        """Return the extrapolation that more than half of all laws agree with best; two laws at least.
+        """Return the extrapolation on which more than half of all laws, two at least, agree best.
 
-        Two laws that converge slowly may meet by chance, far from the limit. Most laws do so less easily."""
+        Two laws that converge slowly may agree by chance, far from the limit. Most laws rarely do.
+        """
         needed = max(2, len({*self._laws.values()}) // 2 + 1)
         finest = {}
         for method in self.methods:
@@ -140,7 +141,8 @@ class Ladder:
     def _around(
         self, centre: Method, tend: dict[Method, Extrapolated], count: int, time: FloatArray
     ) -> Limit:
-        """Return one method's extrapolation, as uncertain as the ``count`` nearest laws are far from it."""
+        """Return one method's extrapolation; its uncertainty is the distance of the ``count`` nearest
+        laws."""
         middle = tend[centre][0]
         size = np.max(np.abs(middle))
         nearest: dict[str, tuple[float, str]] = {}
@@ -154,7 +156,7 @@ class Ladder:
         return Limit(Measured(middle, time), uncertainty if np.isfinite(uncertainty) else np.inf, labels)
 
     def meets(self, index: Index) -> bool:
-        """Return True if a run is below the target with its uncertainty."""
+        """Return True if a run's error plus its uncertainty is below the target."""
         return self._error(index) + self.slack <= self.target
 
     def answer(self) -> Index | None:

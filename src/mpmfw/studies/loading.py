@@ -123,7 +123,7 @@ def _checks(tables: StudyTables) -> Iterator[Problem]:
             yield Problem(("vary", key), message)
     for key in tables.set:
         if full_key(key) in taken:
-            message = f"vary {taken[full_key(key)]} takes its place; leave one of them out"
+            message = f"vary {taken[full_key(key)]} replaces it; leave one of them out"
             yield Problem(("set", key), message)
     for key, given in tables.vary.items():
         values = written_alike(key, given)

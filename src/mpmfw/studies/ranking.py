@@ -23,12 +23,12 @@ from mpmfw.studies.conclusion import rows
 LEVELS = (0.10, 0.05, 0.02, 0.01, 0.005)
 #: Quantities of a study, with what they mean; all are relative.
 QUANTITIES = {
-    "error": "error of what the study judges",
+    "error": "error of the study's quantity",
     "noise": "high-frequency share of the contact force",
     "penetration": "deepest penetration, in cells",
-    "energy": "error in time of strain and contact, of the energy put in",
+    "energy": "error of strain and contact energy, relative to the energy put in",
     "dissipation": "energy put in that is neither kinetic, strain, friction nor plastic work at the end",
-    "momentum": "change of the whole momentum, of what the bodies bring",
+    "momentum": "change of total momentum, relative to the bodies' initial momenta",
 }
 
 
@@ -42,11 +42,11 @@ def rank(
     levels: Sequence[float] = LEVELS,
     about: Mapping[str, str] | None = None,
 ) -> xr.Dataset:
-    """Rank methods of studies by the cost, at their best settings, of a quantity below a level.
+    """Rank methods by the cost, at their best settings, of bringing a quantity below a level.
 
-    A problem is a scene of a study. A method is a label without its options; these, shape function and cell
-    size are settings, of which the cheapest that reaches a level counts. For a quantity beside the error only
-    runs count whose error is below the first level.
+    A problem is a scene of a study. A method is a label without its options. Options, shape function and cell
+    size are settings; the cheapest settings that reach a level count. For quantities other than the error
+    only runs count whose error is below the first level.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""``mpmfw.study``: what accuracy costs in time."""
+"""``mpmfw.study``: error and cost of a grid of methods and resolutions."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def study(
         NetCDF file to write. Finished runs are kept in the folder ``<output>.runs``, from which an
         interrupted study continues.
     timing
-        ``exclusive`` measures costs one run at a time in this process, ``shared`` as runs come.
+        ``exclusive`` measures costs one run at a time in this process, ``shared`` while others run.
     under, about
         Replace the study's ``under``, such as 0.01 or ``"1 %"``, and its ``error.body``, ``pair`` and
         ``axis``.
@@ -142,7 +142,7 @@ def make_grid(study: Study) -> RunGrid:
     varied = dict(study.tables.vary)
     if study.tables.code:
         if "contact" not in varied:
-            raise study.at(("vary",), "has no contact, whose dimension has the codes as well")
+            raise study.at(("vary",), "has no contact; codes are labels of that dimension")
         varied["contact"] = [*varied["contact"], *codes_of(study.tables.code)]
     grid = make_points(scenes, varied, {})
     _check(study, grid, varied)

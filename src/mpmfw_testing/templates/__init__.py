@@ -36,7 +36,7 @@ def write_package(kind: str, name: str, folder: Path) -> Path:
     Raises
     ------
     SceneError
-        No such kind, no such name, a plug-in of the name is installed, or the folder is there already.
+        No such kind, no such name, a plug-in of the name is installed, or the folder exists.
     """
     if kind not in TEMPLATES:
         raise SceneError(f"no plug-in of the kind '{kind}' can be written; {did_you_mean(kind, TEMPLATES)}")
@@ -46,7 +46,7 @@ def write_package(kind: str, name: str, folder: Path) -> Path:
         raise SceneError(f"{name}: a {kind} of this name is installed already; expected another name")
     place = folder / f"mpmfw-{name.replace('_', '-')}"
     if place.exists():
-        raise SceneError(f"{place}: is there already; give another name, or another folder by --into")
+        raise SceneError(f"{place}: exists already; give another name, or another folder by --into")
     for source in map(_folder, TEMPLATES[kind][0]):
         for path in sorted(source.rglob("*")):
             if path.is_file() and path.suffix in (".py", ".toml", ".md", ".typed"):
