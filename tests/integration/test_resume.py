@@ -159,7 +159,7 @@ def test_a_signal_lets_the_step_end_and_leaves_a_checkpoint(path, whole, number)
     assert error.number == number
     tree = read(path)
     assert tree.attrs["status"] == "interrupted"
-    assert f"keeps the {tree['series'].sizes['time']} outputs that it reached; mpmfw resume" in str(error)
+    assert f"keeps the {tree['series'].sizes['time']} outputs; mpmfw resume" in str(error)
     with pytest.warns(
         ResultsWarning, match=r"is not complete: interrupted; .* mpmfw resume .*run.nc continues it"
     ):
@@ -268,7 +268,7 @@ def test_what_cannot_go_on_says_why(path):
     refused("run.nc: does not hold results")
     path.unlink()
     mpmfw.run(BLOCKS, output=path)
-    refused("run.nc: the run is finished; there is nothing to go on with")
+    refused("run.nc: the run is finished; there is nothing to continue")
     stopped(BLOCKS, path, 9)
     whole = file.read_bytes()
     file.unlink()
@@ -279,10 +279,10 @@ def test_what_cannot_go_on_says_why(path):
     refused("run.nc.checkpoint: is not a checkpoint of a run")
     stopped(with_changes(BLOCKS, contact__friction=0.1), path, 9)
     file.write_bytes(whole)
-    refused("cannot go on from the checkpoint beside it: the file has another scene")
+    refused("cannot continue from its checkpoint: the file has another scene")
     with netCDF4.Dataset(path, "a") as dataset:
         dataset.setncattr("kind", "study")
-    refused("run.nc: holds no run but results of kind 'study'; give the command that made it again")
+    refused("run.nc: holds not a run but results of kind 'study'; give the command that made it again")
     assert names_in(path.parent) == ["run.nc", "run.nc.checkpoint"]
 
 

@@ -189,7 +189,7 @@ def _kind_of(text: str, kind: str | None) -> Kind:
         names = [name for each in CHECKED for name in available(each)]
         raise SceneError(f"no plug-in '{plugin}' is installed; {did_you_mean(plugin, names)}")
     if len(found) > 1:
-        raise SceneError(f"'{plugin}' is a plug-in of several kinds ({', '.join(found)}); say --kind")
+        raise SceneError(f"'{plugin}' is a plug-in of several kinds ({', '.join(found)}); name it by --kind")
     return found[0]
 
 

@@ -1,4 +1,4 @@
-"""Tables and pages made from a comparison alone."""
+"""Tables and pages of results."""
 
 from mpmfw.report.page import write_report
 from mpmfw.report.table import CHOICES, COLUMNS, Column, method_dims, shown, table

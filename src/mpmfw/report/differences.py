@@ -22,25 +22,25 @@ class Difference:
 
     quantity: str  #: with its body or pair
     unit: str
-    values: FloatArray  #: (contact, shape); NaN of a run that did not end
-    scale: float  #: that a difference is measured against, in the same unit
+    values: FloatArray  #: (contact, shape); NaN for a run that did not end
+    scale: float  #: reference size of a difference, in the same unit
     against: str  #: name of the scale
 
     @property
     def spread(self) -> float:
-        """Largest less least value, over the scale."""
+        """Largest minus smallest value, over the scale."""
         known = self.values[np.isfinite(self.values)]
         return float(np.ptp(known) / self.scale) if len(known) > 1 and self.scale > 0.0 else 0.0
 
 
 def differences(dataset: xr.Dataset) -> list[Difference]:
-    """Return quantities by how far methods differ in them, at last values."""
+    """Return final quantities, those in which methods differ most first."""
     last = at_last(without_round_off(dataset))
     return sorted(_quantities(last), key=lambda one: -one.spread)
 
 
 def _unit(whole: str, array: xr.DataArray) -> str:
-    """Return a unit, per metre where the ``array`` is."""
+    """Return the unit, per metre if that of the ``array`` is."""
     return f"{whole}/m" if array.attrs.get("units", "").endswith(" m-1") else whole
 
 
@@ -71,7 +71,8 @@ def _quantities(runs: xr.Dataset) -> Iterator[Difference]:
 def _each(
     what: str, unit: str, scale: xr.DataArray | float, end: xr.DataArray, against: str
 ) -> Iterator[Difference]:
-    """Yield a quantity at the end of the runs, over a number or the largest of the values ``scale``."""
+    """Yield a quantity at the end of the runs, with a number or the largest of the values ``scale`` as its
+    scale."""
     size = scale if isinstance(scale, float) else _largest(scale)
     dims = [dim for dim in end.dims if dim not in ("contact", "shape")]
     for labels, one in points_of(end.to_dataset(name="end"), dims):

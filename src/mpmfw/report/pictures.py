@@ -33,7 +33,7 @@ _WITHIN = 0.98
 def slides(results: xr.DataTree | xr.Dataset) -> dict[str, Any]:
     """Return ``slides``, pictures of a field over time as PNG in base64, and ``slides_say``, their caption.
 
-    With plotly, runs in 3D are ``turned`` instead. Without pictures, the caption says why.
+    With plotly, runs in 3D are ``turned`` instead. If there are no pictures, the caption gives the reason.
     """
     try:
         with labelled(results) as trees:
@@ -48,7 +48,7 @@ def slides(results: xr.DataTree | xr.Dataset) -> dict[str, Any]:
     except SceneError as error:  # no points are kept, or no pyvista is there for a run in space
         why = str(error).removeprefix(f"{results.encoding.get('source')}: ")
         return {"slides_say": f"There are no pictures of the stress: {why}."}
-    text = "Von Mises stress, with the value that 98 % of the points do not exceed as the end of the colours."
+    text = "Von Mises stress; the colour scale ends at the value that 98 % of the points do not exceed."
     if len(chosen) > 1:
         all_shown = len(chosen) == len(times)
         count = "all outputs" if all_shown else f"{len(chosen)} of {len(times)} outputs, the last among them"
@@ -75,7 +75,8 @@ def _pictures(
 
 
 def _limits(trees: Mapping[str, xr.DataTree], times: FloatArray) -> tuple[float, float] | None:
-    """Return ends of the colours that a few large values do not stretch; None if all values are equal."""
+    """Return ends of the colour scale that a few large values do not stretch; None if all values are
+    equal."""
     values = [
         point_field(frame_of(tree, f"particles/{body}", frame), _FIELD).values
         for tree in trees.values()
@@ -92,7 +93,7 @@ def field_differences(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
     with contextlib.suppress(SceneError):
         caption = (
             f"Difference of the von Mises stress from that with {first}, at the last output. "
-            "Each point is drawn where the run named before “less” has it."
+            "Points are at their positions in the run named before “less”."
         )
         return {"difference": (field(dataset, _FIELD, against=first), caption)}
     return {}

@@ -96,9 +96,10 @@ class Record(BaseModel):
 
 
 def records_of(dataset: xr.Dataset) -> list[Record]:
-    """Return a record of each row of a comparison that has figures, that failed, or that a code refused.
+    """Return a record of each row of a comparison that has figures, failed, or was refused by a code.
 
-    A code's shape is its own: of rows that differ in what it does not read, the first counts."""
+    A code ignores shape functions; of rows that differ in these alone, the first counts.
+    """
     found: dict[str, Record] = {}
     attributes = dataset.attrs
     codes = json.loads(attributes.get("codes", "{}"))
@@ -171,7 +172,8 @@ def read_records(folder: Path) -> list[Record]:
 
 
 def ranked(records: Sequence[Record]) -> dict[str, list[dict[str, Any]]]:
-    """Return rows by problem: ok first, then by the largest error, infinite if it lacks one, then by cost."""
+    """Return rows by problem: ok first, then by the largest error (infinite if one is missing), then by
+    cost."""
     problems: dict[str, list[Record]] = {}
     for record in sorted(records, key=lambda record: record.scene):
         problems.setdefault(record.problem, []).append(record)
@@ -225,8 +227,8 @@ def _cleaned(value: Any) -> Any:
 
 
 def _problem(scene: Scene, materials: Mapping[str, Any]) -> str:
-    """Return a hash of the scene's meaning without methods, names and what is off, so that keys of later
-    versions do not change it; materials of code count as written."""
+    """Return a hash of the scene's meaning, without methods, names and inactive keys, so that new keys of
+    later versions do not change it. Materials by code count as written."""
     tables, meshes = meaning_of(scene, {}).values()
     for name, body in tables["bodies"].items():
         own = {"material": tables["materials"].get(body["material"])}

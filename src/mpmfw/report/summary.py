@@ -24,9 +24,7 @@ def of_comparison(
     """
     failed = [row for row in rows if not is_complete(row["status"])]
     count = f"{len(rows)} runs" if len(rows) > 1 else "One run"
-    sentences = [
-        f"{count}: {len(failed)} of them did not reach the end." if failed else f"{count} to the end."
-    ]
+    sentences = [f"{count}; {len(failed)} did not reach the end." if failed else f"{count}, all complete."]
     if found and found[0].spread > ROUND_OFF:
         first = found[0]
         values = first.values.ravel()
@@ -37,7 +35,7 @@ def of_comparison(
             f"of the {first.against}."
         )
     elif len(rows) > 1:
-        sentences.append("The methods do not differ: all differences are 0 within round-off.")
+        sentences.append("The methods do not differ: all differences are within round-off.")
     names = [name for name in rows[0] if name.endswith("_error")]
     for name in names[:3]:
         known = [row for row in rows if np.isfinite(row.get(name, np.nan))]
@@ -66,7 +64,7 @@ def of_run(series: xr.Dataset, attributes: Mapping[Any, Any]) -> list[str]:
         pair, most = force.max("time").idxmax("pair").item(), float(force.max())
         time = float(force.sel(pair=pair).idxmax("time"))
         text = f"The largest contact force is {most:.3g} {unit}, of {pair} at {time:.3g} s."
-        sentences.append(text if most > 0.0 else "No two bodies pushed each other.")
+        sentences.append(text if most > 0.0 else "There was no contact force.")
     return sentences
 
 

@@ -25,8 +25,8 @@ class Column:
     heading: str  #: on a page
     short: str  #: on a terminal
     unit: str  #: ``1`` for a plain number
-    meaning: str  #: in which {body} and {distance} are those of a rolling reference
-    signed: bool = False  #: whether it is shown with its sign
+    meaning: str  #: {body} and {distance} are those of a rolling reference
+    signed: bool = False  #: shown with its sign
 
 
 COLUMNS: dict[str, Column] = {
@@ -34,45 +34,53 @@ COLUMNS: dict[str, Column] = {
         "Displacement error",
         "disp.",
         "%",
-        "along the plane, when the closed form has moved by {distance:g} m",
+        "along the plane, at the time when the closed form has moved by {distance:g} m",
         True,
     ),
     "acceleration_error": Column(
-        "Acceleration error", "accel.", "%", "fit of a parabola over the last 80 % of that time", True
+        "Acceleration error", "accel.", "%", "parabola fitted over the last 80 % of that time", True
     ),
     "spin_error": Column(
         "Spin error", "spin", "%", "Σ m r × v / Σ m r² at that time, against that of a rigid {body}", True
     ),
     "impulse_error": Column(
-        "Impulse error", "impulse", "%", "total impulse on the second body, once the bodies have parted", True
+        "Impulse error", "impulse", "%", "total impulse on the second body after separation", True
     ),
     "impulse_curve_error": Column(
-        "Impulse curve error", "curve", "%", "largest difference of the impulse over time, of the total"
+        "Impulse curve error", "curve", "%", "largest difference over time, relative to the total impulse"
     ),
     "energy_curve_error": Column(
-        "Kinetic energy error", "energy", "%", "largest difference over time, of the energy at the start"
+        "Kinetic energy error", "energy", "%", "largest difference over time, relative to the initial energy"
     ),
     "energy_least": Column(
-        "Energy kept, least", "E min", "1", "with the work of friction and damping, of that at the start"
+        "Energy kept, least",
+        "E min",
+        "1",
+        "minimum of energy plus friction and damping, over the initial energy",
     ),
-    "energy_most": Column("Energy kept, most", "E max", "1", "the same: above 1 energy was gained"),
+    "energy_most": Column(
+        "Energy kept, most", "E max", "1", "maximum of the same; above 1 the run gained energy"
+    ),
     "force_error_100us": Column(
         "Force, 100 µs", "L2 100", "1", "relative L2 difference of the contact force averaged over 100 µs"
     ),
     "force_error_200us": Column("Force, 200 µs", "L2 200", "1", "the same, averaged over 200 µs"),
     "force_noise": Column(
-        "Force noise", "noise", "%", "rms of the largest force about its mean over 20 outputs, of that mean"
+        "Force noise",
+        "noise",
+        "%",
+        "rms deviation of the largest force from its mean over 20 outputs, over that mean",
     ),
     "dissipation": Column(
-        "Dissipation", "lost", "%", "energy put in that no account has, mostly lost by the transfer", True
+        "Dissipation", "lost", "%", "energy put in that is lost, mostly by the transfer", True
     ),
     "first_contact": Column("First contact", "first", "ms", "start of the first output with a contact force"),
     "separation": Column("Separation", "last", "ms", "end of the last output with a contact force"),
     "gap": Column(
         "End gap / h", "gap", "h", "between any two outlines at the end; negative where they overlap", True
     ),
-    "penetration": Column("Mean penetration / h", "pen.", "h", "of the deepest pair, mean over the outputs"),
-    "largest_penetration": Column("Largest penetration / h", "pen.max", "h", "the same, largest"),
+    "penetration": Column("Mean penetration / h", "pen.", "h", "mean over the outputs, of the deepest pair"),
+    "largest_penetration": Column("Largest penetration / h", "pen.max", "h", "maximum of the same"),
     "cpu_time": Column("CPU time", "CPU", "s", "of the steps, without compilation, settling and output"),
     "cost": Column("CPU per point and step", "ns", "ns", "CPU time over material points and steps"),
     "steps": Column("Steps", "steps", "1", "time steps from time zero to the end"),

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 def lay_out(scene: Scene) -> tuple[Layout, ...]:
-    """Discretise the bodies; those that differ by their centres alone once."""
+    """Discretise the bodies; bodies that differ by their centres alone share one layout."""
     asked = [_alike(body, scene) for body in scene.bodies.values()]
     made, times, about_the_origin = [], Counter(asked), functools.cache(discretise)
     for (name, body), alike in zip(scene.bodies.items(), asked, strict=True):
@@ -50,7 +50,7 @@ def _alike(body: Any, scene: Scene) -> tuple[Any, Any, float]:
 
 
 def _placed(body: Any, scene: Scene) -> Any:
-    """Return the geometry; of a half-space, that which covers the grid throughout the run."""
+    """Return the geometry; a half-space is cut so that it covers the grid throughout the run."""
     geometry, grid = body.geometry, scene.grid
     if not isinstance(geometry, HalfSpace):
         return geometry
@@ -125,7 +125,8 @@ def check_bodies(scene: Scene, layouts: tuple[Layout, ...], bodies: tuple[Body, 
 def _check_overlap(bodies: tuple[Body, ...]) -> None:
     """Refuse bodies whose surfaces overlap by more than rounding, 1e-6 of the smaller one.
 
-    In space that is measured by the depth of nodes inside the other body."""
+    In space the overlap is the depth of nodes inside the other body.
+    """
     if len(bodies) < 2 or any(not body.outlines for body in bodies):
         return
     lower, upper = (np.array([getattr(body, end) for body in bodies]) for end in ("lower", "upper"))
@@ -150,7 +151,7 @@ def _check_overlap(bodies: tuple[Body, ...]) -> None:
     for pair in np.flatnonzero(common > 1e-6 * np.minimum(size[first], size[second]))[:1]:
         raise SceneError(
             f"overlaps body '{bodies[second[pair]].name}' by {common[pair]:.3g} {unit}{at} at the start; "
-            "move them apart, or say allow_overlap = true",
+            "move them apart, or set allow_overlap = true",
             key=f"bodies.{bodies[first[pair]].name}",
         )
 
@@ -190,9 +191,10 @@ def make_particles(
 
 
 def initial_velocity(scene: Scene, state: State, interpolate: Callable[[], Stencil]) -> None:
-    """Set v = v_0 + ω × (x − c), and the affine field that goes with it, on every body.
+    """Set v = v_0 + ω × (x − c) and the affine field of this motion on every body.
 
-    A stored moment is B = W D with D = Σ φ q qᵀ, of the table φ that ``interpolate`` makes."""
+    A stored moment is B = W D, with D = Σ φ q qᵀ from the table φ of ``interpolate``.
+    """
     p = state.particles
     spread = _spread(state, interpolate()) if p.moment is not None else None
     for body in state.soft_bodies:

@@ -40,9 +40,10 @@ BASES: dict[Kind, type[Any]] = {
 def build(
     scene: Any, contact: Any = None, shape: Any = None, loads: Mapping[str, Load] | None = None
 ) -> Setup:
-    """Discretise the bodies, make the plug-ins that the scene names, and decide the effects.
+    """Discretise the bodies, create the plug-ins that the scene names, and decide the effects.
 
-    Names and objects replace the scene's methods, and ``loads`` come on top."""
+    Names and objects replace the scene's methods; ``loads`` are added to the scene's.
+    """
     contact, shape = _strategy("contact", contact), _strategy("shape", shape)
     chosen = chosen_methods(contact, shape)
     if isinstance(scene, Scene):  # methods that it has already need no second reading
@@ -90,9 +91,10 @@ def _by_pair(scene: Scene, contact: ContactStrategy) -> ContactStrategy:
 
 
 def build_some(whole: Setup, which: Sequence[int]) -> Setup:
-    """Build some of the bodies as they were at the start; methods are made anew of the same options.
+    """Build some of the bodies in their initial state; methods are new objects with the same options.
 
-    All bodies together decide the largest wave speed, friction, and whether surfaces are tracked."""
+    The largest wave speed, friction, and whether surfaces are tracked are those of all bodies.
+    """
 
     def again(plugin: Any) -> Any:
         return None if plugin is None else type(plugin).from_options(plugin.options)
@@ -133,7 +135,7 @@ def _put_together(
     loads: Mapping[str, Load],
     whole: Setup | None = None,
 ) -> Setup:
-    """Join methods to bodies; ``whole`` has all bodies if these are some."""
+    """Join methods to bodies; ``whole`` has all bodies if these are only some."""
     per_body = whole is not None or (contact is not None and contact.velocity_fields == "per_body")
     bodies = make_bodies(scene, layouts, materials, per_body=per_body)
     scheme, name = scene.stepping.chosen(shape)
@@ -181,9 +183,10 @@ def _put_together(
 
 
 def _highest_frequency(scene: Scene, body: Body, courant: float) -> float:
-    """Return 2 c / h of a body, √(h w) instead of h in a thin one, raised by the material's damping [1/s].
+    """Return 2 c / h of a body, with √(h w) instead of h in a thin one, raised by the material's damping
+    [1/s].
 
-    The shape function is stable up to the share ``courant`` of 2 / ω: its waves are that much faster.
+    Its product with the step is at most 2 ``courant``, the stable fraction of the shape function.
     """
     frequency = 2.0 * body.wave_speed / stable_length(scene.grid.cell_size, body.width)
     if (damping := scene.materials[scene.bodies[body.name].material].damping) is None:
@@ -214,7 +217,7 @@ def _named(
 
 
 def _add_interfaces(setup: Setup) -> None:
-    """Add the friction law and all pairs of bodies, or those that are named if others can come later."""
+    """Add the friction law and all pairs of bodies, or only the named pairs if others can be added later."""
     given, contact, state = setup.scene.contact, setup.contact, setup.state
     if given is not None and given.friction_law is not None and contact and contact.takes_friction_law:
         setup.friction_law = _plugin("friction", given.friction_law, given.friction_options)
@@ -250,7 +253,7 @@ def _plugin(kind: Any, name: Any, options: Any) -> Any:
 
 
 def _strategy(kind: Kind, given: Any) -> Any:
-    """Return None, a name, or a strategy object, which a class is made into."""
+    """Return None, a name or a strategy object; a class is instantiated."""
     if given is None or isinstance(given, str):
         return given
     if not isinstance(given, (type, BASES[kind])):

@@ -1,4 +1,4 @@
-"""Frames of output: what the fields' declarations and the plug-ins' diagnostics say, sorted by group."""
+"""Frames of output: declared fields and diagnostics of plug-ins, sorted by group."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Recorder:
         self._constant = self._sums()
 
     def header(self, attributes: Mapping[str, Any]) -> RunHeader:
-        """Return what is known before the first step."""
+        """Return the data of the run before the first step."""
         state, surface, counts, connectivity = self.state, self.state.surface, {}, {}
         if surface is not None and any(group == "surface" for group, _ in self.fields):
             for body in state.bodies:
@@ -67,7 +67,7 @@ class Recorder:
         )
 
     def frame(self, interval: float, *, points: bool = True) -> Frame:
-        """Return the arrays of now, ``interval`` [s] after the last output."""
+        """Return the present arrays, ``interval`` [s] after the last output."""
         state = self.state
         update_pairs(state, self.hook)
         check_state_finite(state)

@@ -26,10 +26,11 @@ _LIBRARIES = ("numpy", "numba", "scipy", "shapely")
 
 
 def key_of(scene: Scene, contact: Any = None, shape: Any = None, what: str = "") -> str:
-    """Return a name for the run of a scene: the same for the same meaning, code and libraries.
+    """Return a key of a scene's run, equal for the same meaning, code and libraries.
 
-    A strategy object that cannot be known again in another process gives a new key each time. ``what`` is
-    done with the scene, where it is not simply run."""
+    A strategy object that another process cannot identify gives a new key each time. ``what`` is what is done
+    with the scene, other than to run it.
+    """
     objects = {
         kind: _of_object(one) for kind, one in (("contact", contact), ("shape", shape)) if one is not None
     }
@@ -55,7 +56,7 @@ def code_of(scene: Scene, contact: Any = None, shape: Any = None) -> dict[str, s
 
 
 def code_of_plugins() -> dict[str, str]:
-    """The same as :func:`code_of` of all plug-ins that are installed."""
+    """Return :func:`code_of` for all installed plug-ins."""
     packages = {_home(kind, name) for kind in KINDS for name in available(kind)}
     return {name: current(name) for name in sorted({"mpmfw", *packages, *_LIBRARIES})}
 

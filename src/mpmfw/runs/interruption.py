@@ -28,7 +28,7 @@ class Interruption:
 
 @contextmanager
 def interruptible() -> Iterator[Interruption]:
-    """Context in which both signals are taken; in the main thread alone."""
+    """Context that handles both signals; in the main thread alone."""
     taking, before = Interruption(), {}
     if threading.current_thread() is threading.main_thread():
         for number in _SIGNALS:
@@ -44,7 +44,7 @@ def interruptible() -> Iterator[Interruption]:
 
 @contextmanager
 def unbroken() -> Iterator[None]:
-    """Context that no signal breaks off: the first is handled at its end."""
+    """Context that signals do not interrupt; the first is handled at its end."""
     before, received = {}, list[tuple[int, FrameType | None]]()
     if threading.current_thread() is threading.main_thread():
         for number in _SIGNALS:

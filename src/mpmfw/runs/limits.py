@@ -202,7 +202,7 @@ def check_length(simulation: Simulation) -> None:
 
 
 def remarks_on_threads(threads: int) -> list[str]:
-    """Return a remark on more threads than cores."""
+    """Return a warning about more threads than cores."""
     text = (
         f"threads: {threads} are more than the {cores()} cores that this process may use; they wait for each "
         "other, and the run takes longer than with fewer"
@@ -217,7 +217,7 @@ def cores() -> int:
 
 
 def remarks_on_results(scene: Scene, header: RunHeader) -> list[str]:
-    """Return a remark on a file with this header that will be large."""
+    """Return a warning about results that will be large."""
     frames, each, size = results_size(scene, header)
     text = (
         f"the results take up to {shown_bytes(size)}: {frames:g} frames of {shown_bytes(each)}; a longer "

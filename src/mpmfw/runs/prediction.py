@@ -1,6 +1,7 @@
-"""The cost of a run, from a trial of its first steps; contacts that come later are not in it.
+"""The cost of a run, predicted from a trial of its first steps, without contacts that come later.
 
-Plastic flow has a trial by itself, since the first steps are elastic."""
+Plastic flow has a separate trial, since the first steps are elastic.
+"""
 
 from __future__ import annotations
 
@@ -53,7 +54,7 @@ class Prediction:
 
 
 def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
-    """Predict the cost of a simulation beside ``arrays`` [bytes]; it is used up."""
+    """Predict the cost of a simulation, which cannot be used afterwards; ``arrays`` [bytes] are its own."""
     before, clock, settle = clocks.process_time(), simulation.clock, simulation.scene.settle
     history = _history_of_flow(simulation)
     with ExitStack() as stack:
@@ -105,10 +106,11 @@ def _history_of_flow(simulation: Simulation) -> dict[str, FloatArray] | None:
 
 
 def _time_of_flow(simulation: Simulation, history: Mapping[str, FloatArray]) -> float:
-    """Return the CPU time that stresses take more in a step in which all points flow [s].
+    """Return the extra CPU time of stresses in a step in which all points flow [s].
 
-    Points begin without strain and with the ``history`` of a start, so that none flows; then they are sheared
-    at constant volume, time and again. The simulation is used up."""
+    Points begin without strain and with the initial ``history``, so that none flows; then they are sheared at
+    constant volume, repeatedly. The simulation cannot be used afterwards.
+    """
     points, dt = simulation.state.particles.in_space, simulation.state.dt
     points.deformation_gradient[...] = np.eye(points.deformation_gradient.shape[-1])
     for key, array in history.items():
@@ -148,8 +150,9 @@ def driven_speed(simulation: Simulation) -> FloatArray:
 def share_of_springs(simulation: Simulation, axis: int | None) -> float:
     """Estimate the part of a displacement that contact springs take, in series with the bodies.
 
-    Under a unit of pressure springs give by h / (κ M), and a body by its length over M. A pair counts if its
-    boxes are less than a cell apart and, with an ``axis``, follow each other along it."""
+    Under a unit pressure, springs yield by h / (κ M) and a body by its length over M. A pair counts if its
+    boxes are less than a cell apart and, with an ``axis``, follow each other along it.
+    """
     state, h = simulation.state, simulation.scene.grid.cell_size
     contact: Any = simulation.contact
     springs = contact.compliance() if hasattr(contact, "compliance") else None

@@ -179,10 +179,10 @@ def read_checkpoint(path: str) -> tuple[dict[str, AnyArray], Facts]:
             check_results(path)
             raise OSError(str(error)) from error
     if there["kind"] != "run":
-        text = f"{path}: holds no run but results of kind '{there['kind']}'"
+        text = f"{path}: holds not a run but results of kind '{there['kind']}'"
         raise SceneError(f"{text}; give the command that made it again")
     if is_complete(there["status"]):
-        raise SceneError(f"{path}: the run is finished; there is nothing to go on with")
+        raise SceneError(f"{path}: the run is finished; there is nothing to continue")
     if not os.path.isfile(file):
         raise SceneError(
             f"{path}: there is no checkpoint beside it ({os.path.basename(file)}); a run writes one every "
@@ -196,7 +196,7 @@ def read_checkpoint(path: str) -> tuple[dict[str, AnyArray], Facts]:
         raise SceneError(f"{file}: is not a checkpoint of a run; run it again")
     if other := [name for name in _SAME if there.get(name, facts.same[name]) != facts.same[name]]:
         raise SceneError(
-            f"{path}: cannot go on from the checkpoint beside it: the file has another {' and '.join(other)}"
+            f"{path}: cannot continue from its checkpoint: the file has another {' and '.join(other)}"
         )
     return saved, facts
 
@@ -219,8 +219,8 @@ def check_same(
     ]
     if changed and not force:
         raise SceneError(
-            f"another version would go on than began: {', '.join(changed)}; --force (force=True) "
-            "goes on all the same, to other numbers"
+            f"the run began with other code: {', '.join(changed)}; --force (force=True) continues "
+            "anyway, and results may differ"
         )
 
 

@@ -55,11 +55,11 @@ def run(
         NetCDF file to write, frame by frame; an existing file is replaced only if it is that of a run. None
         keeps the results in memory.
     progress
-        Called now and then with the simulated time [s] and the number of steps.
+        Called repeatedly with the simulated time [s] and the number of steps.
     set
-        Values by dotted key, set over the scene's own.
+        Values by dotted key, which override the scene's.
     force
-        Begin a run that has more steps or frames than the limits in ``mpmfw.runs.limits``.
+        Start a run that exceeds the limits of steps or frames in ``mpmfw.runs.limits``.
     checkpoint
         Wall time, [s] or as ``"10 min"``, between two files ``OUTPUT.checkpoint``, from which
         :func:`mpmfw.resume` continues; ten minutes by default, ``math.inf`` for none.
@@ -75,7 +75,7 @@ def run(
     SceneError
         The request was wrong.
     SimulationError
-        The run failed; what it reached is in the file, and in the error's attribute ``results``.
+        The run failed; the file and the error's attribute ``results`` have the outputs before.
     Interrupted
         Ctrl-C or SIGTERM; the file has the outputs before, and a checkpoint beside it.
     """
@@ -153,13 +153,13 @@ def resume(
     results
         The run's file; the outputs after the checkpoint are written again.
     contact, shape
-        The strategy objects that the run was given, as they were then.
+        The strategy objects of the first call, unchanged.
     force
         Continue with another version of the code, a library or the interpreter, or on another processor.
     trust
         Whether the run may name ``module:Class``, whose code is imported.
     progress, checkpoint, threads
-        As of :func:`mpmfw.run`; the time between two checkpoints is as before by default.
+        As in :func:`mpmfw.run`; by default checkpoints are as frequent as before.
 
     Returns
     -------
@@ -205,7 +205,7 @@ def resumed(
             text = f"{checkpoint_path(path)}: does not fit what is built from its scene: {error}"
             raise SceneError(text) from error
         except (MpmfwError, OSError) as error:
-            raise SceneError(f"{path}: cannot go on from the checkpoint beside it: {error}") from error
+            raise SceneError(f"{path}: cannot continue from its checkpoint: {error}") from error
         every = facts.every if every is None else every
         yield Checkpoints(simulation, writer, signals, every, _objects(contact, shape), facts.times)
 
@@ -259,7 +259,7 @@ def _how_to_go_on(checkpoints: Checkpoints) -> str:
         how = f"{objects if checkpoints.objects else f'mpmfw resume {writer.path}'} continues it"
     elif writer.path is None or not writer.frames:
         return f"{text}: nothing is kept; run it again"
-    return f"{text}: {writer.path} keeps the {writer.frames} outputs that it reached; {how}"
+    return f"{text}: {writer.path} keeps {writer.frames} outputs; {how}"
 
 
 def _end(simulation: Simulation, status: str) -> dict[str, Any]:

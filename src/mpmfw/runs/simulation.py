@@ -75,7 +75,7 @@ class Simulation:
 
     @classmethod
     def of(cls, setup: Setup, clock: Clock, threads: int) -> Simulation:
-        """Return the simulation of what is built; its time goes to ``clock``."""
+        """Return the simulation of a setup; its time goes to ``clock``."""
         simulation = cls.__new__(cls)
         simulation._assemble(setup, clock, threads)
         return simulation
@@ -154,7 +154,7 @@ class Simulation:
         return self._time_step.limits(self.hook)
 
     def stable_step(self) -> float:
-        """Length of a step [s], with the contacts that were detected last."""
+        """Length of a step [s], with the contacts of the last detection."""
         running = self if self._sleep is None else self._sleep.running
         return running._time_step.next(running.hook)
 
@@ -189,7 +189,7 @@ class Simulation:
 
     @contextlib.contextmanager
     def extra_plugin(self, plugin: Any) -> Iterator[None]:
-        """Register a plug-in for a while, such as the damping of settling."""
+        """Context in which a plug-in is registered, such as the damping of settling."""
         self.manager.register(plugin, name=plugin.name)
         self._bind_hooks()
         try:
@@ -227,7 +227,7 @@ class Simulation:
         return self._settling
 
     def advance(self, steps: int, write: Callable[[Frame], None] | None = None) -> None:
-        """Take stable steps; ``write`` gets a frame at first and after every step."""
+        """Take stable steps; ``write`` gets a frame at the start and after every step."""
         with self.clock.watching_compilation():
             self.start()
         if write is not None:
@@ -274,7 +274,7 @@ class Simulation:
                     self._last_output = state.time
 
     def frame(self) -> Frame:
-        """Return the arrays of this moment, as an output would have them."""
+        """Return the present arrays, as an output would have them."""
         return self._recorder.frame(0.0)
 
     def _output(self, write: Callable[[Frame], None] | None, interval: float, *, points: bool = True) -> None:
@@ -295,15 +295,17 @@ class Simulation:
     # -- how it is kept
 
     def snapshot(self) -> dict[str, AnyArray]:
-        """Return all values that the rest of the run depends on."""
+        """Return all values that determine the rest of the run."""
         self._gather()
         self.clock.flush()
         return take(self._parts())
 
     def restore(self, saved: Mapping[str, AnyArray]) -> None:
-        """Take the values of a simulation of the same scene and methods, and continue it to the bit.
+        """Restore values of a simulation of the same scene and methods; the run then continues with the same
+        bits.
 
-        Raise NotSaved if scene or methods differ, or if the values are not those of a simulation."""
+        Raise NotSaved if scene or methods differ, or if the values are not those of a simulation.
+        """
         state = self.state
         if "simulation/_settling" not in saved and self.scene.settle is not None:
             self.begin_settling()
@@ -317,7 +319,7 @@ class Simulation:
         put(saved, self._parts())
 
     def restored(self) -> None:
-        """Raise NotSaved for values with which the run would not come to its end."""
+        """Raise NotSaved for values with which the run would never end."""
         state, most = self.state, outputs_of(self.scene) + 1
         if not (
             0.0 <= state.time <= self.scene.time.end and state.dt >= 0.0 and 0 <= self._next_output <= most
@@ -329,7 +331,7 @@ class Simulation:
             raise NotSaved(str(error)) from error
 
     def _parts(self) -> dict[str, Any]:
-        """Return everything that has values, by its name in messages."""
+        """Return every object that has values, by its name in messages."""
         damping = None if self._settling is None else self._settling.damping  # registered while it steps
         plugins = dict(self.manager.list_name_plugin())
         kept = {f"plug-in '{name}'": each for name, each in plugins.items() if each is not damping}

@@ -1,7 +1,8 @@
-"""Sleep of bodies at rest: the active simulation, which has the other bodies, takes the steps.
+"""Sleep of bodies at rest: the active simulation, of the other bodies, takes the steps.
 
-Bodies whose windows of the grid share a node sleep and wake together, so that inactive bodies act on none of
-the others. An inactive body keeps its velocity and its springs."""
+Bodies whose windows of the grid share a node sleep and wake together, so that inactive bodies do not act on
+active ones. An inactive body keeps its velocity and its springs.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +40,7 @@ IMPULSES = ("impulse", "friction_impulse")
 
 
 def from_setup(setup: Setup) -> Acts:
-    """Return when bodies fall asleep; refuse what needs all bodies."""
+    """Return the conditions of sleep; refuse plug-ins that need all bodies."""
     settings, contact, output = setup.scene.sleep, setup.contact, setup.scene.output
     assert settings is not None
     measured = [key for key in ("ledger", "stability", "contact_moment") if getattr(output, key)]
@@ -114,7 +115,7 @@ class Sleep:
         return dt
 
     def _look(self, time: float) -> None:
-        """Put bodies to sleep that rest and are near none that does not."""
+        """Deactivate bodies that rest, unless one near them moves."""
         running, awake = self.running, np.flatnonzero(~self.inactive)
         state = running.state
         v = state.particles.velocity
