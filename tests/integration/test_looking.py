@@ -125,7 +125,7 @@ def test_a_few_large_values_do_not_stretch_the_colours(several):
 def test_the_difference_is_that_from_the_first_contact(several):
     figure, caption = pictures.field_differences(several)["difference"]
     assert "from that with penalty" in caption
-    assert "Each point is drawn where the run named before “less” has it." in caption
+    assert "Points are at their positions in the run named before “less”." in caption
     titles = [axes.get_title(loc="left").replace("\n", " ") for axes in figure.axes]
     titles = [title.split(", t =")[0] for title in titles if title]
     assert titles == [f"none, linear, {friction} less penalty" for friction in (0.0, 0.1, 0.2, 0.3)]
