@@ -1,4 +1,4 @@
-"""The conformance kit: whether a plug-in keeps what its kind must keep.
+"""The conformance kit: tests if a plug-in has the properties of its kind.
 
 From pytest (needs the extra ``mpmfw[testing]``)::
 

@@ -1,4 +1,4 @@
-"""Points, plug-ins and small scenes that are set up by hand."""
+"""Material points, plug-ins and small scenes for checks."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ STEP = 1e-5
 
 @dataclass
 class Opened:
-    """A session whose results are the same in every round."""
+    """A session with constant results."""
 
     results: Callable[[Any], Iterable[tuple[str, AnyArray]]]
     made: Any  #: object of the plug-in

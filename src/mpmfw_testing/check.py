@@ -20,7 +20,7 @@ Status: TypeAlias = Literal["passed", "failed", "expected failure", "not applica
 
 @dataclass(frozen=True)
 class LastCase:
-    """The case that the kit ran last: its scene, the number of steps, and a function that draws it."""
+    """The case that the kit ran last: its scene, number of steps, and a function that draws it."""
 
     scene: Mapping[str, Any] | None = None
     steps: int = 0
@@ -35,7 +35,7 @@ def remember(
     steps: int = 0,
     draw: Callable[[Any, Mapping[str, object]], None] | None = None,
 ) -> None:
-    """Name the case that the kit runs now; a violation keeps it. Without arguments none was run."""
+    """Set the present case, which a violation keeps; without arguments there is none."""
     _last.set(LastCase(scene, steps, draw))
 
 
@@ -82,7 +82,7 @@ class Violation(AssertionError):
 
     @property
     def numbers(self) -> list[str]:
-        """Lines with what was measured, if it was, and the counterexample's numbers."""
+        """Lines with the measured value, if any, and the numbers of the counterexample."""
         lines = [f"{name} = {shown(value)}" for name, value in self.counterexample.items()]
         if self.measured is not None and self.bound is not None:
             lines.insert(0, f"measured {shown(self.measured)}, bound {shown(self.bound)}")
@@ -102,7 +102,7 @@ class Check:
 
     ``run`` takes the :class:`~mpmfw_testing.subject.Subject` and returns if the property holds: None, or a
     note ("refuses: linear"). It raises :class:`Violation` if it does not hold, :class:`Inapplicable` if it
-    cannot be asked. Its docstring states the bound and the reason for it.
+    does not apply. Its docstring states the bound and the reason for it.
     """
 
     name: str  #: short, in lower case with hyphens: ``partition-of-unity``
@@ -144,7 +144,7 @@ class Outcome:
 
     @property
     def report(self) -> str:
-        """Which property is broken, by what, in which smallest case, and where its picture is."""
+        """The broken property, the smallest case that breaks it, and the place of its picture."""
         if self.same_as:
             return f"{self.check}: {self.status}, as {self.same_as}"
         lines = [f"{self.check}: {self.status}", f"  what must hold: {self.statement}"]

@@ -37,14 +37,14 @@ class Session(Protocol):
         """Work for a while, and yield the results by name."""
 
     def save(self) -> dict[str, AnyArray]:
-        """Return the values that a run would save now."""
+        """Return the values that a run would save."""
 
     def load(self, saved: dict[str, AnyArray]) -> None:
-        """Take the values that another session saved."""
+        """Restore the values that another session saved."""
 
 
 def openings_of(subject: Subject) -> list[Callable[[Any], Session]]:
-    """Return functions that take an object of the plug-in, and put it to work in a scene each."""
+    """Return functions that put an object of the plug-in to work, each in a scene."""
     module = importlib.import_module(f"mpmfw_testing.{MODULES[subject.kind]}")
     return list(module.openings(subject))
 

@@ -1,1 +1,1 @@
-"""Effects of the core that a scene may call for; each is imported and registered only if it does."""
+"""Effects of the core; each is imported and registered only if the scene needs it."""

@@ -112,7 +112,7 @@ class AveragedVolume:
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
-        """Return the means of bodies that may lock, or that name them."""
+        """Return the means of bodies that may lock, or whose scene requests them."""
         averaged = setup.averaged_bodies
         return Acts(", ".join(body.name for body in averaged), [cls(averaged, apart=setup.field_per_body)])
 

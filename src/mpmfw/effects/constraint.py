@@ -111,7 +111,7 @@ class Constraint:
             getattr(other, name)[theirs] = 0.0
 
     def held_momentum(self, grid: Grid) -> FloatArray:
-        """Return momenta that meet the sides, (n_nodes, dim) [kg/s]."""
+        """Return momenta that satisfy the prescribed sides, (n_nodes, dim) [kg/s]."""
         held = dataclasses.replace(grid, momentum=grid.momentum.copy())
         self._meet(held)
         return held.momentum
@@ -138,7 +138,7 @@ class Constraint:
         np.add.at(self.twist, table.side[rows], cross(arm, impulse))
 
     def _meet(self, grid: Grid) -> None:
-        """Meet the prescribed velocities."""
+        """Satisfy the prescribed velocities."""
         self._fit(grid)
         self.table.impulse[:] = 0.0
         self.rows = list_rows(self.degree, self.planes, grid.position, grid.mass, self.table, grid.spacing)

@@ -54,11 +54,12 @@ def spin_change(
     true: Floats, lumped: Floats, torque: Floats, momentum: Floats, dt: float, spin: Floats,
     spacing: tuple[float, ...]
 ) -> None:  # fmt: skip
-    """Antisymmetric W = Δω×, Δω what the material answers to the step's torque less what the nodes do.
+    """Antisymmetric W = Δω×: the material's change of spin under the step's torque less that of the nodes.
 
-    ``torque`` is Σ r ⊗ Δp and ``momentum`` Σ r ⊗ m v⁰, of which the antisymmetric parts are τ Δt and L. In 2D
-    Δω is (1/I − 1/I_grid) τ Δt. In 3D both bodies have a gyroscopic couple as well (:func:`answer_of`), at
-    the spin half a step on."""
+    ``torque`` is Σ r ⊗ Δp and ``momentum`` Σ r ⊗ m v⁰, whose antisymmetric parts are τ Δt and L. In 2D Δω is
+    (1/I − 1/I_grid) τ Δt. In 3D both bodies have a gyroscopic couple as well (:func:`answer_of`), at the spin
+    after half a step.
+    """
     a, b = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
     inertia_of(true, a, spacing)
     inertia_of(lumped, b, spacing)

@@ -1,7 +1,8 @@
-"""A note on bodies that flutter near the limit of friction: they slide although friction could hold them.
+"""Warning about bodies that flutter near the limit of friction: they slide although friction could hold them.
 
-The normal force between them swings, and they slip whenever it is low. At most outputs the friction force is
-then less than μ times the normal force, though the bodies slide as a whole."""
+The normal force oscillates, and bodies slip whenever it is low. At most outputs the friction force is then
+less than μ times the normal force, although the bodies slide as a whole.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +31,7 @@ CREEP = 1e-4
 
 
 class Flutter:
-    """Comparison of friction with its limit while bodies slide."""
+    """Compares friction with its limit while bodies slide."""
 
     name = "flutter"
     stage = "output"

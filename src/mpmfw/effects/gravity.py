@@ -29,7 +29,7 @@ class Gravity:
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
-        """Return that of the scene; none where the scene only settles under one."""
+        """Return the scene's gravity; none if the scene only settles under one."""
         gravity = setup.scene.gravity
         if gravity is None:
             still = TimeTable.constant([0.0] * setup.dim)

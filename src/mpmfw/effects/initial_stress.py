@@ -1,7 +1,8 @@
-"""Stress at the start, of soil that lies in its own weight: vertical and horizontal, by depth.
+"""Initial stress of soil in its own weight: vertical and horizontal, by depth.
 
-The points have it without a deformation, F = 1: what the material knows of its past is chosen so. With the
-weight of what lies above a point a layer between smooth walls is in balance from the first step on."""
+The points have it without deformation, F = 1; the material's history is set to match. With the weight of what
+lies above a point, a layer between smooth walls is in balance from the first step on.
+"""
 
 from __future__ import annotations
 

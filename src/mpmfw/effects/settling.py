@@ -160,7 +160,7 @@ class Settling:
         if self.residual > self.tolerance:
             warnings.warn(
                 f"settling stopped after {self.elapsed:.3g} s with a residual force of {self.residual:.2g} "
-                f"of the internal forces (asked for: {self.tolerance:.2g})",
+                f"of the internal forces (tolerance {self.tolerance:.2g})",
                 ResultsWarning,
                 stacklevel=3,
             )

@@ -25,7 +25,7 @@ _DPI = 150
 
 
 class Movie:
-    """A figure of runs by label, and the outputs that it goes through."""
+    """A figure of runs by label, and the times of its frames."""
 
     def __init__(
         self,

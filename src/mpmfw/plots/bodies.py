@@ -1,4 +1,4 @@
-"""The bodies of one run at every output, as they are drawn in the plane and in space."""
+"""The bodies of one run at every output, for drawings in the plane and in space."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Bodies:
         }
 
     def places(self, body: str, frame: int) -> FloatArray:
-        """Return the points (n, 3) that are drawn of a body at one output [m]."""
+        """Return the drawn points (n, 3) of a body at one output [m]."""
         if body in self._solid:
             places = frame_of(self.tree, f"surface/{body}", frame)["position"].values
         else:
@@ -51,7 +51,7 @@ class Bodies:
         return in_space(places.reshape(-1, places.shape[-1]))
 
     def facets(self, body: str) -> IntArray | None:
-        """Return segments, triangles or quadrilaterals between the points; None of single points."""
+        """Return segments, triangles or quadrilaterals between the points; None for single points."""
         if body in self._solid:
             return facets_of(self.tree, body)
         if self.corners.get(body) is None:

@@ -24,9 +24,10 @@ def contact_figure(
     bodies: Sequence[str] | None,
     limits: tuple[float, float] | None,
 ) -> Figure:
-    """Draw a field of surface nodes where forces act, over the coordinates along which these extend most.
+    """Draw a field of surface nodes where forces act, over the coordinates along which the contact extends
+    most.
 
-    In the plane the outlines are those of the first run. The rest is as of :func:`field`.
+    In the plane the outlines are those of the first run. Other parameters are those of :func:`field`.
     """
     drawn = dict(_loaded(trees, name, time, bodies))
     if not drawn:

@@ -50,7 +50,7 @@ def field(
     results
         A run or a comparison, or the name of its file.
     name
-        ``von_mises``, ``velocity`` (its size), ``velocity_x``, ``stress_xy``, ``volume_ratio`` …; or
+        ``von_mises``, ``velocity`` (its magnitude), ``velocity_x``, ``stress_xy``, ``volume_ratio`` …; or
         ``contact_pressure``, ``contact_traction`` …, along the surfaces that touch, in 3D on them
     time
         [s]; the nearest output is drawn, the last one by default.
@@ -97,7 +97,7 @@ def side_by_side(
     limits: tuple[float, float] | None = None,
     arrows: bool = False,
 ) -> Figure:
-    """Draw a field of several runs under one colour scale; the rest is as of :func:`field`."""
+    """Draw a field of several runs under one colour scale, with the parameters of :func:`field`."""
     with labelled(results) as trees:
         if name.startswith(CONTACT_FIELDS):
             if arrows:
@@ -118,7 +118,7 @@ def labelled(
     against: str | None = None,
     name: str = "",
 ) -> Iterator[dict[str, xr.DataTree]]:
-    """Context with runs by label: "" of a single run, else their methods or their files' names."""
+    """Context with runs by label: "" for a single run, else their methods or their files' names."""
     with ExitStack() as stack:
         if isinstance(results, xr.DataTree | xr.Dataset | str | os.PathLike):
             found = stack.enter_context(opened(results))

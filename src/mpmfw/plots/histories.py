@@ -20,8 +20,6 @@ from mpmfw.results.analysis import without_round_off
 from mpmfw.results.selection import Results, checked_name, opened, series_of
 from mpmfw.state.fields import FloatArray
 
-#: Width of a legend below one panel, in letters.
-_LETTERS = 52
 #: Panels that a page holds.
 _MOST = 24
 _CYCLE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
@@ -43,7 +41,7 @@ class Curve:
         return ", ".join(str(value) for _, value in self.choice)
 
     def of(self, series: xr.Dataset) -> FloatArray:
-        """Its values over the time; NaN where a run does not have it."""
+        """Its values over time; NaN if a run does not have it."""
         try:
             return np.asarray(series[self.name].sel(dict(self.choice)).values, dtype=float)
         except KeyError:
@@ -102,12 +100,10 @@ def history(
         if series.sizes.get("time", 0) < 2:
             raise SceneError(f"{label or 'the run'}: no series with two outputs or more")
     curves = _curves(list(runs.values()), names, selection)
-    panels, entries = (_of_one if len(runs) == 1 else _of_several)(runs, curves)
+    panels, key = (_of_one if len(runs) == 1 else _of_several)(runs, curves)
     figure = _drawn(panels)
-    if entries:
-        longest = max(len(str(one.get_label())) for one in entries)
-        most = max(1, int(_LETTERS * figure.get_figwidth() / style.PANEL / (longest + 8)))
-        style.legend_below(figure, [entries[k : k + most] for k in range(0, len(entries), most)])
+    if any(key):
+        style.legend_below(figure, key)
     return figure
 
 
@@ -141,7 +137,9 @@ def beside_reference(
     return figure
 
 
-def _of_one(runs: Mapping[str, xr.Dataset], curves: Sequence[Curve]) -> tuple[list[Panel], list[Artist]]:
+def _of_one(
+    runs: Mapping[str, xr.Dataset], curves: Sequence[Curve]
+) -> tuple[list[Panel], list[list[Artist]]]:
     """Return a panel for each series of a run, with colours and styles for its curves."""
     colours: dict[Any, str] = {}
     styles: dict[Any, Any] = {}
@@ -154,12 +152,14 @@ def _of_one(runs: Mapping[str, xr.Dataset], curves: Sequence[Curve]) -> tuple[li
             if along := ", ".join(str(value) for _, value in rest):
                 look["linestyle"] = styles.setdefault(along, _STYLES[len(styles) % len(_STYLES)])
         lines.setdefault(curve.name, []).extend((series, curve, look) for series in runs.values())
-    key = [style.entry(name, color=colour, linewidth=2.5) for name, colour in colours.items()]
-    key += [style.entry(name, color="0.3", linestyle=dashes) for name, dashes in styles.items()]
-    return [Panel(name, of_name) for name, of_name in lines.items()], key
+    solid = [style.entry(name, color=colour, linewidth=2.5) for name, colour in colours.items()]
+    dashed = [style.entry(name, color="0.3", linestyle=dashes) for name, dashes in styles.items()]
+    return [Panel(name, of_name) for name, of_name in lines.items()], [solid, dashed]
 
 
-def _of_several(runs: Mapping[str, xr.Dataset], curves: Sequence[Curve]) -> tuple[list[Panel], list[Artist]]:
+def _of_several(
+    runs: Mapping[str, xr.Dataset], curves: Sequence[Curve]
+) -> tuple[list[Panel], list[list[Artist]]]:
     """Return a panel for each curve, with a look for each run."""
     colours, styles = itertools.cycle(_CYCLE), itertools.cycle(_STYLES)
     looks = {label: {"color": next(colours), "linestyle": next(styles), "linewidth": 1.1} for label in runs}
@@ -167,7 +167,7 @@ def _of_several(runs: Mapping[str, xr.Dataset], curves: Sequence[Curve]) -> tupl
         Panel(curve.name, [(runs[label], curve, look) for label, look in looks.items()], curve.label)
         for curve in curves
     ]
-    return panels, [style.entry(label, **look) for label, look in looks.items()]
+    return panels, [[style.entry(label, **look) for label, look in looks.items()]]
 
 
 def _drawn(panels: Sequence[Panel], compared: xr.Dataset | None = None) -> Figure:

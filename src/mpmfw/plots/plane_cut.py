@@ -1,4 +1,4 @@
-"""A run in space on a plane across it, as a run in the plane: its material points there, and outlines."""
+"""A run in space on a plane across it, as a run in the plane: its material points and outlines there."""
 
 from __future__ import annotations
 

@@ -72,9 +72,10 @@ def dots(found: Sequence[Dot]) -> Figure:
 
 
 def _names(rows: Sequence[Row]) -> list[str]:
-    """Return each scene with its cell size, where they repeat the cell size alone; processors if several.
+    """Return the names of scenes with their cell sizes; of repeated scenes the cell size alone; processors if
+    several.
 
-    Problems with the title of another have their hash.
+    Problems that share a title have their hash.
     """
     names, before, machines = [], "", {row[3] for row in rows}
     alike = Counter(scene for _, scene in {row[:2] for row in rows})

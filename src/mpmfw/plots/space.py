@@ -1,4 +1,4 @@
-"""Runs as bodies that can be turned: views of 2D and 3D by pyvista (``pip install mpmfw[render]``)."""
+"""Runs as bodies that can be turned: views in 2D and 3D by pyvista (``pip install mpmfw[render]``)."""
 
 from __future__ import annotations
 

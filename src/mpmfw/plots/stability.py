@@ -20,7 +20,7 @@ _LABELS = {"kappa": "stiffness factor κ [–]", "ratio": "stiffness of the seco
 
 
 def stability_figures(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
-    """The one figure of a map: ``{name: (figure, caption)}``."""
+    """Return the figure of a map: ``{name: (figure, caption)}``."""
     caption = (
         f"Runs of {dataset.attrs['steps_asked']} steps: {dataset.attrs['bounds']}. Line: closed form. "
         "Circles: Gershgorin's bound. Dashes: Courant number past which a step is refused."

@@ -45,7 +45,7 @@ def runs_of(dataset: xr.Dataset) -> Iterator[dict[str, Any]]:
 
 
 def resolution_of(dataset: xr.Dataset) -> str | None:
-    """Return the dimension that the size of markers shows, if any."""
+    """Return the dimension that the size of markers stands for, if any."""
     problem_dims = json.loads(dataset.attrs["problem_dims"])
     dims = [
         str(dim)

@@ -31,9 +31,9 @@ class NoOptions(OptionsModel):
 
 
 class PlugIn:
-    """Base of plug-ins: a name, and options validated by the plug-in's own model.
+    """Base of plug-ins: a name, and options validated by a model.
 
-    Raise pydantic.ValidationError if an option is unknown or refused. A class may say ``interface = 1``, the
+    Raise pydantic.ValidationError if an option is unknown or refused. A class may set ``interface = 1``, the
     version of the interface (``mpmfw.api.INTERFACE``) that it is written for.
     """
 
@@ -252,7 +252,9 @@ def empty_stencil(points: int, entries: int, dim: int, *, gradient: bool = True)
 
 
 def check_inside(index: int) -> None:
-    """Raise OutsideGrid for the ``index`` that a fill kernel returns, unless it is −1; the core then lays the
-    window anew."""
+    """Raise OutsideGrid for the ``index`` that a fill kernel returns, unless it is −1.
+
+    The core then lays the window anew.
+    """
     if index >= 0:
         raise OutsideGrid(index)

@@ -25,7 +25,7 @@ PASSED_ON = (MpmfwError, KeyboardInterrupt, GeneratorExit)
 
 @contextmanager
 def naming(plugin: Any, place: str, state: State | None = None) -> Iterator[None]:
-    """Turn any exception of a plug-in but mpmfw's own into that of :func:`failure`."""
+    """Turn any exception of a plug-in, except mpmfw's, into that of :func:`failure`."""
     try:
         yield
     except PASSED_ON:
@@ -43,7 +43,7 @@ def failure(error: BaseException, plugin: Any, place: str, state: State | None) 
 
 
 def cause(error: BaseException) -> str:
-    """``KeyError: 'x' (spring_law.py, line 12)``."""
+    """Return an error as ``KeyError: 'x' (spring_law.py, line 12)``."""
     text = str(error)
     where = traceback.extract_tb(error.__traceback__)
     at = f" ({Path(where[-1].filename).name}, line {where[-1].lineno})" if where else ""
@@ -57,14 +57,14 @@ def described(plugin: Any) -> str:
 
 
 def distribution_text(kind: type[Any]) -> str:
-    """``distribution spring_law``, or where the class stands that belongs to none."""
+    """Return ``distribution spring_law``, or the file of a class that belongs to none."""
     package = kind.__module__.partition(".")[0]
     found = sorted(_announcing(package)) or packages_distributions().get(package, [])
     return f"distribution {found[0]}" if found else f"no distribution (module {kind.__module__})"
 
 
 def bundled(kind: type[Any]) -> bool:
-    """Return whether the class belongs to mpmfw's own distribution."""
+    """Return True if the class belongs to mpmfw."""
     return _is_bundled(kind.__module__.partition(".")[0])
 
 

@@ -58,7 +58,7 @@ _JOINED = re.compile(rf"{_PLACE.pattern}|[\w.:]+\+{_PLACE.pattern}|{_PLACE.patte
 
 
 def names_code(text: str) -> bool:
-    """Return whether a plug-in's name has a ``module:Class`` in it."""
+    """Return True if a plug-in's name contains ``module:Class``."""
     return any(_PLACE.fullmatch(part.strip()) for part in text.partition("(")[0].split("+"))
 
 

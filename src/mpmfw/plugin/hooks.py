@@ -75,10 +75,10 @@ class Observer:
     running = False
 
     def before(self, hook: str, plugin: Any, grid: Grid, dt: float) -> None:
-        """Look at the grid before a plug-in's implementation of a hook."""
+        """Observe the grid before a plug-in's implementation of a hook."""
 
     def after(self, hook: str, plugin: Any, grid: Grid, dt: float) -> None:
-        """Look at the grid after a plug-in's implementation."""
+        """Observe the grid after a plug-in's implementation."""
 
 
 class BoundHooks:

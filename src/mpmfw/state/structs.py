@@ -100,9 +100,8 @@ class Pair:
         """Coulomb's μ [1]; raise SceneError if there is a friction law."""
         if self.friction_law is not None:
             raise SceneError(
-                f"the friction of pair {self.label} was asked for, but contact.friction_law = "
-                f"'{self.friction_law}' says it anew for every row; expected a contact law that takes it "
-                "from rows.friction, as slip_limit does"
+                f"pair {self.label} has no single friction: contact.friction_law = '{self.friction_law}' "
+                "gives one for every row; expected a contact law that reads rows.friction, as slip_limit does"
             )
         return self.mu
 

@@ -71,7 +71,7 @@ def many_contacts(subject: Subject) -> None:
 
 
 def _come_down(subject: Subject, shapes: list[dict[str, object]]) -> Motion:
-    """Let all bodies but the first come down on that at 1 m/s."""
+    """Give all bodies but the first 1 m/s towards it."""
     bodies = {
         f"body_{k}": body(shape, "soft", [0.0, -1.0 if k else 0.0]) for k, shape in enumerate(shapes)
     }  # fmt: skip
@@ -167,7 +167,7 @@ def met_again(subject: Subject) -> None:
 
 
 def _throw(simulation: Simulation, velocity: FloatArray) -> None:
-    """Give the first body a velocity [m/s], and the second the opposite."""
+    """Give the first body a velocity [m/s], and the second the opposite one."""
     for one, sign in zip(simulation.state.bodies, (1.0, -1.0), strict=True):
         simulation.state.particles.velocity[one.particles] = sign * velocity
 

@@ -90,7 +90,7 @@ class ContactRecorder(Observer):
             self.steps.append(NodalImpulses(grid.position[acted].copy(), self.impulse[acted], owner))
 
     def _look(self, when: str, grid: Grid) -> None:
-        """Look for a value that is not finite; forces and momenta of massless nodes may be."""
+        """Find a value that is not finite; forces and momenta of massless nodes may be."""
         if self.first_bad:
             return
         rows, has_mass = getattr(self.contact, "rows", None), grid.mass > 0.0
@@ -128,16 +128,17 @@ class Motion:
         self.forget()
 
     def forget(self) -> None:
-        """Begin the record anew."""
+        """Clear the record."""
         self.recorder = ContactRecorder(self.simulation.contact)
         self.series: dict[str, list[Any]] = {}
         self.positions: list[FloatArray] = []  #: of points (n, dim) [m], at every output
         self.dt: list[float] = []  #: length of every step [s]
 
     def advance(self, steps: int, dt: float | None = None, *, partial: bool = False) -> Motion:
-        """Go so many steps on, stable ones or of length ``dt`` [s], with an output at first and after each.
+        """Take a number of steps, stable ones or of length ``dt`` [s], with an output at first and after
+        each.
 
-        A run that breaks down is a violation; ``partial`` allows that after its first step.
+        A run that breaks down is a violation; ``partial`` allows this after the first step.
         """
         self.asked += steps
         remember(self.mapping, self.asked, self.draw)

@@ -30,13 +30,13 @@ ACCUMULATED = ("frictional_work", "damping_work", "spring_work")
 
 
 class ContactSession:
-    """A law at work in one of the scenes."""
+    """A session of a law in one of the scenes."""
 
     def __init__(self, impact: Impact, made: Any) -> None:
         self.motion = Motion(made, impact.mapping())
 
     def advance(self) -> Iterator[tuple[str, AnyArray]]:
-        """Go a round of steps on; yield the state of the points and all series."""
+        """Take a round of steps; yield the state of the points and all series."""
         self.motion.forget()
         motion = self.motion.advance(ROUND)
         particles = motion.simulation.state.particles
