@@ -159,7 +159,7 @@ def test_a_signal_lets_the_step_end_and_leaves_a_checkpoint(path, whole, number)
     assert error.number == number
     tree = read(path)
     assert tree.attrs["status"] == "interrupted"
-    assert f"keeps the {tree['series'].sizes['time']} outputs; mpmfw resume" in str(error)
+    assert f"keeps {tree['series'].sizes['time']} outputs; mpmfw resume" in str(error)
     with pytest.warns(
         ResultsWarning, match=r"is not complete: interrupted; .* mpmfw resume .*run.nc continues it"
     ):
