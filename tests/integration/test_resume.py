@@ -299,7 +299,7 @@ def test_a_checkpoint_of_another_run_is_refused(tmp_path, path, changes, objects
     stopped(with_changes(BLOCKS, **changes), run, 9, **objects)
     Path(f"{run}.checkpoint").rename(f"{path}.checkpoint")
     before = path.read_bytes()
-    with pytest.raises(SceneError, match=rf"the checkpoint beside it: the file has another {other}$"):
+    with pytest.raises(SceneError, match=rf"its checkpoint: the file has another {other}$"):
         resume(path, **objects)
     assert path.read_bytes() == before
 
