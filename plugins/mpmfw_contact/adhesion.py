@@ -97,7 +97,6 @@ class AdhesionLaw(SpringLaw):
         return max(float(self.options.separation), spring)
 
     def normal_forces(self, rows: ContactRows, old: ContactRows, records: PairRecords) -> None:  # noqa: ARG002
-        """Write N and the pull."""
         options = self.options
         adhesive_forces(
             rows, rows.count, rows.own, float(options.traction), float(options.separation),

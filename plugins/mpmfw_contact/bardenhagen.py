@@ -92,7 +92,6 @@ class Bardenhagen(Impulse):
         self.leaves_bodies_out = True  # rows have no history
 
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:
-        """Return the arrays of impulses, and rows that are compressed."""
         arrays = super().row_arrays(friction=friction)
         if self.options.traction:
             arrays["compressed"] = 0
@@ -109,7 +108,6 @@ class Bardenhagen(Impulse):
         mark_compressed(rows, rows.count, stress, rows.own.compressed, grid.spacing)
 
     def activate(self, rows: ContactRows, grid: Grid, *, moves: bool) -> None:
-        """Add the rows that are compressed."""
         super().activate(rows, grid, moves=moves)
         if self.options.traction:
             own, n = rows.own, slice(rows.count)

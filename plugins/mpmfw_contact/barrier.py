@@ -59,7 +59,6 @@ class BarrierLaw(SpringLaw):
     )
 
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:
-        """Return the arrays of :class:`BarrierArrays`."""
         return {**super().row_arrays(friction=friction), "distance": 0}
 
     def prepare(self, setup: Setup) -> None:
@@ -72,7 +71,6 @@ class BarrierLaw(SpringLaw):
         super().prepare(setup)
 
     def range(self) -> float:
-        """Return the distance from which barriers act."""
         return self.threshold
 
     def compliance(self) -> None:
@@ -123,7 +121,6 @@ class BarrierLaw(SpringLaw):
         )  # fmt: skip
 
     def normal_forces(self, rows: ContactRows, old: ContactRows, records: PairRecords) -> None:
-        """Write N."""
         self.placed = True
         barrier_forces(
             rows, rows.count, rows.own, old.own, self.modulus, self.threshold, self.cell_size,

@@ -72,7 +72,6 @@ class EveryFacet(Surfaces):
     dimensions = (2,)
 
     def search(self) -> int:
-        """List the penetrated facets; return their number."""
         if not self.near.update():
             return 0
         return find_penetrated(
@@ -149,7 +148,6 @@ class Hamad2017Law(SpringLaw):
             )
 
     def normal_forces(self, rows: ContactRows, old: ContactRows, records: PairRecords) -> None:  # noqa: ARG002
-        """Write N."""
         linear_springs(rows, rows.count, rows.own, self.options.tangential_ratio, records)
 
     def forces(self, rows: ContactRows, old: ContactRows, dashpot: float, records: PairRecords) -> None:
@@ -160,7 +158,6 @@ class Hamad2017Law(SpringLaw):
 
     @hookimpl
     def concerns(self) -> list[str]:
-        """Add what friction ignores."""
         return [*super().concerns(), *self.unused(self.state.pairs)]
 
 

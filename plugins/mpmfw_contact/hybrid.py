@@ -49,7 +49,6 @@ class Hybrid(Impulse):
     waits_for_forces = True
 
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:
-        """Arrays of springs, and the bound."""
         return {**super().row_arrays(friction=friction), "limit": 0}
 
     def list_pairs(self, state: State) -> None:
@@ -74,7 +73,6 @@ class Hybrid(Impulse):
             super().activate(rows, grid, moves=moves)
 
     def limit(self, rows: ContactRows, grid: Grid) -> FloatArray:  # noqa: ARG002
-        """Return the impulse of the spring in the step."""
         n, limit = slice(rows.count), rows.own.limit
         limit[n] = self.modulus[rows.pair[n]] * rows.area[n] * np.maximum(-rows.gap[n], 0.0) * self.dt
         return limit  # type: ignore[no-any-return]

@@ -80,7 +80,6 @@ class Impulse(ImpulseLaw):
     repels = False
 
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:  # noqa: ARG002
-        """Rows that take part, their compliance, and their velocity."""
         return {"active": 0, "compliance": 0, "velocity": 1}
 
     def activate(self, rows: ContactRows, grid: Grid, *, moves: bool) -> None:  # noqa: ARG002

@@ -64,7 +64,6 @@ class Lcp(ImpulseLaw):
     history = ("identity", "force", "solutions", "unfinished", "worst", "since", "swept", "residual")
 
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:  # noqa: ARG002
-        """Compliance, allowed approach, velocity, and what the sweeps keep."""
         return {"compliance": 0, "allowed": 0, "velocity": 1, "before": 1, "direction": 1}
 
     def prepare(self, setup: Setup) -> None:
@@ -81,7 +80,6 @@ class Lcp(ImpulseLaw):
         self.since, self.swept, self.residual = 0, 0, 0.0
 
     def impulses(self, rows: ContactRows, grid: Grid, work: FloatArray | None, *, projected: bool) -> None:
-        """Solve for all rows."""
         if len(self.velocity) != len(grid.mass):
             self.velocity = np.zeros_like(grid.momentum)
         own, options, spacing = rows.own, self.options, grid.spacing
@@ -116,13 +114,11 @@ class Lcp(ImpulseLaw):
         rows.force[:n][same] = self.force[place[same]] * self.dt
 
     def restart(self) -> None:
-        """Forget how the settling was solved."""
         super().restart()
         self._begin_count()
 
     @hookimpl
     def declare_fields(self) -> list[ArrayField]:
-        """Add the declarations of sweeps and residual."""
         return [*super().declare_fields(), *SOLVER_SERIES]
 
     @hookimpl

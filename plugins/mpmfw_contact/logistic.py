@@ -238,7 +238,6 @@ class Logistic(AtNodes):
     options: LogisticOptions
 
     def configure(self, needs: frozenset[str], *, forces: bool) -> None:  # noqa: ARG002
-        """Refuse laws of forces."""
         if forces:
             raise SceneError(
                 "detection 'logistic' is for laws of impulses: its gap jumps as points come and go, and "

@@ -71,7 +71,6 @@ class ParticleContact(ImpulseLaw):
     needs = frozenset({"gap"})
 
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:  # noqa: ARG002
-        """The rows' velocity."""
         return {"velocity": 1}
 
     def impulses(self, rows: ContactRows, grid: Grid, work: FloatArray | None, *, projected: bool) -> None:

@@ -88,12 +88,10 @@ class PenaltyLaw(SpringLaw):
         self.damping = self.options.damping
 
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:
-        """Return the arrays of :class:`ChangingSprings`."""
         return {**super().row_arrays(friction=friction), "rest": 0, "moved": 1}
 
     @hookimpl
     def declare_fields(self) -> list[ArrayField]:
-        """Add the declaration of the energy that changing springs lose."""
         return [*super().declare_fields(), SPRING_WORK]
 
     def prepare(self, setup: Setup) -> None:
@@ -103,7 +101,6 @@ class PenaltyLaw(SpringLaw):
         super().prepare(setup)
 
     def list_pairs(self, state: State) -> None:
-        """List stiffness and losses of the pairs."""
         super().list_pairs(state)
         self.change = state.lengthen(f"{self.name}/{SPRING_WORK.name}", len(state.pairs))
 

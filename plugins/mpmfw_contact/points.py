@@ -176,7 +176,6 @@ class PointSpheres(Detection):
         return (NEAR - 1.0) * 2.0 * smallest
 
     def prepare(self, setup: Setup, owner: str) -> None:  # noqa: ARG002
-        """Allocate the boxes and buckets of the search."""
         self.state, shape = setup.state, (len(setup.bodies), setup.dim)
         count = setup.state.particles.count
         self.first = np.array([*(body.particles.start for body in setup.bodies), count], dtype=np.int64)
@@ -186,7 +185,6 @@ class PointSpheres(Detection):
         self.list_pairs(setup.state)
 
     def list_pairs(self, state: State) -> None:
-        """List the bodies of all pairs."""
         self.pairs = np.ascontiguousarray(state.pair_bodies)
 
     def find(self, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> None:

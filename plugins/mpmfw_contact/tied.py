@@ -30,7 +30,6 @@ class Tied(ImpulseLaw):
     waits_for_forces = True
 
     def impulses(self, rows: ContactRows, grid: Grid, work: FloatArray | None, *, projected: bool) -> None:  # noqa: ARG002
-        """Take away the relative velocity of all rows."""
         n, velocity, spacing = rows.count, np.zeros_like(grid.momentum), grid.spacing
         motion, size = np.zeros((n, grid.dim)), n * grid.dim
 

@@ -211,7 +211,6 @@ class Frictional(Plastic):
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        """Allocate the history, and work out the constants of the surface."""
         super().setup(setup)
         self.constants = (
             self.bulk_modulus,
@@ -223,7 +222,6 @@ class Frictional(Plastic):
 
     @hookimpl
     def update_stress(self, particles: Particles) -> None:
-        """σ of this material's bodies, and what has flowed."""
         self.over_points(
             frictional_stress, particles, particles.deformation_gradient, self.flow, particles.stress,
             *self.constants, self.spacing

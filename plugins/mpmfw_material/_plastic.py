@@ -47,7 +47,6 @@ class Plastic(Isotropic):
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        """The history, of which the plastic strain is an output."""
         return [PLASTIC_STRAIN, PLASTIC_METRIC, PLASTIC_WORK]
 
     @hookimpl

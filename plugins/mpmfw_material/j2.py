@@ -189,7 +189,6 @@ class J2(Plastic):
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        """Allocate the history, and remember the constants."""
         super().setup(setup)
         o = self.options
         self.constants = (
@@ -199,7 +198,6 @@ class J2(Plastic):
 
     @hookimpl
     def update_stress(self, particles: Particles, dt: float) -> None:
-        """σ of this material's bodies, and what has flowed."""
         f, stress = particles.deformation_gradient, particles.stress
         times = 1.0 / (dt * self.options.reference_rate) if dt > 0.0 else 0.0
         self.over_points(j2_stress, particles, f, self.flow, stress, *self.constants, times, self.spacing)

@@ -55,7 +55,6 @@ class LinearSurface(ShapeFunction):
 
     @hookimpl
     def interpolate_surface(self, position: FloatArray, first: IntArray, grid: Grid) -> Stencil:
-        """N_i(x_s) of the basis."""
         if self._surface is None:
             self._surface = empty_stencil(len(position), self.entries(grid.dim), grid.dim, gradient=False)
         return self.fill_at(position, first, grid, self._surface)
@@ -82,7 +81,6 @@ class AtPoints(LinearSurface):
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        """Allocate the table."""
         self.table = empty_stencil(setup.state.particles.count, self.entries(setup.dim), setup.dim)
 
     @hookimpl
@@ -92,7 +90,6 @@ class AtPoints(LinearSurface):
 
     @hookimpl
     def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
-        """φ_i(x_p) and ∇φ_i(x_p)."""
         return self.fill_at(particles.position, particles.first, grid, self.table, particles.threads)
 
 

@@ -70,6 +70,5 @@ class BSpline(AtPoints):
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        """Allocate the table, and look for an axis."""
         super().setup(setup)
         self.at_axis = (True,) if setup.state.grid.axisymmetric else ()

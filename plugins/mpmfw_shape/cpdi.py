@@ -187,7 +187,6 @@ class Cpdi(PackedRows):
 
     @hookimpl
     def particle_reach(self, particles: Particles) -> FloatArray:
-        """Return the extent of the deformed domains along every axis [m], (n, dim)."""
         reach = np.empty_like(particles.position)
         spacing = (0.0,) * particles.dim
         reach_of_domains(particles.deformation_gradient, self.half_edges, reach, spacing)

@@ -161,7 +161,6 @@ class Cpdi2(PackedRows):
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        """The corners."""
         return [CORNERS]
 
     @hookimpl
@@ -183,7 +182,6 @@ class Cpdi2(PackedRows):
         return reach
 
     def domains(self, particles: Particles) -> tuple[FloatArray, ...]:  # noqa: ARG002
-        """The corners."""
         return (self.corners,)
 
     @hookimpl
@@ -194,5 +192,4 @@ class Cpdi2(PackedRows):
 
     @hookimpl
     def diagnostics(self) -> dict[str, FloatArray]:
-        """The corners, for output."""
         return {"corners": self.corners}

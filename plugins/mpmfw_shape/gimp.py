@@ -149,7 +149,6 @@ class Gimp(PackedRows):
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        """The particles' half-lengths."""
         return [HALF_LENGTH]
 
     @hookimpl
@@ -167,9 +166,7 @@ class Gimp(PackedRows):
 
     @hookimpl
     def particle_reach(self, particles: Particles) -> FloatArray:
-        """l_p along every axis."""
         return np.repeat(self.half_length[:, None], particles.dim, axis=1)
 
     def domains(self, particles: Particles) -> tuple[FloatArray, ...]:
-        """Centres, and half the edges."""
         return particles.position, self.half_length

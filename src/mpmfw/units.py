@@ -85,7 +85,6 @@ def to_si(value: object, unit: str) -> object:
 
 
 def _converted(number: float, given: str, unit: str, text: str) -> float:
-    """The number from the unit ``given`` to ``unit``."""
     common, factor = _COMMON.get(given, ("", 0.0))
     if common == unit:
         return number * factor

@@ -64,12 +64,10 @@ class ContactEvents:
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        """Return the two series."""
         return [STEPS_PER_CONTACT, PENETRATION]
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        """Begin without a contact."""
         self.state, self.cell_size = setup.state, setup.cell_size
         #: of the last rows, by the law's name
         self.old_age = {law.name: np.zeros(0) for law in self.laws}
@@ -79,7 +77,6 @@ class ContactEvents:
 
     @hookimpl
     def add_pairs(self, state: State) -> None:
-        """Begin with nothing between bodies that have come near."""
         none = np.zeros(len(state.pairs) - len(self.fewest))
         self.fewest = np.append(self.fewest, none + np.inf)
         self.fewest_ever = np.append(self.fewest_ever, none + np.inf)
@@ -87,7 +84,6 @@ class ContactEvents:
 
     @hookimpl
     def end_step(self) -> None:
-        """Follow the contacts of this step."""
         for law in self.laws:
             rows, of_last = law.last_rows, (self.old_pair[law.name], self.old_age[law.name])
             age = np.zeros(rows.count)

@@ -115,7 +115,6 @@ class ForceLaw(ContactLaw):
 
     @property
     def last_rows(self) -> ContactRows:
-        """The rows of the last step, with their forces."""
         return self.old
 
     @hookimpl
@@ -156,7 +155,6 @@ class ImpulseLaw(ContactLaw):
 
     @hookimpl
     def detect(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
-        """Find the rows where the bodies are now."""
         self.find_rows(grid, phi, particles)
         rigid = self.state.rigid
         if rigid is not None and not rigid.prescribed.all():

@@ -159,16 +159,13 @@ class ContactLaw(ContactStrategy):
             self.width = np.array(width, dtype=float)
 
     def parts(self) -> list[Any]:
-        """Return the parts of the detection."""
         return self.detection.parts()
 
     def reach(self, cell_size: float) -> float | None:
-        """Return the reach of the detection [m]; ``cell_size`` is h [m]."""
         return self.detection.reach(cell_size)
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        """Return the declarations of the detection's output fields and of the pairs' series."""
         return [*self.detection.fields(), *CONTACT_SERIES]
 
     @hookimpl
@@ -266,5 +263,4 @@ class ContactLaw(ContactStrategy):
 
     @hookimpl
     def concerns(self) -> list[str]:
-        """Return the warnings of the detection."""
         return self.detection.remarks()

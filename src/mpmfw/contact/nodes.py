@@ -109,7 +109,6 @@ class AtNodes(Detection):
         return ones, ones
 
     def list_pairs(self, state: State) -> None:
-        """List the bodies of all pairs, and their weights."""
         first, second = np.ascontiguousarray(state.pair_bodies.T)
         weight_first, weight_second = self.weights(state)
         self.pairs = NodePairs(
@@ -117,7 +116,6 @@ class AtNodes(Detection):
         )
 
     def radii(self, rows: ContactRows, grid: Grid) -> FloatArray:
-        """Return x of the rows' nodes."""
         return np.asarray(grid.position[rows.dof[rows.start[: rows.count]], 0])
 
     def nodes_of(self, grid: Grid) -> GridNodes:
@@ -252,23 +250,19 @@ class Nodes(AtNodes):
             self.bias = NormalBias(setup, owner)
 
     def list_pairs(self, state: State) -> None:
-        """List the bodies of all pairs."""
         super().list_pairs(state)
         if self.bias:
             self.bias.add_pairs(state)
 
     def note_forces(self, rows: ContactRows, scale: float) -> None:
-        """Add to the bias of averaged normals."""
         if self.bias and self.shared_rows:
             self.bias.add(rows, self.shared_rows, scale, self.gradient, self.state.grid.spacing)
 
     def restart(self) -> None:
-        """Forget the bias of the settling."""
         if self.bias:
             self.bias.restart()
 
     def remarks(self) -> list[str]:
-        """Return the warnings of averaged normals that lean."""
         advice = 'normal = "master" or "specified" for faces'
         if not self.by_position:
             advice += ', criterion = "position" for round bodies'

@@ -167,7 +167,6 @@ class SpringLaw(ForceLaw):
         return 1.0 / self.modulus
 
     def estimate_frequency(self, bulk_frequency: float) -> float:
-        """Return 4 κ (c / h)²."""
         return self.kappa * bulk_frequency**2
 
     def stiffness(self, rows: ContactRows, old: ContactRows) -> FloatArray:  # noqa: ARG002
@@ -184,7 +183,6 @@ class SpringLaw(ForceLaw):
         raise NotImplementedError
 
     def forces(self, rows: ContactRows, old: ContactRows, dashpot: float, records: PairRecords) -> None:
-        """Write the normal forces, then friction."""
         own, n, self.dashpot = rows.own, slice(rows.count), dashpot
         records.energy.fill(0.0)
         own.normal[n] = own.pull[n] = own.k_t[n] = 0.0

@@ -118,7 +118,6 @@ class AveragedVolume:
 
     @hookimpl
     def after_velocity_gradient(self, particles: Particles, grid: Grid, dt: float) -> None:
-        """Average the change of volume."""
         if self.frame != grid.frame:  # the windows were laid anew
             self.frame, self.grid = grid.frame, grid
             self.cell, self.change = np.zeros(particles.count, dtype=np.int64), np.zeros(particles.count)

@@ -110,7 +110,6 @@ class Axisymmetry:
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        """Stress and stretch round the axis."""
         return [HOOP_STRESS, HOOP_STRETCH]
 
     @hookimpl
@@ -166,7 +165,6 @@ class Axisymmetry:
 
     @hookimpl
     def diagnostics(self, state: State, points: bool) -> dict[str, AnyArray]:  # noqa: ARG002
-        """Both fields."""
         if not points:
             return {}
         stretch = self.deformation_gradient[:, 2, 2]

@@ -91,7 +91,6 @@ class Constraint:
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
-        """Return the fixed and moving sides of all bodies."""
         held = setup.held_sides
         return Acts(", ".join(f"{body.name} {side.side}" for body, side in held), [cls(setup, held)])
 
@@ -118,7 +117,6 @@ class Constraint:
 
     @hookimpl
     def constrain_momentum(self, grid: Grid) -> None:
-        """Bring the velocity at every side to the prescribed one."""
         self._meet(grid)
         if self.left > 0:
             self.impulse += self.table.impulse
@@ -138,7 +136,6 @@ class Constraint:
         np.add.at(self.twist, table.side[rows], cross(arm, impulse))
 
     def _meet(self, grid: Grid) -> None:
-        """Satisfy the prescribed velocities."""
         self._fit(grid)
         self.table.impulse[:] = 0.0
         self.rows = list_rows(self.degree, self.planes, grid.position, grid.mass, self.table, grid.spacing)
@@ -195,13 +192,11 @@ class Constraint:
 
     @hookimpl
     def end_step(self) -> None:
-        """Move the sides at the end of the step."""
         self.planes.place += self.motions
         self.left = self.calls
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        """Return the series of prescribed sides; others have no value."""
         return [*FIELDS, *([] if self.about is None else [MOMENT])]
 
     @hookimpl

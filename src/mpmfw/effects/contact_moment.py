@@ -61,7 +61,6 @@ class ContactMoment(Observer):
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        """The moment."""
         return [CONTACT_MOMENT]
 
     @hookimpl

@@ -56,7 +56,6 @@ class Damping:
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
-        """Return the damping, and why."""
         damped, reasons = [], []
         for name, material in setup.materials.items():
             if (damping := setup.scene.materials[name].damping) is not None:
@@ -67,12 +66,10 @@ class Damping:
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        """Work of the points, and of the bodies."""
         return [WORK, DISSIPATION]
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        """Allocate the work."""
         self.work, self.spacing = setup.allocate(self.name, WORK), setup.state.grid.tensor_spacing
 
     @hookimpl
@@ -89,5 +86,4 @@ class Damping:
 
     @hookimpl
     def diagnostics(self, state: State) -> dict[str, AnyArray]:
-        """The series."""
         return {"viscous_dissipation": self.dissipated(state)}

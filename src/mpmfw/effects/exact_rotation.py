@@ -136,7 +136,6 @@ class ExactRotation:
 
     @hookimpl
     def correct_inertia(self, grid: Grid, particles: Particles, dt: float) -> None:
-        """Correct each body's own velocity field, in the step of ``dt`` [s]."""
         for body in self.bodies:
             own, nodes = body.particles, grid.field_nodes(body.field)
             correct_rotation(

@@ -49,7 +49,6 @@ class Flutter:
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
-        """Compare the records of the scene's contact."""
         assert setup.contact is not None
         return Acts("", [cls(setup.contact.name, setup.dim)])
 
@@ -91,7 +90,6 @@ class Flutter:
 
     @hookimpl
     def concerns(self) -> list[str]:
-        """Pairs that fluttered."""
         return [
             f"{label}: the bodies flutter at the limit of friction at {self.found_at[label]:.4g} s: the "
             f"normal force swings by {100.0 * self.spread[label]:.2g} %, and they slide although friction is "

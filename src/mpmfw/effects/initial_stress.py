@@ -31,7 +31,6 @@ class InitialStress:
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
-        """Return the bodies that have one."""
         bodies = [body for body in setup.state.soft_bodies if setup.scene.bodies[body.name].initial_stress]
         return Acts(", ".join(body.name for body in bodies), [cls(bodies)])
 

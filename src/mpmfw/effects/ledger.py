@@ -120,7 +120,6 @@ class EnergyLedger(Observer):
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts | str:
-        """Return the ledger of the effects that act so far."""
         contact, unstable = setup.contact, setup.allow_unstable
         if contact is not None and contact.adds_mass:
             # Its inertia is on the nodes and on no material point: every term would be that of two bodies.
@@ -162,7 +161,6 @@ class EnergyLedger(Observer):
         return fields + ([CONTACT_HALF_STEP] if self.tells_motion else [])
 
     def before(self, hook: str, plugin: Any, grid: Grid, dt: float) -> None:
-        """Take the momenta or forces before a hook."""
         if plugin is not None:
             return
         if hook == "after_momentum_projection":
@@ -206,7 +204,6 @@ class EnergyLedger(Observer):
                 self.impulse[term] = total
 
     def _balance_grid(self, grid: Grid) -> None:
-        """The works of all impulses of this step."""
         self.balanced = True
         self.moved = grid_energy(grid.mass, grid.momentum)
         self.contact_before = self.work["contact"]

@@ -271,7 +271,6 @@ class LocalSpin:
 
     @hookimpl
     def correct_inertia(self, grid: Grid, particles: Particles) -> None:
-        """Correct each body's own velocity field."""
         if self.frame != grid.frame:  # the windows were laid anew
             self.frame = grid.frame
             self.change: FloatArray = np.zeros_like(grid.momentum)  #: of velocity over the step [m/s]
@@ -286,7 +285,6 @@ class LocalSpin:
             threads.each(lambda t: self._correct(slice(t, None, threads.count), grid, particles, held))
 
     def _correct(self, some: slice, grid: Grid, particles: Particles, held: FloatArray) -> None:
-        """Correct the fields of some of the bodies."""
         for body, excess in zip(self.bodies[some], self.excess[some], strict=True):
             nodes, points = grid.field_nodes(body.field), body.particles
             total = find_excess(

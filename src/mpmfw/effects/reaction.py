@@ -58,12 +58,10 @@ class Reaction(Observer):
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
-        """Return the observer of the rigid bodies."""
         return Acts("force, moment and work", [cls(setup.contact, setup.state.rigid)])
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        """Return the three series; bodies that deform have none."""
         return list(FIELDS)
 
     def before(self, hook: str, plugin: Any, grid: Grid, dt: float) -> None:  # noqa: ARG002

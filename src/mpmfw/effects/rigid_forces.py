@@ -33,7 +33,6 @@ class RigidForces:
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
-        """Return the forces that the scene names."""
         rigid, dim, tables = setup.state.rigid, setup.dim, {}
         for k, body in enumerate(rigid.bodies):
             model: Any = setup.scene.bodies[body.name]
@@ -50,7 +49,6 @@ class RigidForces:
 
     @hookimpl
     def add_nodal_force(self, grid: Grid, state: State, dt: float) -> None:
-        """Add the means of the forces over the step."""
         rigid, dim = self.rigid, grid.dim
         own = rigid.own(grid.force)
         for k, (forces, torques) in self.tables.items():

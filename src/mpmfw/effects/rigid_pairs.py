@@ -35,7 +35,6 @@ class RigidPairs:
 
     @hookimpl
     def end_step(self, state: State) -> None:
-        """Raise SimulationError if bodies touch."""
         surface = state.tracked_surface
         for first, second, contact in self.pairs:
             own, other = surface.position[surface.of(first.index)], surface.position[surface.of(second.index)]

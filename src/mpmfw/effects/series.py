@@ -162,7 +162,6 @@ class BodySeries:
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
-        """Return the series, which every run has."""
         energy = setup.scene.output.energy
         line = Effect("energies", energy, "series of every body" if energy else "output.energy = false")
         strain = StrainEnergies(tuple(setup.materials.values()))
@@ -170,7 +169,6 @@ class BodySeries:
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        """Return the series that there are."""
         if not self.energy:
             return [field for field in SERIES_FIELDS if not field.name.endswith("_energy")]
         affine = [AFFINE_ENERGY] if self.affine else []
@@ -178,7 +176,6 @@ class BodySeries:
 
     @hookimpl
     def diagnostics(self, state: State) -> dict[str, AnyArray]:
-        """All series, (body, …)."""
         count, dim = len(state.bodies), state.grid.dim
         first = np.array([0, *(body.particles.stop for body in state.soft_bodies)], dtype=np.int64)
         total, kinetic = np.empty(count), np.empty(count)
@@ -239,7 +236,6 @@ class VonMises:
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        """The field."""
         return [VON_MISES]
 
     @hookimpl
@@ -285,7 +281,6 @@ class TimeStepSeries:
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        """The three series."""
         return TIME_STEP_FIELDS
 
     @hookimpl

@@ -112,7 +112,6 @@ class SurfaceTracker:
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
-        """Make and track the surfaces."""
         contact, state = (setup.whole or setup).contact, setup.state
         by_contact = contact is not None and contact.needs_surface
         loaded = setup.loaded_sides or any(plugin.needs_surface for plugin in setup.named_plugins)
@@ -140,7 +139,6 @@ class SurfaceTracker:
 
     @hookimpl
     def advect(self, grid: Grid, dt: float) -> None:
-        """Move the nodes with their body's grid velocity."""
         surface, n = self.surface, self.surface.on_grid
         position, displacement = surface.position[:n], surface.displacement[:n]
         move_points(surface.table, grid.velocity, position, displacement, dt, grid.spacing)
@@ -154,12 +152,10 @@ class GapDiagnostic:
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:  # noqa: ARG003
-        """Return the diagnostic."""
         return Acts("output.gap", [cls()])
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        """The series."""
         return [MIN_GAP]
 
     @hookimpl

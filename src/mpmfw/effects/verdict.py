@@ -84,7 +84,6 @@ class Verdict:
         return Acts("", [(VerdictOfSteps if watched or changing else Verdict)(setup, watched)])
 
     def _begin(self, state: State) -> None:
-        """Take the energy of time zero."""
         self.running, self.inside[:] = True, -1
         self.next_energy = self.next_sides = self.next_own = 0
         self.nothing = negligible_energy(state)

@@ -136,7 +136,6 @@ class Centred(BodyGeometry):
 
     @property
     def centroid(self) -> FloatArray:
-        """The centre (dim,) [m]."""
         return np.array(self.centre)
 
 
@@ -147,12 +146,10 @@ class Round(Centred):
 
     @property
     def width(self) -> float:
-        """2 R [m]."""
         return float(2.0 * self.radius)
 
     @property
     def bounds(self) -> FloatArray:
-        """Lower and upper corner of the bounding box (2, dim) [m]."""
         return np.add(self.centre, [[-self.radius], [self.radius]])
 
 
@@ -165,15 +162,12 @@ class Cornered(BodyGeometry):
 
     @property
     def exact_volume(self) -> float:
-        """Product of the edges [m^dim]."""
         return float(np.prod(np.subtract(self.upper, self.lower)))
 
     @property
     def centroid(self) -> FloatArray:
-        """The centre (dim,) [m]."""
         return 0.5 * np.add(self.lower, self.upper)
 
     @property
     def width(self) -> float:
-        """The shortest edge [m]."""
         return float(np.subtract(self.upper, self.lower).min())

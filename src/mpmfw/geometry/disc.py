@@ -33,12 +33,10 @@ class Disc(Round, PlaneGeometry):
 
     @property
     def exact_volume(self) -> float:
-        """π R² [m^2]."""
         return float(np.pi * self.radius**2)
 
     @property
     def outline_length(self) -> float:
-        """2 π R [m]."""
         return float(2.0 * np.pi * self.radius)
 
     @property
@@ -113,12 +111,10 @@ class Ring(Centred, PlaneGeometry):
 
     @property
     def exact_volume(self) -> float:
-        """π (R_o² - R_i²) [m^2]."""
         return float(np.pi * (self.outer_radius**2 - self.inner_radius**2))
 
     @property
     def outline_length(self) -> float:
-        """2 π (R_o + R_i) [m]."""
         return float(2.0 * np.pi * (self.outer_radius + self.inner_radius))
 
     @property
@@ -127,7 +123,6 @@ class Ring(Centred, PlaneGeometry):
 
     @property
     def width(self) -> float:
-        """R_o − R_i, the thickness of the wall [m]."""
         return float(self.outer_radius - self.inner_radius)
 
     @property

@@ -29,7 +29,6 @@ class Extrusion(TurnedSolid):
 
     @property
     def exact_volume(self) -> float:
-        """Area of the outline times the length [m^3]."""
         return float(self.outline.exact_volume * (self.high - self.low))
 
     @property
@@ -38,7 +37,6 @@ class Extrusion(TurnedSolid):
 
     @property
     def area(self) -> float:
-        """Of both ends and the sides [m^2]."""
         sides = self.outline.outline_length * (self.high - self.low)
         return float(2.0 * self.outline.exact_volume + sides)
 
@@ -65,12 +63,10 @@ class Cylinder(Centred, AxialSolid):
 
     @property
     def exact_volume(self) -> float:
-        """π R² l [m^3]."""
         return float(np.pi * self.radius**2 * self.length)
 
     @property
     def area(self) -> float:
-        """2 π R (R + l) [m^2]."""
         return float(2.0 * np.pi * self.radius * (self.radius + self.length))
 
     @property
@@ -149,17 +145,14 @@ class Torus(Centred, AxialSolid):
 
     @property
     def exact_volume(self) -> float:
-        """2 π² R r² [m^3]."""
         return float(2.0 * np.pi**2 * self.radius * self.tube_radius**2)
 
     @property
     def width(self) -> float:
-        """2 r, of the tube [m]."""
         return float(2.0 * self.tube_radius)
 
     @property
     def area(self) -> float:
-        """4 π² R r [m^2]."""
         return float(4.0 * np.pi**2 * self.radius * self.tube_radius)
 
     @property

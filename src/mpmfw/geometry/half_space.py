@@ -38,7 +38,6 @@ class HalfSpace(BodyGeometry):
 
     @property
     def dim(self) -> int:  # type: ignore[override]
-        """Number of space dimensions."""
         return len(self.point)
 
     @property
@@ -53,17 +52,14 @@ class HalfSpace(BodyGeometry):
 
     @property
     def exact_volume(self) -> float:
-        """Measure of the block that stands for it [m^dim]."""
         return float(self.extent**self.dim)
 
     @property
     def centroid(self) -> FloatArray:
-        """The point (dim,) [m], about which it moves."""
         return np.array(self.point)
 
     @property
     def bounds(self) -> FloatArray:
-        """Corners of the block's box (2, dim) [m]."""
         nodes = self.surfaces(self.extent)[0][0]
         return np.array([nodes.min(axis=0), nodes.max(axis=0)])
 
@@ -96,5 +92,4 @@ class HalfSpace(BodyGeometry):
         return ((np.array(self.point) + nodes @ self.axes, facets),)
 
     def lattice(self, size: float, offset: tuple[float, ...]) -> Layout:  # noqa: ARG002
-        """Refuse to divide it by a ValueError."""
         raise ValueError("a half_space has no material points; expected rigid = true")

@@ -65,18 +65,15 @@ class MeshFile(PlaneGeometry):
 
     @property
     def exact_volume(self) -> float:
-        """Area of the elements [m^2]."""
         return float(shapely.area(self.polygons).sum())
 
     @property
     def centroid(self) -> FloatArray:
-        """Centroid (2,) [m] of the elements."""
         area, centre = shapely.area(self.polygons), shapely.centroid(self.polygons)
         return np.asarray(area @ shapely.get_coordinates(centre) / area.sum())
 
     @property
     def is_connected(self) -> bool:
-        """Return True if all elements are connected by edges."""
         return isinstance(self.region, shapely.Polygon)
 
     def outlines(self, segment: float) -> tuple[FloatArray, ...]:

@@ -29,12 +29,10 @@ class PlaneGeometry(BodyGeometry):
 
     @property
     def exact_volume(self) -> float:
-        """Area of the true shape [m^2]."""
         return float(self.region.area)
 
     @property
     def centroid(self) -> FloatArray:
-        """Centroid of the true shape (2,) [m]."""
         return np.asarray(shapely.get_coordinates(self.region.centroid)[0])
 
     @property
@@ -44,7 +42,6 @@ class PlaneGeometry(BodyGeometry):
 
     @property
     def bounds(self) -> FloatArray:
-        """Lower and upper corner of the bounding box (2, 2) [m]."""
         return np.reshape(self.region.bounds, (2, 2))
 
     @property

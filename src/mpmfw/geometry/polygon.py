@@ -39,7 +39,6 @@ class Rectangle(Cornered, PlaneGeometry):
 
     @property
     def region(self) -> Any:
-        """The rectangle as a shapely polygon."""
         return shapely.Polygon(self.corners)
 
     def outlines(self, segment: float) -> tuple[FloatArray, ...]:
@@ -102,7 +101,6 @@ class Polygon(PlaneGeometry):
         return tuple(subdivided(loop, segment) for loop in loops_of(self.region))
 
     def fitted(self, size: float) -> Layout:
-        """Quadrilaterals made by gmsh."""
         return layout_of_quadrilaterals(polygon_mesh(loops_of(self.region), size))
 
 

@@ -46,12 +46,10 @@ class SolidGeometry(BodyGeometry):
 
     @property
     def exact_volume(self) -> float:
-        """Volume of the true shape [m^3]."""
         return volume_of(*self.fine_surface)
 
     @property
     def centroid(self) -> FloatArray:
-        """Centroid of the true shape (3,) [m]."""
         return centroid_of(*self.fine_surface)
 
     @property

@@ -22,12 +22,10 @@ class Ball(Round, SolidGeometry):
 
     @property
     def exact_volume(self) -> float:
-        """4 π R³/3 [m^3]."""
         return float(4 / 3 * np.pi * self.radius**3)
 
     @property
     def area(self) -> float:
-        """4 π R² [m^2]."""
         return float(4 * np.pi * self.radius**2)
 
     def surfaces(self, edge: float) -> Surfaces:
@@ -63,7 +61,6 @@ class Box(Cornered, TurnedSolid):
         return tiling(self.lower, self.upper, size, offset)
 
     def fitted(self, size: float) -> Layout:
-        """The tiling, turned with the box."""
         cells = tiling(self.lower, self.upper, size, (0.0, 0.0, 0.0))
         if not any(self.angles):
             return cells

@@ -222,7 +222,6 @@ class OutputSeries(NamedPlugIn):
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        """The series, under the names that the results have for them."""
         return [
             dataclasses.replace(field, name=f"{self.title}_{field.name}", group="series", output=True)
             for field in self.series()
@@ -230,7 +229,6 @@ class OutputSeries(NamedPlugIn):
 
     @hookimpl
     def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
-        """Return the values of all declared series."""
         values = dict(self.values(state, interval))
         declared = {field.name for field in self.series()}
         if values.keys() != declared:

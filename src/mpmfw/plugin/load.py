@@ -123,7 +123,6 @@ class BodyLoad(Load):
 
     @hookimpl
     def end_step(self, state: State) -> None:
-        """Add the work on the points."""
         for own, impulse in self._impulses:
             self.work += float(np.vdot(impulse, state.particles.velocity[own]))
 
@@ -169,7 +168,6 @@ class SurfaceLoad(Load):
     facets: IntArray
 
     def from_setup(self, setup: Setup) -> Self | str:
-        """Act on all facets of the load's bodies."""
         own = [setup.state.tracked_surface.facets_of(body.index) for body in self.bodies]
         self.facets = np.concatenate([np.arange(each.start, each.stop) for each in own])
         return self
@@ -189,7 +187,6 @@ class SurfaceLoad(Load):
 
     @hookimpl
     def end_step(self, state: State) -> None:
-        """Add the work on the facets."""
         surface = state.tracked_surface
         motion = surface.displacement[surface.facets[self.facets]]
         motion = motion.mean(axis=1) if self._share is None else np.einsum("qa,qad->qd", self._share, motion)
@@ -244,7 +241,6 @@ class Boundary(NamedPlugIn):
 
     @hookimpl
     def detect(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
-        """Project the mass of the held points alone."""
         if len(self.node_mass) != len(grid.mass):
             self.node_mass = np.zeros(len(grid.mass))
         project_mass(self.held, phi, particles.mass, self.node_mass)
@@ -267,7 +263,6 @@ class Boundary(NamedPlugIn):
 
     @hookimpl
     def end_step(self) -> None:
-        """Count the work of the next step."""
         self.left = self.calls
 
 

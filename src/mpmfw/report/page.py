@@ -64,7 +64,6 @@ def write_report(results: Results, path: str | os.PathLike[str]) -> None:
 
 
 def _run(tree: xr.DataTree, series: xr.Dataset) -> Mapping[str, Any]:
-    """Return what the page shows of one run."""
     notes = json.loads(tree.attrs.get("notes", "[]"))
     return {
         "summary": summary.of_run(series, tree.attrs),
@@ -75,7 +74,6 @@ def _run(tree: xr.DataTree, series: xr.Dataset) -> Mapping[str, Any]:
 
 
 def _comparison(dataset: xr.Dataset) -> Mapping[str, Any]:
-    """Return what the page shows of a comparison."""
     rows = table(dataset)
     names = list(dict.fromkeys(name for row in rows for name in row))
     columns = [name for name in names if name.endswith("_error") and name not in COLUMNS]

@@ -65,7 +65,6 @@ def slides(results: xr.DataTree | xr.Dataset) -> dict[str, Any]:
 def _pictures(
     trees: Mapping[str, xr.DataTree], times: FloatArray, limits: tuple[float, float] | None
 ) -> list[str]:
-    """Return pictures of runs at some times."""
     movie = Movie(trees, _FIELD, times=times, limits=limits)
     pictures = []
     for index in range(len(movie)):

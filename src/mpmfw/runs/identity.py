@@ -78,7 +78,6 @@ def is_current(code: Mapping[str, str]) -> bool:
 
 @functools.cache
 def _home(kind: Kind, name: str) -> str:
-    """Top package of a plug-in."""
     return choices(kind)[name].module.partition(".")[0]
 
 

@@ -73,11 +73,9 @@ class OnFacets(Detection):
     rank: IntArray  #: (body,) items are tested against facets of bodies of the same or a higher rank
 
     def parts(self) -> list[Any]:
-        """Return the limit of travel."""
         return [TravelLimit(self)]
 
     def reach(self, cell_size: float) -> float:
-        """Return the search radius [m]; ``cell_size`` is h [m]."""
         return float(self.options.search_radius) * cell_size
 
     def prepare(self, setup: Setup, owner: str) -> None:
@@ -103,7 +101,6 @@ class OnFacets(Detection):
         raise NotImplementedError
 
     def list_pairs(self, state: State) -> None:
-        """List which bodies are searched against each other."""
         self.near.list_pairs(state.pair_bodies, self.rank, self.acting(state))
 
     def fill(self, rows: ContactRows, write: Callable[[], int]) -> None:
@@ -147,11 +144,9 @@ class Surfaces(OnFacets):
         return [*super().parts(), InterfaceLayer(self.options.interface_thickness)]
 
     def fields(self) -> list[ArrayField]:
-        """Return the force of the surface nodes."""
         return [FORCE]
 
     def prepare(self, setup: Setup, owner: str) -> None:
-        """Prepare the search, and allocate its candidates."""
         super().prepare(setup, owner)
         slots = 8 if self.every_facet else min(max(len(setup.bodies) - 1, 1), 3)
         axes, text = ("surface_node", "slot"), "candidates of surface nodes"
@@ -193,7 +188,6 @@ class Surfaces(OnFacets):
         return rows
 
     def radii(self, rows: ContactRows, grid: Grid) -> FloatArray:  # noqa: ARG002
-        """Return x of the slave nodes."""
         assert isinstance(rows, SurfaceRows)
         return np.asarray(self.surface.position[rows.places.slave[: rows.count], 0])
 
@@ -280,7 +274,6 @@ class SurfaceRows(ContactRows):
     n_bodies: int  #: identity is that of the node times this and the other body's index
 
     def make_room(self, rows: int, entries: int) -> None:
-        """Allocate the rows and their places."""
         super().make_room(rows, entries)
         dim = self.dim
         self.places = Places(

@@ -44,12 +44,10 @@ class InterfaceLayer:
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        """Mass and velocity of the layer."""
         return [MASS, VELOCITY]
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        """Mass of every surface node."""
         surface = self.surface = setup.state.tracked_surface
         self.state, self.flip = setup.state, setup.flip
         density = np.array([0.0 if body.rigid else body.areal_density for body in setup.bodies])
