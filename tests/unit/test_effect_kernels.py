@@ -7,7 +7,7 @@ import numpy_twins as twin
 import pytest
 
 from mpmfw.api import Stencil
-from mpmfw.effects.side_rows import TABULATED, SideTable, meet, splines, tabulate
+from mpmfw.effects.side_rows import TABULATED, SideTable, basis_at_places, meet, tabulate
 from mpmfw.kernels import struct
 from mpmfw_shape.cpdi2 import fill_cpdi2, move_corners
 
@@ -22,7 +22,7 @@ def test_weights_at_a_side_read_a_linear_velocity(degree):
     places = (np.arange(len(values)) - len(values) // 2) / TABULATED
     x = np.arange(-9, 10) - 0.37
     along = np.empty_like(x)
-    splines(x, degree, along)
+    basis_at_places(x, degree, 1, along)
     for weights in (np.interp(x, places, values), along):
         assert weights.sum() == pytest.approx(1.0)
         assert weights @ x == pytest.approx(0.0, abs=1e-12)

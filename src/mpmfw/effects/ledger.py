@@ -12,14 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from mpmfw.effects import series
 from mpmfw.effects.ledger_works import EnergyGuard, HalfStep, add_change, grid_energy, impulse_work
-from mpmfw.effects.series import (
-    StrainEnergies,
-    affine_energies,
-    energy_unit,
-    kinetic_energy_of,
-    negligible_energy,
-)
 from mpmfw.plugin.hooks import Observer
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Effect, Setup
@@ -39,40 +33,20 @@ TERMS = {
 }
 
 
-def _series(name: str, meaning: str) -> Field:
-    return Field(name, (), "J m-1", meaning, "series", output=True)
-
-
-WORK_FIELDS = {
-    "gravity": _series("gravity_work", "work of gravity on all bodies since time zero"),
-    "external": _series("external_work", "work of loads and prescribed sides on all bodies since time zero"),
-    "contact": _series(
-        "contact_work", "work of contact on all bodies since time zero (spring energy taken up is negative)"
-    ),
-    "inertia": _series(
-        "inertia_work", "kinetic energy that the inertia corrections added on the grid since time zero"
-    ),
+MEANINGS = {
+    "gravity_work": "work of gravity on all bodies since time zero",
+    "external_work": "work of loads and prescribed sides on all bodies since time zero",
+    "contact_work": "work of contact on all bodies since time zero (spring energy taken up is negative)",
+    "inertia_work": "kinetic energy that the inertia corrections added on the grid since time zero",
+    "transfer_dissipation": "kinetic and affine energy lost between material points and grid since time zero",
+    "energy_residual": "kinetic, affine and strain energy that no other term of the ledger accounts for",
+    "contact_residual": "work of contact since time zero that its springs, friction and dashpots do not "
+    "account for",
+    "half_step_work": "part of energy_residual without error in time: work of the internal forces on what "
+    "the transfer takes from the velocity half a step on, negative where it is lost",
+    "contact_half_step_work": "part of contact_residual without error in time: work of contact on what the "
+    "transfer takes from the velocity",
 }
-DISSIPATION = _series(
-    "transfer_dissipation", "kinetic and affine energy lost between material points and grid since time zero"
-)
-RESIDUAL = _series(
-    "energy_residual", "kinetic, affine and strain energy that no other term of the ledger accounts for"
-)
-CONTACT_RESIDUAL = _series(
-    "contact_residual",
-    "work of contact since time zero that its springs, friction and dashpots do not account for",
-)
-HALF_STEP = _series(
-    "half_step_work",
-    "part of energy_residual without error in time: work of the internal forces on what the transfer "
-    "takes from the velocity half a step on, negative where it is lost",
-)
-CONTACT_HALF_STEP = _series(
-    "contact_half_step_work",
-    "part of contact_residual without error in time: work of contact on what the transfer takes from the "
-    "velocity",
-)
 
 #: Works that a contact with springs reports, as ``State.arrays`` of each pair [J/m].
 SPRING_RECORDS = ("energy", "frictional_work", "damping_work", "spring_work")
@@ -80,7 +54,7 @@ SPRING_RECORDS = ("energy", "frictional_work", "damping_work", "spring_work")
 
 def motion_energy(state: State) -> float:
     """Return the kinetic and affine energy of the material points [J/m]."""
-    return kinetic_energy_of(state) + float(affine_energies(state).sum())
+    return series.kinetic_energy_of(state) + float(series.affine_energies(state).sum())
 
 
 class EnergyLedger(Observer):
@@ -103,7 +77,7 @@ class EnergyLedger(Observer):
 
     def __init__(self, setup: Setup, terms: list[str]) -> None:
         contact: Any = setup.contact
-        self.strain: StrainEnergies = setup.plugin("body_series").strain
+        self.strain: series.StrainEnergies = setup.plugin("body_series").strain
         self.damping: Any = setup.plugin("material_damping")
         self.state, self.terms = setup.state, terms
         self.reaction: Any = setup.plugin("reaction")  #: None without rigid bodies
@@ -113,7 +87,7 @@ class EnergyLedger(Observer):
         #: None where the scene allows unstable runs.
         self.guard: EnergyGuard | None = None
         if not setup.allow_unstable:
-            nothing, unit = negligible_energy(setup.state), energy_unit(setup.state)
+            nothing, unit = series.negligible_energy(setup.state), series.energy_unit(setup.state)
             self.guard = EnergyGuard(nothing, setup.remedies, unit)
         self.motion = self.start = self.lost = 0.0
         self._forget()
@@ -155,10 +129,11 @@ class EnergyLedger(Observer):
     @hookimpl
     def declare_fields(self) -> list[Field]:
         """The works that there are, what the transfer loses, and the residual."""
-        fields = [*(WORK_FIELDS[term] for term in self.terms), DISSIPATION, RESIDUAL]
-        fields += [CONTACT_RESIDUAL] if self.accounted else []
-        fields += [HALF_STEP] if self.half_steps else []
-        return fields + ([CONTACT_HALF_STEP] if self.tells_motion else [])
+        names = [*(f"{term}_work" for term in self.terms), "transfer_dissipation", "energy_residual"]
+        names += ["contact_residual"] if self.accounted else []
+        names += ["half_step_work"] if self.half_steps else []
+        names += ["contact_half_step_work"] if self.tells_motion else []
+        return [Field(name, (), "J m-1", MEANINGS[name], "series", output=True) for name in names]
 
     def before(self, hook: str, plugin: Any, grid: Grid, dt: float) -> None:
         if plugin is not None:
@@ -241,18 +216,18 @@ class EnergyLedger(Observer):
         if interval == 0.0:
             self._restart(state)
         residual = self._balance(state)
-        series = {f"{term}_work": self.work[term] for term in self.terms}
-        series |= {"transfer_dissipation": self.dissipated, "energy_residual": residual}
+        values = {f"{term}_work": self.work[term] for term in self.terms}
+        values |= {"transfer_dissipation": self.dissipated, "energy_residual": residual}
         if self.accounted:  # the work of contact that no record accounts for
             known = sum(float(state.arrays[f"{self.contact}/{name}"].sum()) for name in SPRING_RECORDS)
             work = self.contact_before + known  # none before the first step
-            series["contact_residual"] = 0.0 if self.loaded is None else work - self.loaded
+            values["contact_residual"] = 0.0 if self.loaded is None else work - self.loaded
         if self.half_step is not None:
             self.half_step.look(state.grid, state.particles)
-            series["half_step_work"] = self.half_step.strain
+            values["half_step_work"] = self.half_step.strain
             if self.tells_motion:
-                series["contact_half_step_work"] = self.half_step.contact
-        return {name: np.asarray(np.float64(value)) for name, value in series.items()}
+                values["contact_half_step_work"] = self.half_step.contact
+        return {name: np.asarray(np.float64(value)) for name, value in values.items()}
 
     def _balance(self, state: State) -> float:
         """Return the energy that no term accounts for [J/m]."""

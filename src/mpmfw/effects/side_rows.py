@@ -109,18 +109,17 @@ def first_of_grid(
     return (begin + parity) % 2
 
 
-@kernel
-def splines(x: Floats, degree: int, value: Floats) -> None:
-    """:func:`cardinal_spline` at many places."""
-    for q in range(len(x)):
-        value[q] = cardinal_spline(x[q], degree)
+@device
+def basis_at(x: Float, degree: int, grids: int) -> Float:
+    """Boundary basis of a node that is x cells away, on one grid or on two."""
+    return cardinal_spline(x, degree) if grids == 1 else compact_kernel(x)
 
 
 @kernel
-def compact_kernels(x: Floats, value: Floats) -> None:
-    """:func:`compact_kernel` at many places."""
+def basis_at_places(x: Floats, degree: int, grids: int, value: Floats) -> None:
+    """:func:`basis_at` at many places."""
     for q in range(len(x)):
-        value[q] = compact_kernel(x[q])
+        value[q] = basis_at(x[q], degree, grids)
 
 
 def tabulate(normal: FloatArray, axis: int, degree: int, grids: int) -> tuple[float, FloatArray]:
@@ -134,7 +133,7 @@ def tabulate(normal: FloatArray, axis: int, degree: int, grids: int) -> tuple[fl
     half = 0.5 * (degree + 1)
     across = (np.arange(int(QUADRATURE * 2 * half)) + 0.5) / QUADRATURE - half
     value = np.empty_like(across)
-    splines(across, degree, value)
+    basis_at_places(across, degree, 1, value)
     value = 0.5 * (value + value[::-1]) / value.sum()
     shift, share = np.zeros(1), np.ones(1)
     for d, component in enumerate(normal):
@@ -148,10 +147,7 @@ def tabulate(normal: FloatArray, axis: int, degree: int, grids: int) -> tuple[fl
     x = np.arange(-steps, steps + 1) / TABULATED
     away = np.subtract.outer(x, shift)
     value = np.empty(away.size)
-    if grids == 1:
-        splines(away.ravel(), degree, value)
-    else:
-        compact_kernels(away.ravel(), value)
+    basis_at_places(away.ravel(), degree, grids, value)
     return steps / TABULATED, value.reshape(away.shape) @ share
 
 
@@ -160,7 +156,7 @@ def weight_at(x: Float, s: int, degree: int, sides: PlaneSides) -> Float:
     """c of side s at x cells from it along a column."""
     begin, count = sides.tabulated[s], sides.tabulated[s + 1] - sides.tabulated[s]
     if count == 0:
-        return cardinal_spline(x, degree) if sides.grids[0] == 1 else compact_kernel(x)
+        return basis_at(x, degree, sides.grids[0])
     place = x * TABULATED + 0.5 * (count - 1)
     j = min(max(int(place), 0), count - 2)
     return sides.weight[begin + j] + (place - j) * (sides.weight[begin + j + 1] - sides.weight[begin + j])

@@ -29,20 +29,15 @@ def started_gmsh(needed_for: str) -> Iterator[Any]:
     running = gmsh.isInitialized()
     if not running:
         gmsh.initialize(readConfigFiles=False, interruptible=False)
-        _keep_python_s_answer_to_broken_pipes()
+        if hasattr(signal, "SIGPIPE") and threading.current_thread() is threading.main_thread():
+            # gmsh sets it to end the process: again an error of Python
+            signal.signal(signal.SIGPIPE, signal.getsignal(signal.SIGPIPE))
     try:
         gmsh.option.setNumber("General.Terminal", 0)
         yield gmsh
     finally:
         if not running:
             gmsh.finalize()
-
-
-def _keep_python_s_answer_to_broken_pipes() -> None:
-    """Restore Python's handling of SIGPIPE, which gmsh sets to end the process."""
-    if hasattr(signal, "SIGPIPE") and threading.current_thread() is threading.main_thread():
-        # An error of Python, not of gmsh
-        signal.signal(signal.SIGPIPE, signal.getsignal(signal.SIGPIPE))
 
 
 def read_blocks(path: Path, kinds: Mapping[int, int]) -> tuple[FloatArray, dict[int, IntArray]]:

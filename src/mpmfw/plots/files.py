@@ -42,7 +42,9 @@ def figures_of(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
         return {}
     dataset = without_round_off(dataset)
     if "status" not in dataset:
-        return {"series": (_overview(dataset), "Series of the bodies and pairs.")}
+        present = [name for name in _OVERVIEW if name in dataset] or list(map(str, dataset.data_vars))[:6]
+        figure = history(xr.DataTree.from_dict({"series": dataset}), present)
+        return {"series": (figure, "Series of the bodies and pairs.")}
     text = f" {drawn_values(dataset)}." if drawn_values(dataset) else ""
     return {name: (draw(dataset), caption + text) for name, draw, caption in _figures(dataset)}
 
@@ -83,11 +85,6 @@ def _figures(dataset: xr.Dataset) -> Iterator[tuple[str, Callable[[xr.Dataset], 
 def _most(found: Sequence[str]) -> str:
     """Return how many bodies or pairs a figure leaves out."""
     return f"; {scene.MOST} of {len(found)}" if len(found) > scene.MOST else ""
-
-
-def _overview(series: xr.Dataset) -> Figure:
-    present = [name for name in _OVERVIEW if name in series] or [str(name) for name in series.data_vars][:6]
-    return history(xr.DataTree.from_dict({"series": series}), present)
 
 
 def plot_file(

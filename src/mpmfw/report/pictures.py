@@ -69,7 +69,10 @@ def _pictures(
     pictures = []
     for index in range(len(movie)):
         movie.show(index)
-        pictures.append(_png(movie.figure))
+        content = io.BytesIO()
+        with journal_style():
+            movie.figure.savefig(content, format="png", dpi=200)
+        pictures.append(base64.b64encode(content.getvalue()).decode("ascii"))
     return pictures
 
 
@@ -96,10 +99,3 @@ def field_differences(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
         )
         return {"difference": (field(dataset, _FIELD, against=first), caption)}
     return {}
-
-
-def _png(figure: Figure) -> str:
-    content = io.BytesIO()
-    with journal_style():
-        figure.savefig(content, format="png", dpi=200)
-    return base64.b64encode(content.getvalue()).decode("ascii")
