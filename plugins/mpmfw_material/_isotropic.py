@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field, TypeAdapter, ValidationError, model_validator
 
 from mpmfw.api.material import Material
-from mpmfw.api.types import FloatArray, OptionsModel, Particles, Setup, hookimpl
+from mpmfw.api.types import FloatArray, OptionsModel, Setup, hookimpl
 from mpmfw.api.units import Pressure
 
 _PAIRS = ("bulk_modulus", "shear_modulus"), ("youngs_modulus", "poissons_ratio")
@@ -80,11 +80,6 @@ class Elastic(Isotropic):
     def setup(self, setup: Setup) -> None:
         self.evaluate = self.kernel
         self.constants = self.bulk_modulus, self.shear_modulus, setup.state.grid.tensor_spacing
-
-    @hookimpl
-    def update_stress(self, particles: Particles) -> None:
-        f, stress = particles.deformation_gradient, particles.stress
-        self.over_points(self.evaluate, particles, f, stress, *self.constants)
 
     def cauchy_stress(self, deformation_gradient: FloatArray) -> FloatArray:
         """σ, (n, 3, 3) [Pa]."""

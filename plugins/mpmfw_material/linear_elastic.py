@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from mpmfw.api.types import FloatArray
+from mpmfw.api.types import FloatArray, Particles, hookimpl
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.arithmetic import invert
 from mpmfw.kernels.types import Floats
@@ -76,6 +76,11 @@ class LinearElastic(Elastic):
     @property
     def kernel(self) -> Callable[..., None]:
         return linear_elastic_stress
+
+    @hookimpl
+    def update_stress(self, particles: Particles) -> None:
+        f, stress = particles.deformation_gradient, particles.stress
+        self.over_points(self.evaluate, particles, f, stress, *self.constants)
 
     def energy_density(self, deformation_gradient: FloatArray) -> FloatArray:
         """W = λ/2 tr²(U − 1) + G |U − 1|², (n,) [J/m^3]; exact to second order in the strain."""

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from mpmfw.api.types import FloatArray
+from mpmfw.api.types import FloatArray, Particles, hookimpl
 from mpmfw.kernels import device, kernel, lanes, scratch
 from mpmfw.kernels.arithmetic import determinant
 from mpmfw.kernels.types import Float, Floats
@@ -129,6 +129,11 @@ class NeoHookean(Elastic):
     @property
     def kernel(self) -> Callable[..., None]:
         return neo_hookean_split if self.options.energy == "split" else neo_hookean_log
+
+    @hookimpl
+    def update_stress(self, particles: Particles) -> None:
+        f, stress = particles.deformation_gradient, particles.stress
+        self.over_points(self.evaluate, particles, f, stress, *self.constants)
 
     def energy_density(self, deformation_gradient: FloatArray) -> FloatArray:
         """W(F), (n,) [J/m^3]."""

@@ -8,32 +8,10 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
+import hard_scenes as plane
+import hard_scenes_in_space as space
 import numpy as np
-from hard_scenes import (
-    FULL,
-    PLACES,
-    PLACES_IN_SPACE,
-    TICK,
-    corner_on_corner,
-    corner_on_flat,
-    impact,
-    long_rest,
-    long_sliding,
-    oblique,
-    parting,
-    placed,
-    slow,
-    soft_and_stiff,
-    solid,
-    spin,
-    stack,
-    thin,
-    three_at_a_node,
-)
-from hard_scenes_in_space import corner_on_face, edge_on_corner, edge_on_edge, light_and_heavy
-from hard_scenes_in_space import soft_and_stiff as soft_and_stiff_in_space
-from hard_scenes_in_space import stack as stack_in_space
-from hard_scenes_in_space import thin as thin_in_space
+from hard_scenes import FULL, TICK, placed
 
 from mpmfw.api import SimulationError
 from mpmfw.plugin.discovery import load
@@ -112,46 +90,46 @@ class Case:
 NEAR = (1.25, 1.05)
 
 CASES: dict[str, Case] = {
-    "equal": Case(impact, drawn=True),
-    "stiffness-100": Case(lambda: soft_and_stiff(1e2), 600, drawn=True),
-    "stiffness-10000": Case(lambda: soft_and_stiff(1e4), 1500),
-    "density-10": Case(lambda: impact(other=solid(density=10.0)), drawn=True),
-    "density-1000": Case(lambda: impact(other=solid(density=1e3))),
-    "nearly-incompressible": Case(lambda: impact(other=solid(poisson=0.49)), drawn=True),
-    "corner-flat": Case(corner_on_flat, depth=0.5),
-    "corner-corner": Case(corner_on_corner, depth=0.5),
-    "thin": Case(thin),
-    "gap-0": Case(lambda: impact(0.0), drawn=True),
-    "gap-0.9": Case(lambda: impact(0.9)),
+    "equal": Case(plane.impact, drawn=True),
+    "stiffness-100": Case(lambda: plane.soft_and_stiff(1e2), 600, drawn=True),
+    "stiffness-10000": Case(lambda: plane.soft_and_stiff(1e4), 1500),
+    "density-10": Case(lambda: plane.impact(other=plane.solid(density=10.0)), drawn=True),
+    "density-1000": Case(lambda: plane.impact(other=plane.solid(density=1e3))),
+    "nearly-incompressible": Case(lambda: plane.impact(other=plane.solid(poisson=0.49)), drawn=True),
+    "corner-flat": Case(plane.corner_on_flat, depth=0.5),
+    "corner-corner": Case(plane.corner_on_corner, depth=0.5),
+    "thin": Case(plane.thin),
+    "gap-0": Case(lambda: plane.impact(0.0), drawn=True),
+    "gap-0.9": Case(lambda: plane.impact(0.9)),
     "overlap": Case(
-        lambda: {**impact(-0.1, 0.01), "allow_overlap": True},
+        lambda: {**plane.impact(-0.1, 0.01), "allow_overlap": True},
         depth=0.15,
     ),
-    "overlap-refused": Case(lambda: impact(-0.1), refusal="overlap"),
-    "three-at-a-node": Case(three_at_a_node),
-    "stack": Case(stack, free=False, check=stays),
-    "oblique": Case(oblique, 100, depth=0.5),
-    "long-rest": Case(long_rest, 100000 if FULL else 1000, free=False, check=stays),
-    "long-sliding": Case(long_sliding, 8500 if FULL else 850, free=False),
-    "spin": Case(spin, depth=0.2),
-    "parting": Case(parting, check=parts_freely),
-    "step-0.5": Case(slow, finish=near_limit(0.5)),
-    "step-0.9": Case(slow, finish=near_limit(0.9), growth=NEAR),
-    "step-1.1": Case(slow, finish=near_limit(1.1), refusal="stability limit"),
-    "kappa-0.5": Case(slow, finish=stiff_springs(0.5), springs=True),
-    "kappa-0.9": Case(slow, finish=stiff_springs(0.9), springs=True, growth=NEAR),
-    "kappa-1.1": Case(slow, finish=stiff_springs(1.1), springs=True, refusal="stability limit"),
+    "overlap-refused": Case(lambda: plane.impact(-0.1), refusal="overlap"),
+    "three-at-a-node": Case(plane.three_at_a_node),
+    "stack": Case(plane.stack, free=False, check=stays),
+    "oblique": Case(plane.oblique, 100, depth=0.5),
+    "long-rest": Case(plane.long_rest, 100000 if FULL else 1000, free=False, check=stays),
+    "long-sliding": Case(plane.long_sliding, 8500 if FULL else 850, free=False),
+    "spin": Case(plane.spin, depth=0.2),
+    "parting": Case(plane.parting, check=parts_freely),
+    "step-0.5": Case(plane.slow, finish=near_limit(0.5)),
+    "step-0.9": Case(plane.slow, finish=near_limit(0.9), growth=NEAR),
+    "step-1.1": Case(plane.slow, finish=near_limit(1.1), refusal="stability limit"),
+    "kappa-0.5": Case(plane.slow, finish=stiff_springs(0.5), springs=True),
+    "kappa-0.9": Case(plane.slow, finish=stiff_springs(0.9), springs=True, growth=NEAR),
+    "kappa-1.1": Case(plane.slow, finish=stiff_springs(1.1), springs=True, refusal="stability limit"),
 }
 
 #: Those in space; the bounds are those of the plane.
 IN_SPACE: dict[str, Case] = {
-    "space-stiffness-10000": Case(soft_and_stiff_in_space, 400),
-    "space-density-1000": Case(light_and_heavy),
-    "space-edge-edge": Case(edge_on_edge, depth=0.5),
-    "space-corner-face": Case(corner_on_face, depth=0.5),
-    "space-edge-corner": Case(edge_on_corner, depth=0.5),
-    "space-thin": Case(thin_in_space),
-    "space-stack": Case(stack_in_space, free=False, check=stays, costly=True),
+    "space-stiffness-10000": Case(space.soft_and_stiff, 400),
+    "space-density-1000": Case(space.light_and_heavy),
+    "space-edge-edge": Case(space.edge_on_edge, depth=0.5),
+    "space-corner-face": Case(space.corner_on_face, depth=0.5),
+    "space-edge-corner": Case(space.edge_on_corner, depth=0.5),
+    "space-thin": Case(space.thin),
+    "space-stack": Case(space.stack, free=False, check=stays, costly=True),
 }
 _ALL = CASES | IN_SPACE
 
@@ -180,8 +158,8 @@ def rows() -> Iterator[Row]:
     In the plane a case meets three methods, one at each shift, in space two; in full all methods at all
     places. Those in space come first: the other worker of the tests compiles the kernels of the plane."""
     for cases, methods, places, few in (
-        (IN_SPACE, METHODS_IN_SPACE, PLACES_IN_SPACE, 2),
-        (CASES, METHODS, PLACES, 3),
+        (IN_SPACE, METHODS_IN_SPACE, plane.PLACES_IN_SPACE, 2),
+        (CASES, METHODS, plane.PLACES, 3),
     ):
         for i, (name, case) in enumerate(cases.items()):
             able = [method for method in methods if not case.springs or method[0] == "penalty"]

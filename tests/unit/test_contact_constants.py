@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -38,8 +39,7 @@ def block(left, bottom, right, top, segment=SEGMENT):
 
 def found_with(loops, **constants):
     """Candidates of the search."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(search, "find_candidates", interpreted(search.find_candidates, **constants))
+    with mock.patch.object(search, "find_candidates", interpreted(search.find_candidates, **constants)):
         return contact_kernels.find(loops, h=H)
 
 
@@ -140,9 +140,7 @@ def on_shared_nodes(**constants):
     mapping = impact(gap=0.0481, speed=0.1 * wave_speed("soft"), slide=0.0, friction=0.0)
     for each in mapping["bodies"].values():  # to where splines reach some nodes by next to nothing
         each["geometry"] |= {end: [x + 0.2 * CELL, y] for end, (x, y) in list(each["geometry"].items())[1:]}
-    with pytest.MonkeyPatch.context() as patch:
-        for name, value in constants.items():
-            patch.setattr(nodes, name, value)
+    with mock.patch.dict(vars(nodes), constants):
         simulation = Simulation(mapping, contact="nodes+penalty(kappa=1)", shape="bspline")
         bulk, steps, gaps = simulation.limits()[0][0], [], []
         gap = simulation.manager.get_plugin("gap")
@@ -155,9 +153,7 @@ def on_shared_nodes(**constants):
 
 def ranks(**constants):
     """Ranks of moduli of which two are equal but for rounding, and a third differs by 1e-5."""
-    with pytest.MonkeyPatch.context() as patch:
-        for name, value in constants.items():
-            patch.setattr(strategy, name, value)
+    with mock.patch.dict(vars(strategy), constants):
         return strategy.ranks_of(np.array([1.0, 2.0, 2.0 * (1.0 + 1e-9), 2.0 * (1.0 + 1e-5)])).tolist()
 
 
@@ -165,9 +161,7 @@ def is_flush(body, cover, first, second, **constants):
     """True if the facet of a cover between two places is flush with the body's node at the origin."""
     loops = join([np.array(body), np.array(cover)])
     node = int(np.flatnonzero(np.isclose(loops.position, 0.0).all(axis=1))[0])
-    with pytest.MonkeyPatch.context() as patch:
-        for name, value in constants.items():
-            patch.setattr(seams, name, value)
+    with mock.patch.dict(vars(seams), constants):
         flush_with = njit(seams.is_flush.py_func)
         return bool(
             flush_with(node, facet_of(loops, first, second), np.array([1.0, 0.0]), loops.outline, PLANE)
@@ -201,9 +195,7 @@ def notched(**constants):
     notch = [[0.0, 1.0], [0.2887, 0.5], [0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]
     loops = join([np.array(body), np.array(notch)])
     listed = np.array([facet_of(loops, *notch[k : k + 2]) for k in (0, 1)], dtype=np.int32)
-    with pytest.MonkeyPatch.context() as patch:
-        for name, value in constants.items():
-            patch.setattr(seams, name, value)
+    with mock.patch.dict(vars(seams), constants):
         covered = njit(seams.is_covered.py_func)
         return bool(covered(facet_of(loops, body[0], body[1]), listed, 0, 2, loops.outline, PLANE))
 

@@ -221,7 +221,6 @@ def test_rows_of_oblique_sides_are_met_in_half_of_the_passes(monkeypatch):
     np.testing.assert_allclose(velocity, expected, rtol=1e-6)
 
 
-# -- what watches a run, and local inertia
 # -- linear functions, whose least share keeps nodes at the edge
 def test_a_point_on_a_grid_line_reaches_the_next_node_by_next_to_nothing():
     """Without a share the node has a gradient and no mass; a larger one would move the point."""

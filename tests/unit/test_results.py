@@ -141,9 +141,6 @@ def test_plain_xarray_opens_every_run(tmp_path, interval):
     with RunWriter(path, header(surface_count={"ball": 3, "floor": 5})) as writer:
         for k in range(7):
             one = frame(0.1 * k)
-            one.surface = {
-                name: np.concatenate([each, each])[:8] for name, each in (one.surface | {}).items()
-            }
             one.surface = {name: np.resize(each, (8, *each.shape[1:])) for name, each in one.surface.items()}
             one.contact = {} if k < 2 else one.contact
             writer.write(one if k % interval == 0 else dataclasses.replace(one, particles={}))
