@@ -34,6 +34,10 @@ class LinearSurface(ShapeFunction):
         """Further arguments of the kernel."""
         return ()
 
+    def fill_rows(self, position: FloatArray, first: IntArray, grid: Grid, table: Stencil) -> int:
+        """Fill a ``table`` as :meth:`fill_at`; return the first point outside its window, or −1."""
+        return int(self.functions[0](position, first, grid, table, grid.spacing, *self.choices))
+
     def fill_at(
         self, position: FloatArray, first: IntArray, grid: Grid, table: Stencil, threads: Any = None
     ) -> Stencil:
@@ -41,15 +45,11 @@ class LinearSurface(ShapeFunction):
 
         Those of field f are ``first[f]:first[f + 1]``. Raise OutsideGrid for a point outside its window.
         """
-
-        def fill(first: IntArray) -> int:
-            return self.functions[0](position, first, grid, table, grid.spacing, *self.choices)
-
         if threads is None:
-            check_inside(fill(first))
+            check_inside(self.fill_rows(position, first, grid, table))
         else:
             firsts = threads.firsts(first)
-            for code in threads.each(lambda t: fill(firsts[t])):
+            for code in threads.each(lambda t: self.fill_rows(position, firsts[t], grid, table)):
                 check_inside(code)
         return table
 

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.api.types import Setup, hookimpl
+from mpmfw.api.types import FloatArray, Grid, IntArray, Particles, Products, Setup, Stencil, hookimpl
 from mpmfw.kernels import device, kernel, scratch
+from mpmfw.kernels.products import NODES, WIDTH, store_factors
 from mpmfw.kernels.stencil import fill_tensor_product, fits, read_window
 from mpmfw.kernels.types import Float, Floats, Ints, Nodes, Table
 from mpmfw_shape._tables import AtPoints, fold_at_start
-
-WIDTH = 3
 
 
 @device
@@ -30,14 +29,14 @@ def quadratic_weights(
 
 @kernel
 def fill_quadratic(
-    position: Floats, first: Ints, grid: Nodes, table: Table, spacing: tuple[float, ...],
-    at_axis: bool | None = None,
+    position: Floats, first: Ints, grid: Nodes, table: Table | None, spacing: tuple[float, ...],
+    at_axis: bool | None = None, factors: Table | None = None,
 ) -> int:  # fmt: skip
     """Quadratic B-splines at points; 3**dim entries each. Return the first point outside its window, or
-    −1. ``at_axis``: splines are modified where the grid begins."""
+    −1. ``at_axis``: splines are modified where the grid begins. ``table`` or ``factors`` are filled."""
     dim, inverse_h = len(spacing), 1.0 / spacing[0]
     origin, shape, base = scratch.vector(spacing), scratch.integers(spacing), scratch.vector(spacing)
-    w, s = scratch.matrix(spacing, (0.0, 0.0, 0.0)), scratch.matrix(spacing, (0.0, 0.0, 0.0))
+    w, s, to_base = scratch.matrix(spacing, NODES), scratch.matrix(spacing, NODES), scratch.vector(spacing)
     for f in range(len(first) - 1):
         read_window(grid, f, origin, shape, spacing)
         for p in range(first[f], first[f + 1]):
@@ -49,7 +48,12 @@ def fill_quadratic(
                 base[0] = 0.0
             if not fits(base, WIDTH, shape, spacing):
                 return p
-            fill_tensor_product(p * WIDTH**dim, WIDTH, base, w, s, shape, grid.offset[f], table, spacing)
+            if table is not None:
+                fill_tensor_product(p * WIDTH**dim, WIDTH, base, w, s, shape, grid.offset[f], table, spacing)
+            if factors is not None:
+                for d in range(dim):
+                    to_base[d] = base[d] * spacing[0] + origin[d] - position[p, d]
+                store_factors(p, base, w, s, to_base, shape, grid.offset[f], factors, spacing)
     return -1
 
 
@@ -61,14 +65,23 @@ class BSpline(AtPoints):
     spread = 0.25
     axisymmetric = True
     functions = (fill_quadratic, WIDTH)
-    at_axis: tuple[bool, ...] = ()
-
-    @property
-    def choices(self) -> tuple[bool, ...]:
-        """True where the grid begins at the axis."""
-        return self.at_axis
+    at_axis: bool | None = None  #: True where the grid begins at the axis
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        super().setup(setup)
-        self.at_axis = (True,) if setup.state.grid.axisymmetric else ()
+        if setup.state.grid.axisymmetric:  # its table is read in every step
+            super().setup(setup)
+            self.at_axis = True
+        else:
+            self.table = Products(setup.state.particles.count, setup.dim)
+
+    def fill_rows(self, position: FloatArray, first: IntArray, grid: Grid, table: Stencil) -> int:
+        """Fill a ``table``, or the factors that it is made of."""
+        factors = table.factors
+        rows = table if factors is None else None
+        return int(fill_quadratic(position, first, grid, rows, grid.spacing, self.at_axis, factors))
+
+    @hookimpl
+    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
+        table = super().interpolate(particles, grid)
+        return table.renew() if isinstance(table, Products) else table

@@ -19,7 +19,7 @@ from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import AnyArray, Field, FloatArray, IndexArray, IntArray
 from mpmfw.state.history import NotSaved, check_indices
-from mpmfw.state.structs import Body, Grid, Pair, Particles, State, Stencil, Surface
+from mpmfw.state.structs import Body, Grid, Pair, Particles, Products, State, Stencil, Surface
 
 __all__ = [
     "INTERFACE",
@@ -38,6 +38,7 @@ __all__ = [
     "Particles",
     "PlugIn",
     "PluginError",
+    "Products",
     "SceneError",
     "Setup",
     "SimulationError",

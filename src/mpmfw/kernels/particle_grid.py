@@ -35,7 +35,7 @@ def _velocity_at_origin(
 
 
 @device
-def _traction(
+def set_traction(
     points: Points, thickness: Floats | None, p: int, out: Floats, spacing: tuple[float, ...]
 ) -> None:
     """out = −V_p σ_pᵀ, so that the force on a node is Σ_e ∂φ/∂x_e out[e]."""
@@ -73,7 +73,7 @@ def _project(
         m = points.mass[p]
         _velocity_at_origin(points, position, affine, p, v, columns, spacing)
         if force is not None:
-            _traction(points, thickness, p, traction, spacing)
+            set_traction(points, thickness, p, traction, spacing)
         for k in own_entries(table.row, table.nodes, p, own_nodes):
             i = node_of(table.nodes, k)
             phi_m = table.weight[k] * m
@@ -122,7 +122,7 @@ def add_internal_force(
     for p in range(len(points.volume)):
         if own_nodes is not None and is_apart(table.row, table.nodes, p, own_nodes):
             continue
-        _traction(points, thickness, p, traction, spacing)
+        set_traction(points, thickness, p, traction, spacing)
         for k in own_entries(table.row, table.nodes, p, own_nodes):
             _add_force(k, table, traction, grid.force, spacing)
 

@@ -9,12 +9,12 @@ from __future__ import annotations
 import bisect
 import dataclasses
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from mpmfw.errors import SceneError, SimulationError
-from mpmfw.kernels import Struct, struct
+from mpmfw.kernels import Struct, products, struct
 from mpmfw.state.fields import AnyArray, FloatArray, IndexArray, IntArray
 
 
@@ -28,6 +28,7 @@ class Stencil(Struct):
     nodes: IndexArray  #: (n_entries,) flat node index, the velocity field's offset included
     weight: FloatArray  #: (n_entries,) φ_ip
     gradient: FloatArray  #: (n_entries, dim) ∇φ_ip [1/m]; (0, dim) for surface nodes
+    factors: ClassVar[Factors | None] = None  #: of products, from which the step takes sums
 
     def __init__(self, row: IntArray, nodes: IndexArray, weight: FloatArray, gradient: FloatArray) -> None:
         super().__init__(row=row, nodes=nodes, weight=weight, gradient=gradient)
@@ -51,6 +52,56 @@ class Stencil(Struct):
         _, nodes, weight, gradient = self.kernel_arrays
         self.__dict__.update(nodes=nodes[:entries], weight=weight[:entries], gradient=gradient[:entries])
         return self
+
+
+class Factors(Struct):
+    """Functions of one coordinate whose products are the shape functions of points, φ_ip = Π_d w_d."""
+
+    member_names = ("node", "shape", "along")
+
+    node: IndexArray  #: (n_points,) flat index of the first node
+    shape: IndexArray  #: (n_points, dim) number of nodes of the window
+    along: (
+        FloatArray  #: (n_points, dim, 3, 3) w, w' [1/m] and w (x_i − x_p) [m] of three nodes along each axis
+    )
+
+    def __init__(self, node: IndexArray, shape: IndexArray, along: FloatArray) -> None:
+        super().__init__(node=node, shape=shape, along=along)
+
+    def part(self, begin: int, end: int) -> Factors:
+        """Return the factors of the points ``begin:end``, as views."""
+        return Factors(*(array[begin:end] for array in self.kernel_arrays))
+
+
+class Products(Stencil):
+    """Table of products of ``factors``: it is made when it is first read after :meth:`renew`."""
+
+    factors: Factors  # type: ignore[misc]
+
+    def __init__(self, points: int, dim: int) -> None:
+        of_points = np.zeros(points, dtype=np.int32), np.zeros((points, dim), dtype=np.int32)
+        self.factors = Factors(*of_points, np.zeros((points, dim, 3, products.WIDTH)))
+        self._table: Stencil | None = None
+
+    def renew(self) -> Products:
+        """Forget what was made of other factors; return the object."""
+        for name in [name for name in self.__dict__ if name not in ("factors", "_table")]:
+            del self.__dict__[name]
+        return self
+
+    def __getattr__(self, name: str) -> Any:
+        """Make the table of which ``name`` is an attribute."""
+        if name not in (*self.member_names, "kernel_arrays", "_numba_type_", "_numbers", "_address"):
+            raise AttributeError(name)
+        points, dim = self.factors.shape.shape
+        if self._table is None:
+            entries = products.WIDTH**dim
+            row = np.arange(points + 1, dtype=np.int64) * entries
+            count = points * entries
+            self._table = Stencil(row, np.zeros(count, np.int32), np.zeros(count), np.zeros((count, dim)))
+        products.fill_products(self.factors, self._table, (0.0,) * dim)
+        self.__dict__.update(self._table.__dict__)
+        return self.__dict__[name]
 
 
 @dataclass(frozen=True, slots=True)

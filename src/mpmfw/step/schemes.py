@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from mpmfw.errors import Diverged, OutsideGrid
-from mpmfw.kernels import integrate_momentum, motion, particle_grid, velocity_of_momentum
+from mpmfw.kernels import integrate_momentum, motion, particle_grid, products, velocity_of_momentum
 from mpmfw.state.fields import FloatArray
 from mpmfw.state.structs import Grid, Particles, State, Stencil
 from mpmfw.state.windows import fit_windows
@@ -164,7 +164,7 @@ def _fill_tables(state: State, hook: Any, clock: Clock) -> Stencil:
     particles, grid, surface = state.particles, state.grid, state.surface
     phi: Stencil = hook.interpolate(particles=particles, grid=grid)
     if particles.threads is not None:
-        particles.threads.share_nodes(phi.row, phi.nodes)
+        particles.threads.share_nodes(phi)
     if surface is not None:
         clock(surface.stage)
         position, first = surface.position, surface.first
@@ -192,16 +192,24 @@ def _over_nodes(p: Particles, kernel: Callable[..., Any], *given: Any) -> None:
         p.threads.over_nodes(kernel, p, *given)
 
 
+def _kernels_of(phi: Stencil, by_factors: bool = True) -> tuple[Any, Any]:
+    """Kernels between points and nodes, and what they read: of products the factors, if they can."""
+    if phi.factors is not None and by_factors:
+        return products, phi.factors
+    return particle_grid, phi
+
+
 def project(p: Particles, phi: Stencil, g: Grid, *, force: bool = False) -> None:
     """m_i, (m v)_i and v_i⁰; forces become −Σ V σ·∇φ, or zero without ``force``."""
+    kernels, table = _kernels_of(phi)
     for array in (g.mass, g.momentum, g.force):
         array.fill(0.0)
     _apply_moment(p, phi, g, p.position)
     if force:
-        _over_nodes(p, particle_grid.project_with_force, p.affine, p.thickness, phi, g, g.spacing)
+        _over_nodes(p, kernels.project_with_force, p.affine, p.thickness, table, g, g.spacing)
         _add_hoop_force(p, phi, g)
     else:
-        _over_nodes(p, particle_grid.project, p.position, p.affine, phi, g, g.mass, g.spacing)
+        _over_nodes(p, kernels.project, p.position, p.affine, table, g, g.mass, g.spacing)
     velocity_of_momentum(g.mass, g.momentum, g.start_velocity, g.spacing)
 
 
@@ -209,7 +217,8 @@ def project_again(p: Particles, phi: Stencil, g: Grid, position: FloatArray) -> 
     """(m v)_i of the new v and C, at the ``position`` that φ belongs to (MUSL)."""
     _apply_moment(p, phi, g, position)
     g.momentum.fill(0.0)
-    _over_nodes(p, particle_grid.project, position, p.affine, phi, g, None, g.spacing)
+    kernels, table = _kernels_of(phi)
+    _over_nodes(p, kernels.project, position, p.affine, table, g, None, g.spacing)
 
 
 def _apply_moment(p: Particles, phi: Stencil, g: Grid, position: FloatArray) -> None:
@@ -245,7 +254,8 @@ def gather(p: Particles, phi: Stencil, g: Grid, transfer: Transfer, dt: float) -
     kind = transfer.affine
     affine = p.moment if kind == "moment" else p.affine if kind == "least_squares" else None
     factor = 1.0 if kind == "moment" else transfer.inverse_spread
-    _over_points(p, particle_grid.gather, affine, phi, g, factor, transfer.flip, dt, g.spacing)
+    kernels, table = _kernels_of(phi, affine is None or factor != 0.0)
+    _over_points(p, kernels.gather, affine, table, g, factor, transfer.flip, dt, g.spacing)
     if kind == "gradient" and p.affine is not None:
         p.affine[...] = p.velocity_gradient
 

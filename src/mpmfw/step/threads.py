@@ -29,7 +29,7 @@ from mpmfw.kernels import kernel
 from mpmfw.kernels._jit import intrinsic
 from mpmfw.kernels.stencil import FULL, NodeRange
 from mpmfw.kernels.types import Ints
-from mpmfw.state.fields import IndexArray, IntArray
+from mpmfw.state.fields import IntArray
 from mpmfw.state.structs import Stencil
 
 _arrayobj: Any = arrayobj  # numba has no annotations here
@@ -174,10 +174,10 @@ class Threads:
         else:
             kernel(*arguments)
 
-    def share_nodes(self, row: IntArray, nodes: IndexArray) -> None:
+    def share_nodes(self, table: Stencil) -> None:
         """Cut the nodes now and then so that as many points begin in each share."""
         if self._left == 0 and self.rows_ascend:
-            lowest = nodes[row[:-1]]
+            lowest = table.nodes[table.row[:-1]]
             ranks = [len(lowest) * t // self.count for t in range(1, self.count)]
             cuts = [0, *np.partition(lowest, ranks)[ranks].tolist(), 2**31]
             self._shares, self._left = list(itertools.pairwise(cuts)), RENEWAL
