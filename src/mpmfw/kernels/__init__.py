@@ -4,8 +4,8 @@ They import numpy and numba alone. The dimension is the length of the tuple ``sp
 specialises by type and the disk cache hits. A plug-in marks its own kernels with :func:`kernel`, what they
 call with :func:`device`, and takes scratch memory from :mod:`mpmfw.kernels.scratch`.
 
-- **Files**: the time step in ``particle_grid`` and ``motion``, numbers of several points in ``lanes``,
-  tables in ``stencil``, one facet in ``facets``, closed ``surfaces`` and their ``boxes``, rows of
+- **Files**: the time step in ``particle_grid`` and ``motion``, for products of functions of one axis in
+  ``products``, numbers of several points in ``lanes``, tables in ``stencil``, one facet in ``facets``, closed ``surfaces`` and their ``boxes``, rows of
   ``contact``, short rows and small matrices in ``arithmetic``.
 - **Types** of arguments: ``Floats``, ``Ints``, ``Indices`` are arrays of float64, int64 and int32, ``Float``
   a compiled scalar.
@@ -25,6 +25,7 @@ argument                    shape [unit]             meaning
 =========================== ======================== =========================================================
 ``points``                                           material points, an ``mpmfw.api.Particles``
 ``table``                                            their interpolation table, an ``mpmfw.api.Stencil``
+``factors``                                          factors of products, of an ``mpmfw.api.types.Products``
 ``grid``                                             nodes and windows of all fields, an ``mpmfw.api.Grid``
 ``spacing``                 dim numbers [m]          the cell size h, once for each dimension
 ``dt``                      [s]                      length of the step
