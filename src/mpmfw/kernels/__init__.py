@@ -5,8 +5,8 @@ specialises by type and the disk cache hits. A plug-in marks its own kernels wit
 call with :func:`device`, and takes scratch memory from :mod:`mpmfw.kernels.scratch`.
 
 - **Files**: the time step in ``particle_grid`` and ``motion``, for products of functions of one axis in
-  ``products``, numbers of several points in ``lanes``, tables in ``stencil``, one facet in ``facets``, closed ``surfaces`` and their ``boxes``, rows of
-  ``contact``, short rows and small matrices in ``arithmetic``.
+  ``products``, numbers of several points in ``lanes``, tables in ``stencil``, one facet in ``facets``, closed
+  ``surfaces`` and their ``boxes``, rows of ``contact``, short rows and small matrices in ``arithmetic``.
 - **Types** of arguments: ``Floats``, ``Ints``, ``Indices`` are arrays of float64, int64 and int32, ``Float``
   a compiled scalar.
 - **Structs**: a class derived from :class:`Struct` has arrays that kernels take as one argument,

@@ -1,8 +1,9 @@
 """Kernels of a time step for shape functions that are products of functions of one axis, φ_i = Π_d w_d.
 
-Three nodes along each axis touch a point. Along a line of nodes, parallel to the last axis, all other factors
-are the same: sums of one line are multiplied by them once. In space that takes half the time of a table, whose
-27 entries a point are not written either. All else is as in :mod:`mpmfw.kernels.particle_grid`.
+Three nodes along each axis touch a point. Along a line of nodes, parallel to the last axis, all other
+factors are the same: sums of one line are multiplied by them once. In space that takes half the time of a
+table, whose 27 entries a point are not written either. All else is as in
+:mod:`mpmfw.kernels.particle_grid`.
 """
 
 from __future__ import annotations
