@@ -128,6 +128,7 @@ def test_a_table_of_products_is_made_when_it_is_read():
     table = shape.interpolate(particles=particles, grid=grid)
     assert "weight" not in table.__dict__
     first = table.weight.copy()
+    assert (np.diff(table.row) == products.WIDTH**2).all()
     particles.position += 0.1 * H
     np.testing.assert_array_equal(table.weight, first)
     assert shape.interpolate(particles=particles, grid=grid) is table
