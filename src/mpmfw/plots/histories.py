@@ -22,7 +22,6 @@ from mpmfw.state.fields import FloatArray
 
 #: Panels that a page holds.
 _MOST = 24
-_CYCLE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 _STYLES: tuple[Any, ...] = ("-", "--", "-.", ":")
 _EXACT: dict[str, Any] = {"color": "black", "linewidth": 0.8, "zorder": 5}
 _THIN: dict[str, Any] = {"linewidth": 0.5, "alpha": 0.6}
@@ -148,7 +147,7 @@ def _of_one(
         look = {"linewidth": 1.1, "color": "black"}
         if curve.choice:
             (_, first), *rest = curve.choice
-            look["color"] = colours.setdefault(first, _CYCLE[len(colours) % len(_CYCLE)])
+            look["color"] = colours.setdefault(first, style.CYCLE[len(colours) % len(style.CYCLE)])
             if along := ", ".join(str(value) for _, value in rest):
                 look["linestyle"] = styles.setdefault(along, _STYLES[len(styles) % len(_STYLES)])
         lines.setdefault(curve.name, []).extend((series, curve, look) for series in runs.values())
@@ -161,7 +160,7 @@ def _of_several(
     runs: Mapping[str, xr.Dataset], curves: Sequence[Curve]
 ) -> tuple[list[Panel], list[list[Artist]]]:
     """Return a panel for each curve, with a look for each run."""
-    colours, styles = itertools.cycle(_CYCLE), itertools.cycle(_STYLES)
+    colours, styles = itertools.cycle(style.CYCLE), itertools.cycle(_STYLES)
     looks = {label: {"color": next(colours), "linestyle": next(styles), "linewidth": 1.1} for label in runs}
     panels = [
         Panel(curve.name, [(runs[label], curve, look) for label, look in looks.items()], curve.label)

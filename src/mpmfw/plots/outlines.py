@@ -12,8 +12,6 @@ from mpmfw.plots import style
 from mpmfw.plots.scene import moving_bodies
 from mpmfw.results.stored_scene import own_attributes, scene_of_results
 
-#: Bodies by colour, in the scene's order; those that stand still are grey.
-_BODIES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 _DASHED = (0, (3, 3))
 
 
@@ -37,7 +35,7 @@ def positions(dataset: xr.Dataset) -> Figure:
     figure, panels = style.new_panels(len(runs), height)
     figure.set_layout_engine("compressed")
     style.head(figure, dataset)
-    moving, turn = moving_bodies(dataset), itertools.cycle(_BODIES)
+    moving, turn = moving_bodies(dataset), itertools.cycle(style.CYCLE)
     names = [str(name) for name in dataset["body"].values]
     colours = {name: next(turn) if name in moving else "0.45" for name in names}
     scale, unit = style.length_scale(float((high - low).max()))

@@ -31,6 +31,8 @@ PAGE = 175.0 / 25.4
 #: Height that a figure has for a legend below its panels [inch].
 LEGEND = 0.45
 
+#: Of bodies, or of runs, in their order.
+CYCLE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 #: Of the installed contacts and shape functions in their order: a method looks the same in every figure.
 _COLOURS = (
     "#117733", "#D55E00", "#AA4499", "#56B4E9", "#8C564B", "#7F3C8D", "#B2B200", "#DDAA33", "#CC79A7",
