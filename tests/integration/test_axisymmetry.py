@@ -11,7 +11,7 @@ from mpmfw.errors import SceneError
 from mpmfw.runs.simulation import Simulation
 from mpmfw.step.schemes import add_internal_force, gather_velocity_gradient, interpolate, project
 from mpmfw_material.neo_hookean import NeoHookean
-from scenes_for_tests import SOFT, with_changes
+from scenes_for_tests import SOFT, scene_of, solid, with_changes
 
 RATE = np.diag([0.7, -0.4, 0.7])
 SHAPES = ("cpdi", "cpdi2", "gimp", "linear", "bspline", "cubic_bspline")
@@ -21,24 +21,9 @@ WITH_DOMAINS = SHAPES[:3]
 
 def hollow(inner=0.0, size=0.045, **changes):
     """A cylinder of 1 m in wall and height, its points at no place of the cells again and again."""
-    scene = {
-        "grid": {"cell_size": 0.1, "lower": [0.0, -0.5], "upper": [2.5, 2.0], "axisymmetric": True},
-        "time": {"end": 0.02, "output_interval": 0.01},
-        "shape": {"method": "cpdi"},
-        "materials": {"soft": SOFT},
-        "bodies": {
-            "solid": {
-                "material": "soft",
-                "geometry": {
-                    "type": "rectangle",
-                    "lower": [inner, 0.03],
-                    "upper": [inner + 1.0, 1.03],
-                },
-                "particles": {"size": size},
-            }
-        },
-    }
-    return with_changes(scene, **changes)
+    body = solid([inner, 0.03], [inner + 1.0, 1.03], size)
+    scene = scene_of({"solid": body}, 0.1, [0.0, -0.5], [2.5, 2.0], end=0.02, outputs=2)
+    return with_changes(scene, **{"grid__axisymmetric": True, **changes})
 
 
 def on_plane(inner=0.0, **changes):
@@ -61,10 +46,9 @@ def begun(scene):
 
 @pytest.mark.parametrize("shape", ["cpdi", "cpdi2"])
 def test_a_uniform_pressure_is_in_balance_within_a_turned_body(shape):
-    solid = {"type": "rectangle", "lower": [0.6, 0.2], "upper": [1.6, 1.2], "angle": 0.4}
-    particles = {"layout": "fitted", "size": 0.045}
-    changes = {"geometry": solid, "particles": particles}
-    scene = hollow(shape__method=shape, **{f"bodies__solid__{key}": value for key, value in changes.items()})
+    turned = solid([0.6, 0.2], [1.6, 1.2], 0.045, layout="fitted")
+    turned["geometry"]["angle"] = 0.4
+    scene = hollow(shape__method=shape, bodies__solid=turned)
     simulation, phi = begun(scene)
     p, grid = simulation.state.particles, simulation.state.grid
     p.stress[:], p.space.stress[:] = np.eye(2), np.eye(3)

@@ -7,7 +7,7 @@ import mpmfw
 from mpmfw.effects import initial_stress
 from mpmfw.errors import SceneError
 from mpmfw.runs.simulation import Simulation
-from scenes_for_tests import with_changes
+from scenes_for_tests import scene_of, solid, with_changes
 
 K, G, DENSITY, DEPTH = 5e6, 3e6, 2e3, 2.0
 SOIL = {
@@ -20,26 +20,13 @@ SETTLEMENT = DENSITY * 10.0 * DEPTH**2 / (2.0 * (K + 4.0 / 3.0 * G))
 
 def layer(**changes):
     """Two metres of soil between smooth walls, off the grid lines."""
-    scene = {
-        "grid": {"cell_size": 0.25, "lower": [-1.0, -1.0], "upper": [4.0, 4.0]},
-        "time": {"end": 0.1, "output_interval": 0.05},
-        "shape": {"method": "cpdi"},
-        "materials": {"soil": SOIL},
-        "gravity": {"vector": [0.0, -10.0]},
-        "bodies": {
-            "solid": {
-                "material": "soil",
-                "geometry": {"type": "rectangle", "lower": [0.0, 0.07], "upper": [1.5, 0.07 + DEPTH]},
-                "particles": {"size": 0.125},
-                "initial_stress": {"k0": 0.5},
-                "sides": [
-                    {"side": "bottom", "fixed": ["y"]},
-                    {"side": "left", "fixed": ["x"]},
-                    {"side": "right", "fixed": ["x"]},
-                ],
-            }
-        },
-    }
+    smooth = (("bottom", "y"), ("left", "x"), ("right", "x"))
+    sides = [{"side": side, "fixed": [axis]} for side, axis in smooth]
+    body = solid(
+        [0.0, 0.07], [1.5, 0.07 + DEPTH], 0.125, material="soil", initial_stress={"k0": 0.5}, sides=sides
+    )
+    tables = {"materials": {"soil": SOIL}, "gravity": {"vector": [0.0, -10.0]}}
+    scene = scene_of({"solid": body}, 0.25, [-1.0] * 2, [4.0] * 2, end=0.1, outputs=2, **tables)
     return with_changes(scene, **changes)
 
 

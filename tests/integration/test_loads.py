@@ -11,7 +11,7 @@ from mpmfw.api import SurfaceLoad
 from mpmfw.errors import SceneError
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
-from scenes_for_tests import BULK, DENSITY, SHEAR, SOFT, block, box, disc, two_blocks
+from scenes_for_tests import BULK, DENSITY, SHEAR, SOFT, block, box, disc, one_body, two_blocks
 
 LAME, P_WAVE = BULK - 2.0 * SHEAR / 3.0, BULK + 4.0 * SHEAR / 3.0
 HOOKE = {**SOFT, "model": "linear_elastic"}
@@ -89,25 +89,16 @@ RING = {"type": "ring", "centre": [0.0, 0.0], "inner_radius": 0.6, "outer_radius
 )
 def test_a_load_finds_the_outside_and_the_holes_of_any_body(shape, side, radius, area):
     """A half-plane's shell is one outline, whose arcs end on the axis."""
-    corner = [2.0] * (3 if shape is BALL else 2)
-    grid = {"cell_size": 0.3, "lower": [-c for c in corner], "upper": corner}
+    scene = one_body(shape, size=0.15, grid__cell_size=0.3)
+    scene["bodies"]["solid"]["sides"] = [{"side": side, "pressure": 1.0}]
     if shape is SHELL:
-        grid |= {"lower": [0.0, -2.0], "axisymmetric": True}
-    scene = {
-        "grid": grid, "time": {"end": 0.1, "output_interval": 0.1}, "shape": {"method": "cpdi"},
-        "materials": {"soft": SOFT},
-        "bodies": {"solid": {
-            "material": "soft", "geometry": shape, "particles": {"size": 0.15},
-            "sides": [{"side": side, "pressure": 1.0}],
-        }},
-    }  # fmt: skip
+        scene["grid"] |= {"lower": [0.0, -2.0], "axisymmetric": True}
     sim = Simulation(scene)
     (load,) = (plugin for plugin in sim.setup.plugins if isinstance(plugin, SurfaceLoad))
     corners = sim.state.tracked_surface.position[sim.state.tracked_surface.facets[load.facets]]
     np.testing.assert_allclose(np.linalg.norm(corners, axis=2), radius, rtol=2e-2)
     edges = np.diff(corners, axis=1)
-    plane = len(corner) == 2
-    across = edges[:, 0] if plane else 0.5 * np.cross(edges[:, 0], edges[:, 1])
+    across = edges[:, 0] if shape is not BALL else 0.5 * np.cross(edges[:, 0], edges[:, 1])
     assert np.linalg.norm(across, axis=1).sum() == pytest.approx(area, rel=0.05)
 
 

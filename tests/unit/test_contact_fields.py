@@ -9,7 +9,7 @@ from mpmfw.errors import SceneError
 from mpmfw.geometry.solids import box_surface
 from mpmfw.results.fields import LEVEL, carried_areas, pressed_bodies
 from mpmfw.runs.simulation import Simulation
-from scenes_for_tests import DENSITY, SOFT, ball_on_a_box, solid, with_changes
+from scenes_for_tests import DENSITY, SOFT, ball_on_a_box, scene_of, solid, with_changes
 
 FRICTION, TILT = 0.2, 0.5
 GRAVITY = 10.0 * np.array([np.sin(TILT), -np.cos(TILT)])
@@ -18,16 +18,12 @@ GRAVITY = 10.0 * np.array([np.sin(TILT), -np.cos(TILT)])
 def sliding(**changes):
     """A block of 1 m x 0.5 m that slides down a rigid plane, from rest on it."""
     plane = {"geometry": {"type": "rectangle", "lower": [-1.0, -0.3], "upper": [2.0, 0.013]}, "rigid": True}
-    scene = {
-        "grid": {"cell_size": 0.1, "lower": [-1.0, -0.5], "upper": [2.0, 1.0]},
-        "time": {"end": 0.1, "output_interval": 0.05},
-        "shape": {"method": "cpdi"},
-        "contact": {"method": "penalty", "friction": FRICTION},
-        "materials": {"soft": SOFT},
-        "bodies": {"block": solid([0.0, 0.013], [1.0, 0.513], 0.05, layout="fitted"), "plane": plane},
-        "gravity": {"vector": GRAVITY.tolist()},
-        "settle": {"gravity": {"vector": [0.0, float(GRAVITY[1])]}, "tolerance": 1e-4},
-    }
+    bodies = {"block": solid([0.0, 0.013], [1.0, 0.513], 0.05, layout="fitted"), "plane": plane}
+    scene = scene_of(
+        bodies, 0.1, [-1.0, -0.5], [2.0, 1.0], end=0.1, outputs=2,
+        contact={"method": "penalty", "friction": FRICTION}, gravity={"vector": GRAVITY.tolist()},
+        settle={"gravity": {"vector": [0.0, float(GRAVITY[1])]}, "tolerance": 1e-4},
+    )  # fmt: skip
     return with_changes(scene, **changes)
 
 

@@ -10,20 +10,13 @@ from mpmfw.errors import SceneError
 from mpmfw.runs import limits
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
+from scenes_for_tests import SOFT, scene_of
 
-DISC = {
-    "grid": {"cell_size": 0.5, "lower": [-3, -3], "upper": [3, 3]},
-    "time": {"end": 0.01, "output_interval": 0.01},
-    "shape": {"method": "linear"},
-    "materials": {"m": {"model": "neo_hookean", "density": 1000, "bulk_modulus": 1e6, "shear_modulus": 1e6}},
-    "bodies": {
-        "a": {
-            "material": "m",
-            "geometry": {"type": "disc", "centre": [0, 0], "radius": 1},
-            "particles": {"layout": "lattice", "size": 0.25},
-        }
-    },
-}
+BODY = {"material": "soft", "particles": {"size": 0.25}}
+BODY |= {"geometry": {"type": "disc", "centre": [0, 0], "radius": 1}}
+SLOW = {**SOFT, "bulk_modulus": 1e6, "shear_modulus": 1e6}
+TABLES = {"shape": {"method": "linear"}, "materials": {"soft": SLOW}}
+DISC = scene_of({"a": BODY}, 0.5, [-3, -3], [3, 3], end=0.01, **TABLES)
 PLATE = {"type": "rectangle", "lower": [-1, -1], "upper": [1, 1]}
 
 
@@ -43,7 +36,7 @@ def refusal(**overrides):
         ({"bodies.a.particles.size": 1e-9}, "bodies.a.particles.size: the body 'a' of 2 by 2 m has up to"),
         ({"title": "\ud800"}, "title: has the character '\\ud800', which is not valid Unicode"),
         ({"time.step": 1e-50}, "time.end: 0.01 s in steps of 1e-50 s, set by time.step, takes 1e+48 steps"),
-        ({"materials.m.bulk_modulus": 1e30}, "time.end: 0.01 s in steps of 7.91e-15 s, set by bulk wave"),
+        ({"materials.soft.bulk_modulus": 1e30}, "time.end: 0.01 s in steps of 7.91e-15 s, set by bulk wave"),
     ],
 )  # fmt: skip
 def test_a_misplaced_power_of_ten_is_named(overrides, message):

@@ -5,9 +5,8 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
-from mpmfw.cli.app import app
+from command_line import called
 from mpmfw.errors import SceneError
 from mpmfw.scene import load_scene
 from mpmfw_code.uintah import Uintah
@@ -158,19 +157,18 @@ def test_what_is_not_written_is_refused_by_its_key(key, tmp_path):
 
 def test_the_command_writes_a_folder_or_nothing(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    done = CliRunner().invoke(app, ["export", "colliding-rings", "--to", "uintah", "--set", "time.end=1e-3"])
-    assert done.exit_code == 0, done.output
+    rings = "colliding-rings", "--to", "uintah"
+    called("export", *rings, "--set", "time.end=1e-3")
     assert "<maxTime>0.001</maxTime>" in Path("colliding-rings-uintah/scene.ups").read_text()
-    again = CliRunner().invoke(app, ["export", "colliding-rings", "--to", "uintah"])
-    assert (again.exit_code, "exists" in again.output) == (2, True)
-    refused = CliRunner().invoke(app, ["export", "sliding-block", "--to", "uintah"])
-    assert (refused.exit_code, "settle: Uintah: " in refused.output) == (2, True)
+    assert "exists" in called("export", *rings, status=2).output
+    refused = called("export", "sliding-block", "--to", "uintah", status=2)
+    assert "settle: Uintah: " in refused.output
     assert not Path("sliding-block-uintah").exists()
-    run = CliRunner().invoke(app, ["compare", "colliding-rings", "--code", "uintah"])
-    assert (run.exit_code, "mpmfw export SCENE --to uintah" in run.output) == (2, True)
-    alone = CliRunner().invoke(app, ["export", "run.nc", "--set", "time.end=1"])
-    assert (alone.exit_code, "no effect without --to" in alone.output) == (2, True)
+    run = called("compare", "colliding-rings", "--code", "uintah", status=2)
+    assert "mpmfw export SCENE --to uintah" in run.output
+    alone = called("export", "run.nc", "--set", "time.end=1", status=2)
+    assert "no effect without --to" in alone.output
     for option in (["--every", "2"], ["--body", "left"], ["--force"]):
-        idle = CliRunner().invoke(app, ["export", "colliding-rings", "--to", "uintah", "-o", "new", *option])
-        assert (idle.exit_code, f"{option[0]}: has no effect with --to" in idle.output) == (2, True)
+        idle = called("export", *rings, "-o", "new", *option, status=2)
+        assert f"{option[0]}: has no effect with --to" in idle.output
         assert not Path("new").exists()
