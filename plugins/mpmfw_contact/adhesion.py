@@ -64,8 +64,6 @@ def adhesive_forces(
 
 
 class AdhesionLawOptions(SpringOptions):
-    """Those of springs, and what they pull with."""
-
     traction: Pressure = Field(0.0, ge=0, description="largest tension between the surfaces, sigma_0")
     separation: Length = Field(
         0.0,

@@ -34,8 +34,6 @@ FIRST = 0.11
 
 
 class BarrierLawOptions(SpringOptions):
-    """Stiffness, and the distance from which barriers act."""
-
     kappa: float = Field(
         0.3,
         gt=0,

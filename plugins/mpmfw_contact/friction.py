@@ -20,8 +20,6 @@ class Coulomb(FrictionLaw):
 
 
 class MohrCoulombOptions(OptionsModel):
-    """Shear strength of the interface."""
-
     cohesion: Pressure = Field(
         gt=0, description="shear strength of the interface under no normal stress; no default"
     )
@@ -60,8 +58,6 @@ def weaken(rows: Rows, count: int, friction: Floats, ratio: float, velocity: flo
 
 
 class StribeckOptions(OptionsModel):
-    """Ratio of static to kinetic friction, and the speed between the two."""
-
     static_ratio: float = Field(
         1.5, ge=0, description="static over kinetic friction; below 1 friction grows with the slip"
     )

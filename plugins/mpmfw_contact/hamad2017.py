@@ -106,8 +106,6 @@ def add_literal_friction(rows: Rows, count: int, own: SpringArrays, records: Rec
 
 
 class Hamad2017LawOptions(SpringOptions):
-    """Stiffness along the normal and the tangent, and the reading of [H17]'s friction."""
-
     friction_law: Literal["coulomb", "literal"] = Field(
         "coulomb",
         description="coulomb: g_t of the steps add up, |f_t| <= mu f_n; literal: g_t of one step, which "

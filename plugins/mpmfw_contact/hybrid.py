@@ -24,8 +24,6 @@ from mpmfw_contact.impulse import Impulse
 
 
 class HybridOptions(OptionsModel):
-    """Stiffness of the spring that is the bound."""
-
     kappa: float = Field(
         10.0,
         gt=0,

@@ -42,8 +42,6 @@ FACING = 0.9
 
 
 class LcpOptions(OptionsModel):
-    """How closely the conditions are met, and what becomes of an overlap."""
-
     tolerance: float | None = Field(
         None, gt=0, lt=1, description="change of a row's velocity that ends the sweeps, over the largest; if "
         "left out, 1e-3 in 2D and 5e-3 in 3D",

@@ -219,8 +219,6 @@ def take_reach(
 
 
 class LogisticOptions(OptionsModel):
-    """Settings of the regression, and where bodies touch."""
-
     slope_penalty: float = Field(
         1e-7, gt=0, description="penalty on the slope of the logistic function, with a cell as unit"
     )

@@ -181,8 +181,6 @@ def write_midlines(
 
 
 class MidplaneDetectionOptions(OptionsModel):
-    """The search."""
-
     search_radius: float = Field(
         1.0,
         gt=0,

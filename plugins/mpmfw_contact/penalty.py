@@ -65,8 +65,6 @@ def spring_forces(
 
 
 class PenaltyLawOptions(SpringOptions):
-    """Stiffness along the normal and the tangent, where it begins to grow, and a dashpot."""
-
     damping: float = Field(0.0, ge=0, description="normal dashpot as a fraction of critical, at most 2 k dt")
     linear_to: float = Field(
         LINEAR_TO,

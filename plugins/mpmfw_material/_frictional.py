@@ -166,8 +166,6 @@ def frictional_stress(
 
 
 class FrictionalOptions(Moduli):
-    """Moduli, cohesion and angles."""
-
     friction_angle: Angle = Field(ge=0, lt=math.pi / 2, description="angle of friction φ")
     dilation_angle: Angle = Field(0.0, ge=0, lt=math.pi / 2, description="angle of dilation ψ, at most φ")
     cohesion: Pressure = Field(0.0, ge=0, description="cohesion c")

@@ -11,8 +11,6 @@ from mpmfw_material._frictional import Frictional, FrictionalOptions
 
 
 class DruckerPragerOptions(FrictionalOptions):
-    """Moduli, cohesion, angles, and where the cone has the strength of Mohr and Coulomb."""
-
     fit: Literal["plane_strain", "compression", "extension"] = Field(
         "plane_strain",
         description="test in which the strength is that of Mohr and Coulomb: plane strain, or triaxial "

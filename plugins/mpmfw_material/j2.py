@@ -150,8 +150,6 @@ def j2_stress(
 
 
 class J2Options(Moduli):
-    """Moduli, yield stress and hardening."""
-
     yield_stress: Pressure = Field(gt=0, description="yield stress σ_y under uniaxial tension (Kirchhoff's)")
     hardening_modulus: Pressure = Field(
         0.0, ge=0, description="rise H of the yield stress with the equivalent plastic strain α"

@@ -110,8 +110,6 @@ def neo_hookean_log(
 
 
 class NeoHookeanOptions(Moduli):
-    """Moduli at small strain, and which of two energies."""
-
     energy: Literal["split", "log"] = Field(
         "split",
         description="split: K/2 [(J^2-1)/2 - ln J] + G/2 [J^(-2/3) tr b - 3]; log: G/2 (tr b - 3) - G ln J + "

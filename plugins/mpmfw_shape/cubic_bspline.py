@@ -91,8 +91,6 @@ def fill_cubic(
 
 
 class CubicBSplineOptions(BaseModel):
-    """What happens where the grid ends."""
-
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     grid_end: Literal["modified", "refuse"] = Field(

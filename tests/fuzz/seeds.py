@@ -3,7 +3,7 @@
 import functools
 
 from mpmfw.scene.toml_text import toml_text
-from scenes_for_tests import one_body, with_changes
+from scenes_for_tests import one_body, solid, with_changes
 
 SOFT = {"model": "neo_hookean", "density": "1 g/cm^3", "bulk_modulus": "1 MPa", "shear_modulus": 5e5}
 HARD = {"model": "linear_elastic", "density": 2000.0, "bulk_modulus": 2e6, "shear_modulus": 1e6}
@@ -19,7 +19,6 @@ def scene(geometry, shape, **changes):
 def two(contact, shape):
     """A disc on a floor, with most of what two bodies may have."""
     disc = {"type": "disc", "centre": [0.2, 0.61], "radius": 0.5}
-    floor = {"type": "rectangle", "lower": [-1.0, -0.5], "upper": [1.5, 0.1]}
     made = scene(
         disc,
         shape,
@@ -35,14 +34,10 @@ def two(contact, shape):
         output=dict.fromkeys(("gap", "particles", "surface", "energy", "ledger", "stability"), True),
     )
     sides = [{"side": "bottom", "fixed": True}, {"side": "right", "velocity": [0.0, "free"]}]
-    made["bodies"]["floor"] = {
-        "material": "hard",
-        "geometry": floor,
-        "particles": {"layout": "fitted", "size": "0.5 cells"},
-        "segment": "0.25 cells",
-        "rotation": "lumped",
-        "sides": sides,
-    }
+    made["bodies"]["floor"] = solid(
+        *([-1.0, -0.5], [1.5, 0.1], "0.5 cells", "hard", "fitted"),
+        segment="0.25 cells", rotation="lumped", sides=sides,
+    )
     return made
 
 

@@ -6,19 +6,15 @@ import pytest
 import mpmfw
 from mpmfw.errors import SceneError
 from mpmfw_testing.contact.motion import moment
-from scenes_for_tests import box, two_blocks, with_changes
+from scenes_for_tests import box, solid, two_blocks, with_changes
 
 
 def cubes(method, **changes):
     """Two cubes of 0.5 m that meet askew at 2 m/s and turn each other."""
     scene, bodies = box(contact={"method": method, "friction": 0.3}), {}
     for name, left, low, speed in (("left", -0.505, -0.2, 1.0), ("right", 0.005, -0.3, -1.0)):
-        bodies[name] = {
-            "material": "soft",
-            "geometry": {"type": "box", "lower": [left, low, -0.23], "upper": [left + 0.5, low + 0.5, 0.27]},
-            "particles": {"size": 0.125},
-            "velocity": [speed, 0.4 * speed, -0.2 * speed],
-        }
+        corners = [left, low, -0.23], [left + 0.5, low + 0.5, 0.27]
+        bodies[name] = solid(*corners, 0.125, velocity=[speed, 0.4 * speed, -0.2 * speed])
     return with_changes({**scene, "bodies": bodies}, **changes)
 
 

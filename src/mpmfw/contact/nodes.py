@@ -37,8 +37,6 @@ LEAST_MASS = 0.05
 
 
 class NodesOptions(OptionsModel):
-    """Criterion of contact and kind of normal."""
-
     criterion: Literal["auto", "velocity", "position"] = Field(
         "auto",
         description="velocity: bodies approach at a shared node (2000, 2001); position: and their "

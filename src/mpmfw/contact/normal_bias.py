@@ -82,7 +82,6 @@ class NormalBias:
         add_bias(rows, count, scale, gradient, self.sums, spacing)
 
     def restart(self) -> None:
-        """Forget the settling."""
         for array in self.sums.members().values():
             array.fill(0.0)
 

@@ -112,8 +112,6 @@ KAPPA = {2: 4.0, 3: 1.0}
 
 
 class SpringOptions(OptionsModel):
-    """Stiffness along the normal and the tangent."""
-
     kappa: float | None = Field(
         None,
         gt=0,

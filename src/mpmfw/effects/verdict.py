@@ -263,7 +263,6 @@ class Outlines:
         self.start, self.start_normal = self.surface.position.copy(), self._normals(state)
 
     def _now(self, state: State) -> Surface:
-        """The surfaces where they are now."""
         p = state.particles
         if not self.tracked:
             turned = np.einsum("sij,sj->si", p.deformation_gradient[self.carrier], self.offset)

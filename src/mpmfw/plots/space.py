@@ -104,7 +104,6 @@ class SpacePanel(View):
         return self.extremes(self.name, frames), (0.0, 1.0, 0.0, _SIZE[1] / _SIZE[0])
 
     def draw(self, axes: Any, frame: int, scales: Scales, title: str) -> None:
-        """Draw another output."""
         low, high = (scales.unit_size * float(end or 0.0) for end in (scales.norm.vmin, scales.norm.vmax))
         self.show(self.name, frame, (low, high), colours=scales.colours, largest_force=scales.largest_force)
         while self._drawn:

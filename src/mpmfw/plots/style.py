@@ -71,7 +71,6 @@ class _Figure(Figure):
 
     @journal_style()
     def draw(self, renderer: RendererBase) -> None:
-        """Draw on ``renderer``."""
         super().draw(renderer)
 
 

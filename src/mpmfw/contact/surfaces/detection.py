@@ -29,8 +29,6 @@ FORCE = ArrayField(
 
 
 class FacetOptions(OptionsModel):
-    """Master, search and mapping."""
-
     master: str | None = Field(
         None,
         description="name of the master body (one pass); default: the stiffer; of equally stiff ones that "
@@ -46,8 +44,6 @@ class FacetOptions(OptionsModel):
 
 
 class SurfacesOptions(FacetOptions):
-    """Master, search and mapping, number of passes, and the form of C_n."""
-
     passes: Literal["one", "two"] = Field(
         "two",
         description="two: each body is slave once, with half of its area; one: classical master-slave, "
