@@ -37,7 +37,7 @@ def two(contact, shape):
     made["bodies"]["floor"] = solid(
         *([-1.0, -0.5], [1.5, 0.1], "0.5 cells", "hard", "fitted"),
         segment="0.25 cells", rotation="lumped", sides=sides,
-    )
+    )  # fmt: skip
     return made
 
 
