@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,13 +14,16 @@ from pydantic import Field
 
 from mpmfw.api import FloatArray, IntArray, OptionsModel
 from mpmfw.api.code import (
+    SIDES,
     Code,
+    HexMesh,
     MotionOutputs,
     MovingPoints,
     Scene,
+    at_times,
     elasticity,
     gravity_of,
-    points_of_body,
+    mesh_of_body,
     read_arrays,
     read_log,
 )
@@ -28,11 +31,12 @@ from mpmfw.api.code import (
 #: Growth of kinetic energy over the work of gravity that is not suspect, in shares of the largest.
 BALANCE = 0.02
 
-#: Size of the second body's elements over the first one's. Where nodes met nodes, colliding rings gained 14 %
-#: of their energy, at steps a quarter longer than now; so they gain none.
+#: Size of the second body's elements over the first one's, so that nodes do not meet nodes: the springs then
+#: feed energy into the motion without end (docs/arena/reports/calculix_discs.py).
 UNLIKE = 0.9
 
-_SIDES = {"left": (0, 0), "right": (0, 1), "bottom": (1, 0), "top": (1, 1)}
+#: Edges of a rigid body's elements, in cells; its faces are plane.
+COARSE = 4.0
 
 
 class CalculixOptions(OptionsModel):
@@ -47,11 +51,12 @@ class CalculixOptions(OptionsModel):
 
 
 class Calculix(Code):
-    """CalculiX, explicit finite elements in plane strain: two deformable bodies, node to surface.
+    """CalculiX, explicit finite elements, node to surface: two bodies, one of which may be rigid and at rest.
 
-    Elements are quadrilaterals that follow the outline, as mpmfw's fitted points do, with the scene's
-    neo-Hookean moduli. Springs of a linear pressure-overclosure act at the nodes of the first body. Rest
-    before the motion is a static step. A run whose kinetic energy grows without cause is suspect."""
+    Elements are hexahedra with the scene's neo-Hookean moduli; in the plane a slab of one that follows the
+    outline, as mpmfw's fitted points do. Springs of a linear pressure-overclosure act at the nodes of the
+    first deformable body. Rest before the motion is a static step; a round body begins it so low that its
+    contact carries it. A run whose kinetic energy grows without cause is suspect."""
 
     name = "calculix"
     title = "CalculiX"
@@ -60,83 +65,116 @@ class Calculix(Code):
     reads = frozenset({"gravity", "settle"})
     models = ("neo_hookean",)
     versions = ("2.20",)
-    dimensions = (2,)
     Options = CalculixOptions
     options: CalculixOptions
 
     def refusals(self, scene: Scene) -> Iterator[tuple[str, str]]:
         """Yield what is not written."""
-        if scene.dim != 2:
-            yield "grid", "is written in the plane alone"
-            return
-        if len(scene.bodies) != 2:
-            yield "bodies", f"is run with two bodies; the scene has {len(scene.bodies)}"
+        soft = [name for name, body in scene.bodies.items() if not body.prescribed]
+        if len(scene.bodies) != 2 or not soft:
+            yield "bodies", "is run with two bodies, one of them at least deformable"
         for name, body in scene.bodies.items():
+            shape, turned = body.geometry, _is_turned(body.geometry)
+            if scene.dim == 3 and shape.type not in ("box", "ball"):
+                yield f"bodies.{name}.geometry", "only balls and boxes are written in space"
             if body.prescribed:
-                yield f"bodies.{name}.rigid", "rigid bodies are not written"
+                if shape.type not in ("rectangle", "box"):
+                    yield f"bodies.{name}.geometry", "only rectangles and boxes are rigid"
                 continue
-            if body.particles.layout != "fitted":
-                yield (
-                    f"bodies.{name}.particles.layout",
-                    "needs 'fitted', whose quadrilaterals are its elements",
-                )
-            if body.angular_velocity:
+            if scene.dim == 2 and body.particles.layout != "fitted":
+                key = f"bodies.{name}.particles.layout"
+                yield key, "needs 'fitted', whose quadrilaterals are its elements"
+            if np.any(body.angular_velocity or 0.0):
                 yield f"bodies.{name}.angular_velocity", "a spin at the start is not written"
-            if scene.settle and not body.sides and type(body.geometry).__name__ == "Disc":
-                yield "settle", f"'{name}' can roll away, which a static step does not survive"
             if scene.settle and np.any(body.velocity or 0.0):
                 yield f"bodies.{name}.velocity", "a velocity after a static step is not written"
             for side in body.sides:
-                if side.fixed is not True:
-                    yield f"bodies.{name}.sides", "only sides that are fixed in all directions are written"
-        if all(not body.sides for body in scene.bodies.values() if not body.prescribed) and scene.settle:
+                if side.fixed is not True or turned:
+                    yield f"bodies.{name}.sides", "only upright sides fixed in all directions are written"
+        if scene.settle and len(soft) > 1 and not any(scene.bodies[name].sides for name in soft):
             yield "settle", "bodies that nothing holds cannot be settled by a static step"
+        for name, _ in _rolling(scene) if scene.settle else ():
+            others = [body for each, body in scene.bodies.items() if each != name]
+            upright = all(one.prescribed and not _is_turned(one.geometry) for one in others)
+            if np.count_nonzero(gravity_of(scene, settling=True)) != 1 or not upright:
+                yield "settle", f"'{name}' can roll away, except from an upright rigid face across gravity"
 
     def write(self, scene: Scene, folder: Path) -> None:
         """Write ``scene.inp`` and the mesh, ``mesh.npz``."""
-        size = self.options.size * float(scene.grid.cell_size)
-        meshes: dict[str, _Mesh] = {}
-        count = 0
-        for name in scene.bodies:
-            layout = points_of_body(scene, name, size * (UNLIKE if meshes else 1.0))
-            density = scene.materials[scene.bodies[name].material].density
-            meshes[name] = _mesh(f"B{len(meshes) + 1}", layout.corners, count, density)
-            count += len(meshes[name].nodes)
-        solids = {name: elasticity(scene, name) for name in meshes}
+        size, meshes = self.options.size * float(scene.grid.cell_size), self._meshes(scene)
+        soft = [name for name in meshes if not scene.bodies[name].prescribed]
+        solids = {name: elasticity(scene, name if name in soft else soft[0]) for name in meshes}
         stiff = self.options.stiffness * max(one.uniaxial for one in solids.values()) / size
-        through = min(mesh.shortest / solids[name].speed for name, mesh in meshes.items())
+        through = min(meshes[name].mesh.shortest / solids[name].speed for name in soft)
         interval = float(scene.time.output_interval)
         every = math.ceil(0.5 * interval / (self.options.safety * through) - 1e-9)
         step = interval / (2 * every)
-        lines = _lines_of_meshes(meshes, size, count)
-        for name, mesh in meshes.items():
-            lines += [f"*MATERIAL, NAME=M{mesh.label}", "*HYPERELASTIC, NEO HOOKE"]
+        lines = _lines_of_meshes(meshes)
+        for name, part in meshes.items():
+            label = part.label
+            lines += [f"*MATERIAL, NAME=M{label}", "*HYPERELASTIC, NEO HOOKE"]
             lines += [f"{solids[name].shear / 2:.9g},{2 / solids[name].bulk:.9g}"]
-            lines += ["*DENSITY", f"{mesh.density:.9g}"]
-            lines += [f"*SOLID SECTION, ELSET=E{mesh.label}, MATERIAL=M{mesh.label}"]
-            if velocity := scene.bodies[name].velocity:
+            lines += ["*DENSITY", f"{part.density:.9g}", f"*SOLID SECTION, ELSET=E{label}, MATERIAL=M{label}"]
+            if velocity := getattr(scene.bodies[name], "velocity", None):
                 lines.append("*INITIAL CONDITIONS, TYPE=VELOCITY")
-                lines += [f"N{mesh.label},{axis + 1},{v:.9g}" for axis, v in enumerate(velocity)]
+                lines += [f"N{label},{axis + 1},{v:.9g}" for axis, v in enumerate(velocity)]
         lines += ["*SURFACE INTERACTION, NAME=CONTACT", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR"]
         lines += [f"{stiff:.9g},"]
         if friction := scene.pairs[0][2]:
             lines += ["*FRICTION", f"{friction:.9g},{stiff * self.options.stick:.9g}"]
-        lines += ["*CONTACT PAIR, INTERACTION=CONTACT, TYPE=NODE TO SURFACE", "SB1,SB2"]
-        lines += ["*BOUNDARY", "ALL,3,3", *_supports(scene, meshes, count)]
+        labels = [meshes[name].label for name in (soft[0], *(each for each in meshes if each != soft[0]))]
+        lines += ["*CONTACT PAIR, INTERACTION=CONTACT, TYPE=NODE TO SURFACE"]
+        lines += [",".join(f"S{label}" for label in labels), "*NSET, NSET=PRINT, GENERATE"]
+        printed = {name: _printed_nodes(meshes[name], scene.dim) for name in soft}
+        lines += [f"{numbers[0]},{numbers[-1]}" for numbers in printed.values()]
+        held = _supports(scene, meshes)
+        lines += ["*BOUNDARY", *held]
         if scene.settle is not None:
-            lines += ["*STEP, NLGEOM, INC=1000", "*STATIC", "0.25,1."]
-            lines += _weight(meshes, gravity_of(scene, settling=True), "*DLOAD")
-            lines += ["*NODE PRINT, NSET=FRONT", "U", "*END STEP"]
+            level = gravity_of(scene, settling=True)
+            lines += ["*STEP, NLGEOM, INC=1000", "*STATIC", "0.25,1.", *_weight(meshes, level, "*DLOAD")]
+            lines += ["*BOUNDARY", *_upright(scene, meshes, level)]
+            lines += ["*NODE PRINT, NSET=PRINT", "U", "*END STEP"]
         lines += ["*STEP, NLGEOM, INC=10000000", "*DYNAMIC, EXPLICIT"]
         lines += [f"{step:.9g},{float(scene.time.end):.9g},{1e-6 * step:.9g},{step:.9g}"]
-        lines += _weight(
-            meshes, gravity_of(scene), "*DLOAD, OP=NEW" if scene.settle is not None else "*DLOAD"
-        )
-        lines += [f"*NODE PRINT, NSET=FRONT, FREQUENCY={every}", "U,V", "*END STEP"]
+        anew = ", OP=NEW" if scene.settle is not None else ""
+        lines += [f"*BOUNDARY{anew}", *held, *_weight(meshes, gravity_of(scene), f"*DLOAD{anew}")]
+        lines += [f"*NODE PRINT, NSET=PRINT, FREQUENCY={every}", "U,V", "*END STEP"]
         (folder / "scene.inp").write_text("\n".join(lines) + "\n", encoding="ascii")
-        arrays: dict[str, Any] = {f"{name}_nodes": mesh.nodes for name, mesh in meshes.items()}
-        arrays |= {f"{name}_mass": mesh.mass for name, mesh in meshes.items()}
+        arrays: dict[str, Any] = {}
+        for name, numbers in printed.items():
+            part, own = meshes[name], numbers - 1 - meshes[name].first
+            arrays |= {f"{name}_numbers": numbers, f"{name}_nodes": part.mesh.nodes[own, : scene.dim]}
+            share = part.density * (2.0 / size if scene.dim == 2 else 1.0)
+            arrays[f"{name}_mass"] = share * part.mesh.volume[own]
         np.savez(folder / "mesh.npz", step=step, **arrays)
+
+    def _meshes(self, scene: Scene) -> dict[str, _Part]:
+        """Return the meshes of all bodies, by name."""
+        size, meshes = self.options.size * float(scene.grid.cell_size), dict[str, _Part]()
+        for name, body in scene.bodies.items():
+            edge = size * (COARSE if body.prescribed else UNLIKE if meshes else 1.0)
+            mesh = mesh_of_body(scene, name, edge, size)
+            density = 1.0 if body.prescribed else scene.materials[body.material].density
+            if body.geometry.type == "ball":  # the mass is that of the ball
+                density *= body.geometry.exact_volume / mesh.volume.sum()
+            numbers = [(len(each.mesh.nodes), len(each.mesh.cells)) for each in meshes.values()]
+            first, before = np.sum([(0, 0), *numbers], axis=0).tolist()
+            meshes[name] = _Part(f"B{len(meshes) + 1}", mesh, density, first, before)
+        if scene.settle is not None:
+            for name, down in _rolling(scene):
+                meshes[name] = self._lowered(scene, meshes[name], name, down)
+        return meshes
+
+    def _lowered(self, scene: Scene, part: _Part, name: str, down: int) -> _Part:
+        """Return a round body so low that its contact carries it as the static step begins."""
+        level = gravity_of(scene, settling=True)[down]
+        (other,) = (body for each, body in scene.bodies.items() if each != name)
+        face, lowest = other.geometry.bounds[int(level < 0.0)][down], _at_end(part, down, int(level > 0.0))[0]
+        weight = part.density * part.mesh.volume.sum() * level
+        overlap = weight / (elasticity(scene, name).uniaxial * self.options.size * scene.grid.cell_size)
+        nodes = part.mesh.nodes.copy()
+        nodes[:, down] += face + overlap - nodes[lowest - 1 - part.first, down]
+        return replace(part, mesh=replace(part.mesh, nodes=nodes))
 
     def command(self, program: str, folder: Path) -> Sequence[str]:
         """Return the arguments; ccx adds the ending."""
@@ -150,23 +188,25 @@ class Calculix(Code):
         if named is None or "Job finished" not in log:
             raise ValueError("its log is not whole")
         version = named.group(1)
-        moved, fast = _printed(folder / "scene.dat", sum(len(mesh[f"{name}_nodes"]) for name in scene.bodies))
+        soft = {name: body for name, body in scene.bodies.items() if not body.prescribed}
+        numbers = np.concatenate([mesh[f"{name}_numbers"] for name in soft])
+        moved, fast = _printed(folder / "scene.dat", numbers, scene.dim)
         settled = 1.0 if scene.settle is not None else 0.0
         before = [u for t, u in moved if t <= settled] or [np.zeros_like(moved[0][1])]
         moved = [(0.0, before[-1]), *((t - settled, u) for t, u in moved if t > settled)]
         start = np.concatenate(
             [
-                np.tile(body.velocity or (0.0, 0.0), (len(mesh[f"{name}_nodes"]), 1))
-                for name, body in scene.bodies.items()
+                np.tile(body.velocity or (0.0,) * scene.dim, (len(mesh[f"{name}_nodes"]), 1))
+                for name, body in soft.items()
             ]
         )
         fast = [(0.0, start), *((t - settled, v) for t, v in fast if t > settled)]
         interval, end = float(scene.time.output_interval), float(scene.time.end)
         reached = min(end, (1.0 + 1e-6) * moved[-1][0], (1.0 + 1e-6) * fast[-1][0])
         time = interval * np.arange(int(reached / interval + 1e-6) + 1.0)
-        displacement, velocity = _at(moved, time), _at(fast, time)
+        displacement, velocity = (at_times(time, *zip(*blocks, strict=True)) for blocks in (moved, fast))
         bodies, first = {}, 0
-        for name in scene.bodies:
+        for name in soft:
             own = slice(first, first := first + len(mesh[f"{name}_nodes"]))
             position = mesh[f"{name}_nodes"] + displacement[:, own]
             bodies[name] = MovingPoints(mesh[f"{name}_mass"], position, velocity[:, own])
@@ -197,99 +237,92 @@ class Calculix(Code):
 
 
 @dataclass(frozen=True)
-class _Mesh:
-    """Quadrilaterals of one body; ``first`` is the number of nodes before them."""
+class _Part:
+    """A body in the input, with the numbers of nodes and elements before its own."""
 
-    label: str  #: in names of the input, where the scene's name could be too long
-    nodes: FloatArray  #: (n, 2) [m]
-    cells: IntArray  #: (m, 4), counter-clockwise
-    outline: IntArray  #: element and side of the edges of the outermost loop (k, 2)
-    mass: FloatArray  #: lumped (n,) [kg/m]
-    shortest: float  #: edge [m]
+    label: str  #: as the scene's name could be too long
+    mesh: HexMesh
     density: float  #: [kg/m³]
     first: int
+    before: int
 
 
-def _mesh(label: str, corners: FloatArray | None, first: int, density: float) -> _Mesh:
-    """Join quadrilaterals at equal corners (m, 4, 2)."""
-    assert corners is not None
-    flat = corners.reshape(-1, 2)
-    _, index, cells = np.unique(
-        np.round(flat / np.ptp(flat, axis=0).max(), 9), axis=0, return_index=True, return_inverse=True
-    )
-    nodes, cells = flat[index], cells.reshape(-1, 4)
-    edges = np.stack([cells, np.roll(cells, -1, axis=1)], axis=2)
-    inner = {(b, a) for a, b in edges.reshape(-1, 2).tolist()}
-    free = {
-        int(a): (k, s, int(b))
-        for k, row in enumerate(edges)
-        for s, (a, b) in enumerate(row.tolist())
-        if (a, b) not in inner
-    }
-    loop: list[tuple[int, int]] = []
-    at = max(free, key=lambda node: float(nodes[node, 0]))  # the rightmost node is of the outer loop
-    begin = at
-    while not loop or at != begin:
-        element, side, at = free[at]
-        loop.append((element, side))
-    x = nodes[cells]
-    one, two = x[:, 2] - x[:, 0], x[:, 3] - x[:, 1]
-    mass = np.zeros(len(nodes))
-    np.add.at(
-        mass, cells.ravel(), np.repeat(density * (one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]) / 8, 4)
-    )
-    shortest = float(np.linalg.norm(x - np.roll(x, -1, axis=1), axis=2).min())
-    return _Mesh(label, nodes, cells, np.array(loop), mass, shortest, density, first)
+def _rolling(scene: Scene) -> list[tuple[str, int]]:
+    """Return the round bodies that nothing but contact holds, with the axis of the gravity of rest."""
+    down = int(np.abs(gravity_of(scene, settling=True)).argmax())
+    bodies = scene.bodies.items()
+    return [
+        (name, down) for name, body in bodies if body.geometry.type in ("disc", "ball") and not body.sides
+    ]
 
 
-def _lines_of_meshes(meshes: Mapping[str, _Mesh], depth: float, count: int) -> list[str]:
-    """Return nodes, elements and surfaces of slabs one element thick."""
+def _is_turned(shape: Any) -> bool:
+    return bool(np.any(getattr(shape, "angle", 0.0)) or np.any(getattr(shape, "angles", 0.0)))
+
+
+def _lines_of_meshes(meshes: Mapping[str, _Part]) -> list[str]:
+    """Return nodes, elements and surfaces."""
     lines = ["*NODE, NSET=ALL"]
-    for layer in (0, 1):
-        for mesh in meshes.values():
-            begin = 1 + layer * count + mesh.first
-            lines += [
-                f"{begin + k},{x:.12g},{y:.12g},{layer * depth:.12g}" for k, (x, y) in enumerate(mesh.nodes)
-            ]
-    lines += ["*NSET, NSET=FRONT, GENERATE", f"1,{count}"]
-    before = 0
-    for mesh in meshes.values():
-        lines.append(f"*ELEMENT, TYPE=C3D8, ELSET=E{mesh.label}")
-        for k, cell in enumerate(mesh.cells + mesh.first + 1):
-            lines.append(",".join(map(str, (before + k + 1, *cell.tolist(), *(cell + count).tolist()))))
-        lines += [f"*SURFACE, NAME=S{mesh.label}, TYPE=ELEMENT"]
-        lines += [f"{before + element + 1},S{side + 3}" for element, side in mesh.outline.tolist()]
-        begin, end = mesh.first + 1, mesh.first + len(mesh.nodes)
-        lines += [f"*NSET, NSET=N{mesh.label}, GENERATE", f"{begin},{end}", f"{begin + count},{end + count}"]
-        before += len(mesh.cells)
+    for part in meshes.values():
+        for k, place in enumerate(part.mesh.nodes):
+            lines.append(f"{1 + part.first + k}," + ",".join(f"{x:.12g}" for x in place))
+    for part in meshes.values():
+        label, count = part.label, len(part.mesh.nodes)
+        lines.append(f"*ELEMENT, TYPE=C3D8, ELSET=E{label}")
+        for k, cell in enumerate(part.mesh.cells + part.first + 1):
+            lines.append(",".join(map(str, (part.before + k + 1, *cell.tolist()))))
+        lines += [f"*SURFACE, NAME=S{label}, TYPE=ELEMENT"]
+        lines += [f"{part.before + element + 1},S{side}" for element, side in part.mesh.outer.tolist()]
+        lines += [f"*NSET, NSET=N{label}, GENERATE", f"{part.first + 1},{part.first + count}"]
     return lines
 
 
-def _supports(scene: Scene, meshes: Mapping[str, _Mesh], count: int) -> list[str]:
-    """Return the nodes on fixed sides."""
-    fixed: set[int] = set()
+def _printed_nodes(part: _Part, dim: int) -> IntArray:
+    """Return the numbers of the nodes, in the plane of the front."""
+    return part.first + 1 + np.arange(len(part.mesh.nodes) // (2 if dim == 2 else 1))
+
+
+def _supports(scene: Scene, meshes: Mapping[str, _Part]) -> list[str]:
+    """Return the nodes on fixed sides and of rigid bodies."""
+    lines = ["ALL,3,3"] if scene.dim == 2 else []
     for name, body in scene.bodies.items():
-        mesh = meshes[name]
+        if body.prescribed:
+            lines.append(f"N{meshes[name].label},1,3")
         for side in body.sides:
-            axis, upper = _SIDES[side.side]
-            place = mesh.nodes[:, axis].max() if upper else mesh.nodes[:, axis].min()
-            near = np.abs(mesh.nodes[:, axis] - place) < 1e-6 * np.ptp(mesh.nodes)
-            fixed |= set((np.flatnonzero(near) + mesh.first + 1).tolist())
-    return [f"{node + layer * count},1,2" for node in sorted(fixed) for layer in (0, 1)]
+            lines += [f"{node},1,{scene.dim}" for node in _at_end(meshes[name], *SIDES[side.side])]
+    return lines
 
 
-def _weight(meshes: Mapping[str, _Mesh], gravity: FloatArray, card: str) -> list[str]:
+def _at_end(part: _Part, axis: int, upper: int) -> list[int]:
+    """Return the numbers of a body's nodes that are outermost along an axis."""
+    nodes = part.mesh.nodes
+    place = nodes[:, axis] if upper else -nodes[:, axis]
+    near = place > place.max() - 1e-6 * np.ptp(nodes, axis=0).max()
+    return [int(node) + part.first + 1 for node in np.flatnonzero(near)]
+
+
+def _upright(scene: Scene, meshes: Mapping[str, _Part], gravity: FloatArray) -> Iterator[str]:
+    """Yield what keeps round bodies from rolling at rest: their tops, with little force, move up or down."""
+    for name, down in _rolling(scene):
+        across = [axis for axis in range(scene.dim) if axis != down]
+        for node in _at_end(meshes[name], down, int(gravity[down] < 0.0)):
+            yield from (f"{node},{axis + 1}" for axis in across)
+        if scene.dim == 3:
+            yield f"{_at_end(meshes[name], across[0], 1)[0]},{across[1] + 1}"
+
+
+def _weight(meshes: Mapping[str, _Part], gravity: FloatArray, card: str) -> list[str]:
     """Return gravity; a weight of zero takes that of an earlier step away."""
     size = math.hypot(*gravity)
-    along = f"{gravity[0] / size:.12g},{gravity[1] / size:.12g}" if size else "0.,-1."
-    return [card, *(f"E{mesh.label},GRAV,{size:.9g},{along},0." for mesh in meshes.values())]
+    along = ",".join(f"{g / size if size else -1.0:.12g}" for g in (*gravity, 0.0)[:3])
+    return [card, *(f"E{part.label},GRAV,{size:.9g},{along}" for part in meshes.values())]
 
 
 Blocks = list[tuple[float, FloatArray]]
 
 
-def _printed(path: Path, count: int) -> tuple[Blocks, Blocks]:
-    """Return displacements and velocities (n, 2) of the nodes, each with its time, from a ``.dat`` file."""
+def _printed(path: Path, numbers: IntArray, dim: int) -> tuple[Blocks, Blocks]:
+    """Return displacements and velocities (n, dim) of the nodes, each with its time, from a ``.dat`` file."""
     blocks: dict[str, Blocks] = {"displacements": [], "velocities": []}
     with path.open(encoding="ascii") as file:
         lines = iter(file)
@@ -297,21 +330,13 @@ def _printed(path: Path, count: int) -> tuple[Blocks, Blocks]:
             words = line.split()
             if words and words[0] in blocks:
                 next(lines)
-                rows = np.loadtxt([next(lines) for _ in range(count)], ndmin=2)
-                if not np.array_equal(rows[:, 0], np.arange(1, count + 1)):
+                rows = np.loadtxt([next(lines) for _ in numbers], ndmin=2)
+                if not np.array_equal(rows[:, 0], numbers):
                     raise ValueError("a block has other nodes than the mesh")
-                blocks[words[0]].append((float(words[-1]), rows[:, 1:3]))
+                blocks[words[0]].append((float(words[-1]), rows[:, 1 : dim + 1]))
     if not blocks["displacements"] or not blocks["velocities"]:
         raise ValueError("it printed no motion")
     return blocks["displacements"], blocks["velocities"]
-
-
-def _at(blocks: Blocks, time: FloatArray) -> FloatArray:
-    """Return values between blocks by linear interpolation, (time, n, 2)."""
-    known, values = np.array([t for t, _ in blocks]), np.array([each for _, each in blocks])
-    after = np.clip(np.searchsorted(known, time), 1, len(known) - 1)
-    share = np.clip((time - known[after - 1]) / (known[after] - known[after - 1]), 0.0, 1.0)[:, None, None]
-    return np.asarray((1.0 - share) * values[after - 1] + share * values[after])
 
 
 def _growth(scene: Scene, bodies: Mapping[str, MovingPoints]) -> float:

@@ -13,6 +13,7 @@ from pydantic import Field
 
 from mpmfw.api import FloatArray, OptionsModel
 from mpmfw.api.code import (
+    SIDES,
     Code,
     MotionOutputs,
     MovingPoints,
@@ -38,7 +39,6 @@ NORMALS = {"MAXG": 0, "MAXV": 1, "AVGG": 2, "OWNG": 3, "LINR": 5, "LOGR": 6}
 _HEADER = 64
 
 _AXES = ("Horiz", "Vert", "Depth")
-_SIDES = {"left": (0, 0), "right": (0, 1), "bottom": (1, 0), "top": (1, 1), "back": (2, 0), "front": (2, 1)}
 
 
 class NairnOptions(OptionsModel):
@@ -114,7 +114,7 @@ class Nairn(Code):
             if not side.fixed:
                 yield key, "only sides that are fixed are written"
                 continue
-            axis, upper = _SIDES[side.side]
+            axis, upper = SIDES[side.side]
             cell, origin = float(scene.grid.cell_size), float(scene.grid.lower[axis])
             place = (float(body.geometry.bounds[upper][axis]) - origin) / cell
             if type(body.geometry).__name__ not in ("Rectangle", "Box"):
@@ -288,7 +288,7 @@ def _supports(scene: Scene, cell: float) -> Iterator[str]:
     """Yield the nodes on and beyond fixed sides."""
     for body in scene.bodies.values():
         for side in () if body.prescribed else body.sides:
-            axis, upper = _SIDES[side.side]
+            axis, upper = SIDES[side.side]
             low, high = np.array(body.geometry.bounds, dtype=float)
             low, high = low - (BORDER + 1) * cell, high + (BORDER + 1) * cell
             place = body.geometry.bounds[upper][axis] + (-1e-6 if upper else 1e-6) * cell

@@ -11,13 +11,12 @@ import numpy as np
 from pydantic import Field
 
 from mpmfw.api import OptionsModel
-from mpmfw.api.code import Code, Scene, elasticity, gravity_of
+from mpmfw.api.code import SIDES, Code, Scene, elasticity, gravity_of
 from mpmfw.api.units import TimeTable
 
 #: Variables that are saved at outputs.
 SAVED = ("p.x", "p.velocity", "p.mass", "p.stress", "p.particleID", "KineticEnergy", "TotalMomentum")
 
-_SIDES = {"left": (0, 0), "right": (0, 1), "bottom": (1, 0), "top": (1, 1), "back": (2, 0), "front": (2, 1)}
 _SHAPES = ("rectangle", "disc", "ring", "box", "ball")
 _PLAIN = {"energy": "split", "hardening_exponent": 1.0, "rate_factor": 0.0}
 _NO_HEAT = {"thermal_conductivity": 1, "specific_heat": 1}  # they must be named
@@ -131,18 +130,18 @@ class Uintah(Code):
 def _held(scene: Scene) -> list[tuple[str, Any, int, int]]:
     """Return bodies and their sides, with axis and end of the grid."""
     sides = [(name, side) for name, body in scene.bodies.items() for side in body.sides]
-    return [(name, side, *_SIDES.get(side.side, (0, 0))) for name, side in sides]
+    return [(name, side, *SIDES.get(side.side, (0, 0))) for name, side in sides]
 
 
 def _grid(scene: Scene, extra: int) -> Element:
     """Return the grid, and conditions at its six faces."""
     cell, ends = float(scene.grid.cell_size), np.array([scene.grid.lower, scene.grid.upper])
-    kinds, faces = dict.fromkeys(_SIDES, "Velocity"), []
+    kinds, faces = dict.fromkeys(SIDES, "Velocity"), []
     kinds |= dict.fromkeys(("back", "front"), "Symmetric") if scene.dim == 2 else {}
     for name, side, axis, end in _held(scene):
         ends[end, axis] = scene.bodies[name].geometry.bounds[end][axis]
         kinds[side.side] = "Velocity" if side.fixed is True else "Symmetric"
-    for (axis, end), kind in zip(_SIDES.values(), kinds.values(), strict=True):
+    for (axis, end), kind in zip(SIDES.values(), kinds.values(), strict=True):
         values, var = ({"value": (0, 0, 0)}, "Dirichlet") if kind == "Velocity" else ({}, "symmetry")
         condition = _tag("BCType", values, id="all", label=kind, var=var)
         faces.append(_tag("Face", {}, [condition], side="xyz"[axis] + "-+"[end]))

@@ -16,7 +16,15 @@ import numpy as np
 import pytest
 
 import mpmfw
-from mpmfw.api.code import Code, MotionOutputs, MovingPoints, ProcessLimits, read_arrays, read_log
+from mpmfw.api.code import (
+    Code,
+    MotionOutputs,
+    MovingPoints,
+    ProcessLimits,
+    mesh_of_body,
+    read_arrays,
+    read_log,
+)
 from mpmfw.codes.code import codes_of
 from mpmfw.codes.outputs import RunCost, results_of
 from mpmfw.codes.process import run_process
@@ -34,6 +42,8 @@ from mpmfw_code.newton import OFF_FACE, ON_FACE, Newton
 RECORDED = Path(__file__).resolve().parents[1] / "codes"
 ARENA = Path(__file__).resolve().parents[2] / "docs/arena/scenes"
 SLIP = "rolling-cylinder-slip-rigid"
+ARENA = Path(__file__).resolve().parents[2] / "docs/arena/scenes"
+HERTZ, DISCS = ARENA / "hertz-impact.toml", ARENA / "colliding-discs.toml"
 COARSE = {"grid.cell_size": 0.8, "bodies.cylinder.particles.size": "1 cell", "time.end": 0.1}
 
 
@@ -206,7 +216,7 @@ def test_a_recorded_folder_of_calculix_gives_the_figures_of_its_run(calculix_fol
     series = run["series"].to_dataset()
     assert run.attrs["status"] == "ok"
     assert run.attrs["code"] == "CalculiX 2.20, float64, CPU"
-    assert run.attrs["steps"] == 936
+    assert run.attrs["steps"] == 948
     assert float(run["particles/block"]["mass"].sum()) == pytest.approx(180.0)
     moved = series["centre_of_mass"].sel(body="block", axis="x").values
     exact = 0.5 * 10.0 * (np.sin(np.pi / 6) - 0.3 * np.cos(np.pi / 6)) * series["time"].values ** 2
@@ -252,14 +262,14 @@ def test_growing_energy_is_suspect(calculix_folder):
 def test_the_input_of_calculix_joins_quadrilaterals(tmp_path):
     Calculix().prepare(load_scene("sliding-block", set={"grid.cell_size": 0.3}), tmp_path)
     lines = (tmp_path / "scene.inp").read_text().splitlines()
-    front = int(lines[lines.index("*NSET, NSET=FRONT, GENERATE") + 1].split(",")[1])
-    assert front == 3 * 2 + 15 * 2  # of elements of 0.3 m, and below of 0.27 m
+    at = lines.index("*NSET, NSET=PRINT, GENERATE")
+    assert lines[at + 1 : at + 3] == ["1,6", "13,42"]  # of elements of 0.3 m, and below of 0.27 m
     elements = [line for line in lines if line.count(",") == 8]
     assert len(elements) == 2 + 14
     surface = lines[lines.index("*SURFACE, NAME=SB1, TYPE=ELEMENT") + 1 :][:6]
     assert sorted(surface) == ["1,S3", "1,S5", "1,S6", "2,S3", "2,S4", "2,S5"]
-    assert "EB1,GRAV,10,0.5,-0.866025403784,0." in lines  # of the motion
-    assert "EB1,GRAV,10,0,-1,0." in lines  # of the static step
+    assert "EB1,GRAV,10,0.5,-0.866025403784,0" in lines  # of the motion
+    assert "EB1,GRAV,10,0,-1,0" in lines  # of the static step
     at = lines.index("*HYPERELASTIC, NEO HOOKE")
     assert [float(each) for each in lines[at + 1].split(",")] == pytest.approx([3e6, 2 / 12e6])
 
@@ -293,14 +303,54 @@ def test_no_weight_takes_the_weight_of_rest_away(tmp_path):
     Calculix().prepare(load_scene("sliding-block", set=changes), tmp_path)
     lines = (tmp_path / "scene.inp").read_text().splitlines()
     at = lines.index("*DLOAD, OP=NEW")
-    assert lines[at + 1 : at + 3] == ["EB1,GRAV,0,0.,-1.,0.", "EB2,GRAV,0,0.,-1.,0."]
+    assert lines[at + 1 : at + 3] == ["EB1,GRAV,0,-1,-1,-1", "EB2,GRAV,0,-1,-1,-1"]
 
 
-def test_a_disc_that_can_roll_away_is_not_settled_by_calculix():
+def test_a_disc_rests_by_its_contact_on_a_rigid_face_alone(tmp_path):
     (problem,) = Calculix().problems(load_scene("rolling-cylinder-slip"))
     assert problem.key == "settle"
     assert "'cylinder' can roll away" in problem.message
     assert not Calculix().problems(load_scene("rolling-cylinder-slip", set={"settle": None}))
+
+    scene = load_scene(SLIP, set={"grid.cell_size": 0.8})
+    Calculix().prepare(scene, tmp_path)
+    lines = (tmp_path / "scene.inp").read_text().splitlines()
+    with np.load(tmp_path / "mesh.npz") as file:
+        nodes, mass = file["cylinder_nodes"], file["cylinder_mass"]
+    assert mass.sum() == pytest.approx(1000.0 * np.pi * 1.6**2, rel=1e-9)
+    weight = 10.0 * mass.sum()  # a slab as deep as an element carries it by its stiffness over a cell
+    face = scene.bodies["plane"].geometry.bounds[1][1]
+    assert nodes[:, 1].min() == pytest.approx(face - weight / (6e6 + 4e6), rel=1e-6)
+    top, begin = nodes[:, 1].argmax() + 1, lines.index("*STATIC")
+    held = [k for k, line in enumerate(lines) if line == f"{top},1"]
+    assert len(held) == 1
+    assert begin < held[0] < lines.index("*DYNAMIC, EXPLICIT")
+    assert lines.count("NB2,1,3") == 2
+
+
+def test_a_ball_and_a_box_are_meshed_in_space():
+    scene = load_scene(HERTZ)
+    ball, box = mesh_of_body(scene, "ball", 0.25, 0.25), mesh_of_body(scene, "plane", 1.0, 0.25)
+    radius = np.linalg.norm(ball.nodes - scene.bodies["ball"].geometry.centre, axis=1)
+    outer = np.unique(ball.cells[ball.outer[:, 0]])
+    np.testing.assert_allclose(
+        np.sort(radius[outer])[-len(ball.outer) - 2 :], 1.0
+    )  # by Euler, of quadrilaterals
+    assert np.count_nonzero(radius > 1.0 - 1e-9) == len(ball.outer) + 2
+    assert radius.max() <= 1.0 + 1e-9
+    assert ball.volume.sum() == pytest.approx(4.0 / 3.0 * np.pi, rel=0.03)
+    assert box.volume.sum() == pytest.approx(1.6 * 1.6 * 0.517)
+    assert len(box.outer) == 16
+
+
+@pytest.mark.parametrize(("name", "nearest"), [("first", 0.0), ("second", 11.25)])
+def test_a_disc_meets_another_by_a_node_and_that_by_the_middle_of_an_edge(name, nearest):
+    scene = load_scene(DISCS)
+    place = mesh_of_body(scene, name, 0.1, 0.1).nodes[:, :2] - scene.bodies[name].geometry.centroid
+    rim = place[np.hypot(*place.T) > 0.199]
+    across = np.degrees(np.abs(np.arctan2(rim[:, 0] - rim[:, 1], np.abs(rim.sum(axis=1)))))
+    towards = rim.sum(axis=1) * (1.0 if name == "first" else -1.0) > 0.1
+    assert across[towards].min() == pytest.approx(nearest, abs=1e-5)
 
 
 def test_a_recorded_folder_of_nairn_gives_the_figures_of_its_run(nairn_folder):
@@ -428,8 +478,11 @@ REFUSED = {
     },
     Calculix: {
         "bodies.block.velocity": THROWN,
-        "bodies.plane.rigid": (SLIP, {}),
-        "grid": ("rolling-sphere-slip", {}),
+        "bodies.plane.rigid": MOVED,
+        "bodies.plane.geometry": (
+            ARENA / "hertz-impact.toml",
+            {"bodies.plane.geometry": {"type": "ball", "centre": [0.0, -1.0, 0.0], "radius": 1.0}},
+        ),
         "bodies.block.particles.layout": (BLOCK, {"bodies.block.particles.layout": "lattice"}),
         "materials.block.model": (BLOCK, {"materials.block.model": "linear_elastic"}),
         "bodies.plane.sides": (BLOCK, {"bodies.plane.sides": [HELD, PRESSED]}),

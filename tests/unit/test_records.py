@@ -140,6 +140,13 @@ def test_keys_of_later_versions_that_are_off_leave_the_problem():
     assert _given({**later, "b": {**later["b"], "switch": True}}) != tables
 
 
+def test_an_option_of_a_material_counts_unless_it_has_its_default():
+    energy = {
+        name: _problem(load_scene(SLIP, set={"materials.soft.energy": name}), {}) for name in ("split", "log")
+    }
+    assert energy["split"] == _problem(load_scene(SLIP), {}) != energy["log"]
+
+
 def test_the_problem_is_the_same_for_all_methods_and_cells():
     def hashed(**changes):
         return _problem(load_scene(SLIP, set=changes), {})

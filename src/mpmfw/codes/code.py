@@ -18,7 +18,7 @@ import numpy as np
 from mpmfw.codes.outputs import MotionOutputs, RunCost, printable, results_of
 from mpmfw.codes.process import LARGEST, ProcessLimits, run_process
 from mpmfw.errors import MpmfwError, SceneError, SceneProblem
-from mpmfw.geometry import Layout, discretise
+from mpmfw.geometry import Layout, Particles, discretise
 from mpmfw.plugin.base import PlugIn
 from mpmfw.plugin.discovery import load
 from mpmfw.scene import load_scene
@@ -33,6 +33,9 @@ if TYPE_CHECKING:
 
 #: Files that every adapter has in its folder.
 SCENE, COST, LOG = "scene.toml", "cost.json", "log.txt"
+
+#: Axis and end of a side.
+SIDES = {"left": (0, 0), "right": (0, 1), "bottom": (1, 0), "top": (1, 1), "back": (2, 0), "front": (2, 1)}
 
 #: Tables of a scene that are refused, unless ``reads`` has them.
 _OPTIONAL = ("gravity", "loads", "boundaries", "settle", "sleep", "outputs")
@@ -239,9 +242,9 @@ def read_arrays(path: Path) -> dict[str, AnyArray]:
 
 
 def points_of_body(scene: Scene, name: str, size: float | None = None) -> Layout:
-    """Return a body's material points as mpmfw would have them, or with edges of another ``size`` [m]."""
+    """Return a body's material points as mpmfw would have them, or fitted with edges up to ``size`` [m]."""
     body: Any = scene.bodies[name]
-    particles = body.particles if size is None else body.particles.model_copy(update={"size": size})
+    particles = body.particles if size is None else Particles(layout="fitted", size=size)
     return discretise(body.geometry, particles, None)
 
 

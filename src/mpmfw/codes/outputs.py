@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -83,6 +83,15 @@ class MotionOutputs:
                 raise ValueError(f"'{name}' has points without mass")
             if not (np.abs(points.position) < _HUGE).all() or not (np.abs(points.velocity) < _HUGE).all():
                 raise ValueError(f"'{name}' has a motion that is not finite")
+
+
+def at_times(time: FloatArray, known: Sequence[float], values: Sequence[FloatArray]) -> FloatArray:
+    """Return values of the times ``known`` at others by linear interpolation (time, …)."""
+    times, stacked = np.array(known), np.array(values)
+    after = np.clip(np.searchsorted(times, time), 1, len(times) - 1)
+    share = np.clip((time - times[after - 1]) / (times[after] - times[after - 1]), 0.0, 1.0)
+    share = share.reshape(-1, *(1,) * (stacked.ndim - 1))
+    return np.asarray((1.0 - share) * stacked[after - 1] + share * stacked[after])
 
 
 def printable(text: str) -> str:

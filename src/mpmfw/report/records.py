@@ -227,9 +227,13 @@ def _cleaned(value: Any) -> Any:
 
 
 def _problem(scene: Scene, materials: Mapping[str, Any]) -> str:
-    """Return a hash of the scene's meaning, without methods, names and inactive keys, so that new keys of
-    later versions do not change it. Materials by code count as written."""
+    """Return a hash of the scene's meaning, without methods, names and inactive keys, so that new keys and
+    options of materials of later versions do not change it. Materials by code count as written."""
     tables, meshes = meaning_of(scene, {}).values()
+    for name, material in scene.materials.items():
+        given = {} if material.options is None else material.options.model_dump(exclude_defaults=True)
+        options = tables["materials"][name]["options"] or {}
+        tables["materials"][name]["options"] = {key: options[key] for key in options if key in given}
     for name, body in tables["bodies"].items():
         own = {"material": tables["materials"].get(body["material"])}
         tables["bodies"][name] = {k: v for k, v in body.items() if not is_numerical(f"bodies.body.{k}")} | own
