@@ -56,7 +56,7 @@ class Hybrid(Impulse):
             (state.bodies[pair.first].bulk_modulus, state.bodies[pair.second].bulk_modulus)
             for pair in state.pairs
         ]
-        reduced = [a * b / (a + b) if np.isfinite(a + b) else min(a, b) for a, b in both]
+        reduced = [a * b / (a + b) if np.isfinite(a + b) else min(a, b, 1e300) for a, b in both]
         self.modulus: FloatArray = self.options.kappa * np.array(reduced, dtype=float) / self.cell_size
 
     def compliance(self) -> FloatArray:

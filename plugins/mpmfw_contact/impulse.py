@@ -6,7 +6,7 @@ import numpy as np
 
 from mpmfw.api import ContactRows, FloatArray, Grid, ImpulseLaw
 from mpmfw.kernels import Struct, kernel, scratch
-from mpmfw.kernels.contact import Rows, slip_limit
+from mpmfw.kernels.contact import Rows, rigid_couplings, slip_limit
 from mpmfw.kernels.types import Floats
 
 
@@ -15,6 +15,7 @@ class ImpulseArrays(Struct):
 
     active: Floats  #: (n,) 1 where the row takes part, else 0
     compliance: Floats  #: (n,) inverse of its mass [1/kg]
+    across: Floats  #: (n,) the same of slip, where free rigid bodies have another
     velocity: Floats  #: (n, dim) B v [m/s]
 
 
@@ -58,11 +59,11 @@ def stop(
             normal_impulse = abs(normal_impulse)
         if len(limit) > 0:
             normal_impulse = max(-limit[c], min(normal_impulse, limit[c]))
-        tangential = min(slip_limit(rows, c, abs(normal_impulse)), speed / compliance)
+        tangential = min(slip_limit(rows, c, abs(normal_impulse)), speed / own.across[c])
         for d in range(dim):
             direction = slip[d] / speed if speed > 0.0 else 0.0
             rows.force[c, d] = normal_impulse * rows.normal[c, d] - tangential * direction
-        left = speed - tangential * compliance
+        left = speed - tangential * own.across[c]
         if len(work) > 0:
             work[p] += tangential * (0.5 * (speed + left) if projected else left)
 
@@ -71,7 +72,8 @@ class Impulse(ImpulseLaw):
     """Every row by itself; the mass of nodes that several rows share is divided between those that approach.
 
     The mass of row c is 1 / Σ_i |b_ci| (Σ_d |b_di|) / m_i over the rows d that approach: of two bodies at
-    a shared node m_a m_b / (m_a + m_b). All impulses follow from the same velocities.
+    a shared node m_a m_b / (m_a + m_b). All impulses follow from the same velocities. A free rigid body moves
+    as a whole: along normals and along slips the mass is that of :func:`rigid_couplings`.
     """
 
     name = "impulse"
@@ -80,7 +82,7 @@ class Impulse(ImpulseLaw):
     repels = False
 
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:  # noqa: ARG002
-        return {"active": 0, "compliance": 0, "velocity": 1}
+        return {"active": 0, "compliance": 0, "across": 0, "velocity": 1}
 
     def activate(self, rows: ContactRows, grid: Grid, *, moves: bool) -> None:  # noqa: ARG002
         """Write which rows take part; ``moves`` is false for a momentum that moves no point."""
@@ -92,9 +94,18 @@ class Impulse(ImpulseLaw):
 
     def impulses(self, rows: ContactRows, grid: Grid, work: FloatArray | None, *, projected: bool) -> None:
         """Stop what approaches, and slip within the cone."""
-        own = rows.own
+        own, n, free = rows.own, rows.count, len(rows.response) > 0
+        if free:
+            self.state.rigid.make_rigid(grid)
         rows.momentary_velocity(grid, own.velocity)
         self.activate(rows, grid, moves=work is not None)
         rows.couplings(own.active, grid, own.compliance)
+        own.across[:n] = own.compliance[:n]
+        if free:
+            velocity, normal = np.zeros_like(grid.momentum), rows.normal[:n]
+            slip = own.velocity[:n] - np.vecdot(own.velocity[:n], normal)[:, None] * normal
+            slip /= np.maximum(np.linalg.norm(slip, axis=1, keepdims=True), 1e-300)
+            for direction, out in ((normal, own.compliance), (slip, own.across)):
+                rigid_couplings(rows, n, own.active, direction, grid.mass, velocity, out, grid.spacing)
         limit, gained = self.limit(rows, grid), np.zeros(0) if work is None else work
-        stop(rows, rows.count, own, limit, projected, gained, self.repels, grid.spacing)
+        stop(rows, n, own, limit, projected, gained, self.repels, grid.spacing)

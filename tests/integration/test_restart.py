@@ -36,6 +36,7 @@ COARSE = {
     },
     "footing": {"grid.cell_size": 0.25, "time.end": 0.02},
     "roller": {"grid.cell_size": 0.25, "settle.max_time": 0.02, "time.end": 0.02},
+    "wheel": {"grid.cell_size": 0.2, "time.end": 0.02},
     "rolling-cylinder-no-slip": _ROLLS,
     "rolling-cylinder-no-slip-rigid": _ROLLS,
     "rolling-cylinder-slip": {**_ROLLS, "output.ledger": True},

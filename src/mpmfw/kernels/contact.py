@@ -190,6 +190,43 @@ def couplings(
 
 
 @kernel
+def rigid_couplings(
+    rows: Rows, count: int, active: Floats, direction: Floats, mass: Floats, velocity: Floats, out: Floats,
+    spacing: tuple[float, ...],
+) -> None:  # fmt: skip
+    """Inverse masses along ``direction`` e (n, dim) of ``active`` rows on free rigid bodies, into ``out``:
+    max(Σ_d a_cd, ½ Σ_d max(a_cd, 0)) over active rows d, with a_cd = e_c·B_c M⁻¹ B_dᵀ e_d.
+
+    Rows that approach alike are then stopped at once; impulses J_c = u_c / out_c ≥ 0 give no energy, as
+    Jᵀ A J ≤ Σ_c J_c² Σ_d max(a_cd, 0). ``velocity`` (n_nodes, dim) is scratch, zero on entry and return.
+    """
+    dim, first_rigid = len(spacing), len(mass) - len(rows.response)
+    push, moved = scratch.vector(spacing), scratch.vector(spacing)
+    for c in range(count):
+        free = False
+        for k in range(rows.start[c], rows.start[c + 1]):
+            free = free or (rows.dof[k] >= first_rigid and mass[rows.dof[k]] > 0.0)
+        if active[c] == 0.0 or not free:
+            continue
+        for d in range(dim):
+            push[d] = direction[c, d]
+        add_force(c, push, rows, mass, velocity, spacing)
+        total, positive = 0.0, 0.0
+        for b in range(count):
+            if active[b] != 0.0:
+                along = 0.0
+                row_velocity(b, rows, velocity, moved, spacing)
+                for d in range(dim):
+                    along += moved[d] * direction[b, d]
+                total, positive = total + along, positive + max(along, 0.0)
+        if positive > 0.0:
+            out[c] = max(total, 0.5 * positive)
+        for k in range(rows.start[c], rows.start[c + 1]):
+            velocity[rows.dof[k]] = 0.0
+        velocity[first_rigid:] = 0.0
+
+
+@kernel
 def add_records(rows: Rows, count: int, scale: float, records: Records, spacing: tuple[float, ...]) -> None:
     """Add ``scale`` Σ f on every pair's first body and its tangential part to the impulses; count the
     places with a force."""
