@@ -6,6 +6,7 @@ The lists are those of L. Verlet (1967), found by boxes of bodies and of blocks 
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,6 @@ from mpmfw.kernels import Struct, device, kernel, scratch
 from mpmfw.kernels.boxes import (
     BLOCK,
     Boxes,
-    block_boxes,
     bounding_boxes,
     boxes_apart,
     read_box,
@@ -33,6 +33,7 @@ class Partners(Struct):
 
     first: Ints  #: (n_bodies + 1,) partners of body a are ``body[first[a]:first[a + 1]]``
     body: Ints  #: (n,)
+    last: Ints  #: (n,) scratch: end of the chosen blocks of each
 
 
 def partners_of(first: IntArray, second: IntArray, rank: IntArray) -> Partners:
@@ -41,7 +42,8 @@ def partners_of(first: IntArray, second: IntArray, rank: IntArray) -> Partners:
     searched = rank[body] <= rank[other]
     body, other = body[searched], other[searched]
     order = np.lexsort((other, body))
-    return Partners(first=np.searchsorted(body[order], np.arange(len(rank) + 1)), body=other[order])
+    first = np.searchsorted(body[order], np.arange(len(rank) + 1))
+    return Partners(first=first, body=other[order], last=np.zeros_like(first, shape=len(order)))
 
 
 @kernel
@@ -55,61 +57,95 @@ def near_boxes(first: Ints, second: Ints, reach: float, outline: Surface, boxes:
 
 
 #: How far beyond the search radius facets are listed, in cells.
-SKIN = 0.1
+SKIN = 0.2
 
 
 class NearFacets(Struct):
     """Facets near n items, which are nodes or facets, one item after the other."""
 
     first: Ints  #: (n + 1,) entries of item i are ``first[i]:first[i + 1]``
-    facet: Indices  #: (m,) facet of another body; the facets of an item ascend
+    facet: Indices  #: (m,) facet of another body, body by body; in the plane they ascend
     away: Floats  #: (m,) distance of its box from that of the item when it was listed [m]
     moved: Floats  #: (n_bodies,) how far any node of the body has moved since [m]
 
 
+class FacetBoxes(Struct):
+    """Boxes of facets, and of blocks of them in an order of which neighbours lie near each other."""
+
+    order: Ints  #: (n_f,) facets, body by body; in the plane they ascend
+    begin: Ints  #: (n + 1,) block k has the facets ``order[begin[k]:begin[k + 1]]``
+    first: Ints  #: (n_bodies + 1,) blocks of body b are ``first[b]:first[b + 1]``
+    facet: Floats  #: (n_f, 2, dim) lower and upper corner, in that order [m]
+    block: Floats  #: (n, 2, dim) lower and upper corner [m]
+    chosen: Ints  #: (n,) scratch: blocks near a body
+
+
+def boxes_of(outline: Surface, cell_size: float) -> FacetBoxes:
+    """Return boxes to be filled, of ``BLOCK`` facets that lie in one cell or in cells side by side."""
+    first, (n_facets, dim), order = outline.facet_first, outline.facets.shape, np.arange(len(outline.facets))
+    if dim == 3:
+        cells = np.floor(outline.position[outline.facets].mean(axis=1) / cell_size)
+        order = np.lexsort((*cells.T, outline.body[outline.facets[:, 0]]))
+    begin = np.concatenate([*(np.arange(*ends, BLOCK) for ends in pairwise(first)), [n_facets]])
+    return FacetBoxes(
+        order=order, begin=begin, first=np.searchsorted(begin, first), facet=np.zeros((n_facets, 2, dim)),
+        block=np.zeros((len(begin) - 1, 2, dim)), chosen=np.zeros(len(begin), dtype=np.int64),
+    )  # fmt: skip
+
+
+def write_boxes(outline: Surface, boxes: FacetBoxes) -> None:
+    """Write the boxes of all facets and blocks."""
+    corners = outline.position[outline.facets[boxes.order]]
+    for side, least in enumerate((np.minimum, np.maximum)):
+        least.reduce(corners, axis=1, out=boxes.facet[:, side])
+        boxes.block[:, side] = least.reduceat(boxes.facet[:, side], boxes.begin[:-1])
+
+
 @device
-def list_body(
-    body: int, lower: Floats, upper: Floats, cutoff: Float, count: int, outline: Surface, blocks: Floats,
-    near: NearFacets, spacing: tuple[float, ...],
+def list_block(
+    block: int, lower: Floats, upper: Floats, limit: Float, count: int, boxes: FacetBoxes, near: NearFacets,
+    spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """Add a body's facets within ``cutoff`` [m]; return the number, stored or not."""
-    begin, end = outline.facet_first[body], outline.facet_first[body + 1]
-    low, high, limit = scratch.vector(spacing), scratch.vector(spacing), cutoff * cutoff
-    for block in range((end - begin + BLOCK - 1) // BLOCK):
-        box = blocks[begin // BLOCK + 2 * body + block]
-        if square_between(lower, upper, box[0], box[1], spacing) > limit:
-            continue
-        for m in range(begin + block * BLOCK, min(begin + (block + 1) * BLOCK, end)):
-            read_box(m, outline.facets, outline.position, low, high, spacing)
-            square = square_between(lower, upper, low, high, spacing)
-            if square <= limit:
-                if count < len(near.facet):
-                    near.facet[count], near.away[count] = m, math.sqrt(square)
-                count += 1
+    """Add facets of a block whose squared distance from a box is at most ``limit`` [m²]; return the number,
+    stored or not."""
+    if square_between(lower, upper, boxes.block[block, 0], boxes.block[block, 1], spacing) > limit:
+        return count
+    for k in range(boxes.begin[block], boxes.begin[block + 1]):
+        square = square_between(lower, upper, boxes.facet[k, 0], boxes.facet[k, 1], spacing)
+        if square <= limit:
+            if count < len(near.facet):
+                near.facet[count], near.away[count] = boxes.order[k], math.sqrt(square)
+            count += 1
     return count
 
 
 @kernel
 def list_near(
-    items: Ints, item_first: Ints, cutoff: float, outline: Surface, boxes: Boxes, partners: Partners,
-    blocks: Floats, near: NearFacets, spacing: tuple[float, ...],
+    items: Ints, item_first: Ints, cutoff: float, outline: Surface, bodies: Boxes, partners: Partners,
+    boxes: FacetBoxes, near: NearFacets, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """List for every item the facets of its body's partners within ``cutoff`` [m]; return the number of
-    entries, stored or not. ``blocks`` is scratch for the boxes of blocks of facets."""
-    count, n_bodies = 0, len(item_first) - 1
+    entries, stored or not."""
+    count, limit, chosen, last = 0, cutoff * cutoff, boxes.chosen, partners.last
     lower, upper = scratch.vector(spacing), scratch.vector(spacing)
-    for b in range(n_bodies):
-        begin, end = outline.facet_first[b], outline.facet_first[b + 1]
-        block_boxes(begin, end, begin // BLOCK + 2 * b, outline, blocks, spacing)
-    for a in range(n_bodies):
+    for a in range(len(item_first) - 1):
+        top, low, high = 0, bodies.lower[a], bodies.upper[a]
+        for k in range(partners.first[a], partners.first[a + 1]):
+            for block in range(boxes.first[partners.body[k]], boxes.first[partners.body[k] + 1]):
+                if square_between(low, high, boxes.block[block, 0], boxes.block[block, 1], spacing) <= limit:
+                    chosen[top] = block
+                    top += 1
+            last[k] = top
         for i in range(item_first[a], item_first[a + 1]):
-            near.first[i] = count
+            near.first[i], c = count, 0
             read_box(i, items, outline.position, lower, upper, spacing)
             for k in range(partners.first[a], partners.first[a + 1]):
                 b = partners.body[k]
-                square = square_between(lower, upper, boxes.lower[b], boxes.upper[b], spacing)
-                if square <= cutoff * cutoff:
-                    count = list_body(b, lower, upper, cutoff, count, outline, blocks, near, spacing)
+                if square_between(lower, upper, bodies.lower[b], bodies.upper[b], spacing) > limit:
+                    c = last[k]
+                while c < last[k]:
+                    count = list_block(chosen[c], lower, upper, limit, count, boxes, near, spacing)
+                    c += 1
     near.first[len(items)] = count
     return count
 
@@ -152,7 +188,7 @@ class VerletList:
         self.radius, self.spacing, self.skin = radius, spacing, SKIN * spacing[0]
         n_bodies, dim = len(outline.body_first) - 1, len(spacing)
         self.boxes = Boxes(lower=np.zeros((n_bodies, dim)), upper=np.zeros((n_bodies, dim)))
-        self.blocks = np.zeros((len(outline.facets) // BLOCK + 2 * n_bodies, 2, dim))
+        self.blocks = boxes_of(outline, spacing[0])
         self.near = NearFacets(
             first=np.zeros(len(items) + 1, dtype=np.int64),
             facet=np.zeros(len(items), dtype=np.int32),
@@ -177,22 +213,23 @@ class VerletList:
     def update(self) -> bool:
         """Return true if two bodies are near; list anew if they have moved far."""
         near = near_boxes(self.first, self.second, self.radius, self.outline, self.boxes)
-        if self.find_covered is not None:
-            self.find_covered(
-                self.first, self.second, self.radius, self.outline, self.boxes, self.neighbours, self.scratch,
-                self.spacing,
-            )  # fmt: skip
         if not near and self.listed:
             self.near.first.fill(0)
             self.listed = False
         if near and not (
             self.listed and measure_motion(self.outline, self.listed_at, self.near.moved) <= self.skin
         ):
+            write_boxes(self.outline, self.blocks)
             while (entries := self._list()) > len(self.near.facet):
                 self.near.set(facet=np.zeros(2 * entries, dtype=np.int32), away=np.zeros(2 * entries))
             self.near.moved.fill(0.0)
             self.listed_at[:] = self.outline.position
             self.listed = True
+        if self.find_covered is not None:
+            self.find_covered(
+                self.first, self.second, self.radius, self.outline, self.boxes, self.neighbours, self.blocks,
+                self.near, self.scratch, self.spacing,
+            )  # fmt: skip
         return near
 
     def _list(self) -> int:

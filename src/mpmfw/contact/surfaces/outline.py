@@ -162,7 +162,7 @@ def facing_facet(
             continue
         read_corners(n, outline.position, outline.facets, corners, spacing)
         square = squared_distance(start, corners, spacing)
-        nearer = square < least or (square == least and facing < 0)
+        nearer = square < least or (square == least and (facing < 0 or n < facing))
         if nearer and opposes(outward, n, outline, spacing):
             facing, least = n, square
     return facing

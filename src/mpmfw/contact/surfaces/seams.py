@@ -3,7 +3,7 @@ inside of a seam."""
 
 from __future__ import annotations
 
-from mpmfw.contact.surfaces.near_facets import Partners
+from mpmfw.contact.surfaces.near_facets import FacetBoxes, NearFacets, Partners
 from mpmfw.contact.surfaces.outline import ROUNDING
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.boxes import Boxes, boxes_apart, read_box, square_between
@@ -61,16 +61,23 @@ def seam_box(
 
 @device
 def list_within(
-    body: int, lower: Floats, upper: Floats, begin: int, outline: Surface, out: Indices,
-    spacing: tuple[float, ...],
+    body: int, lower: Floats, upper: Floats, begin: int, outline: Surface, blocks: FacetBoxes,
+    near: NearFacets, out: Indices, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """List the facets of a body that touch the box in ``out[begin:]``; return where they end."""
+    """List the facets of a body that touch the box in ``out[begin:]``; return where they end. ``blocks`` are
+    those of before the body ``moved``."""
     low, high, count = scratch.vector(spacing), scratch.vector(spacing), begin
-    for m in range(outline.facet_first[body], outline.facet_first[body + 1]):
-        read_box(m, outline.facets, outline.position, low, high, spacing)
-        if square_between(low, high, lower, upper, spacing) == 0.0:
-            out[count] = m
-            count += 1
+    moved = near.moved[body] + ROUNDING * spacing[0]
+    for block in range(blocks.first[body], blocks.first[body + 1]):
+        box = blocks.block[block]
+        if square_between(box[0], box[1], lower, upper, spacing) > moved * moved:
+            continue
+        for k in range(blocks.begin[block], blocks.begin[block + 1]):
+            m = blocks.order[k]
+            read_box(m, outline.facets, outline.position, low, high, spacing)
+            if square_between(low, high, lower, upper, spacing) == 0.0:
+                out[count] = m
+                count += 1
     return count
 
 
@@ -132,7 +139,7 @@ def is_covered(
 @kernel
 def find_covered(
     first: Ints, second: Ints, reach: float, outline: Surface, boxes: Boxes, partners: Partners,
-    listed: Indices, spacing: tuple[float, ...],
+    blocks: FacetBoxes, near: NearFacets, listed: Indices, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """Write the body that covers each facet within ``reach`` [m] of a third one, of the pairs of bodies, else
     −1; ``listed`` (n_f,) is scratch."""
@@ -144,8 +151,8 @@ def find_covered(
             continue
         if not seam_box(a, b, partners, reach, boxes, lower, upper, spacing):
             continue
-        middle = list_within(a, lower, upper, 0, outline, listed, spacing)
-        end = list_within(b, lower, upper, middle, outline, listed, spacing)
+        middle = list_within(a, lower, upper, 0, outline, blocks, near, listed, spacing)
+        end = list_within(b, lower, upper, middle, outline, blocks, near, listed, spacing)
         for k in range(end):
             begin, stop = (middle, end) if k < middle else (0, middle)
             if is_covered(listed[k], listed, begin, stop, outline, spacing):

@@ -231,14 +231,17 @@ def farthest_motion(outline: Surface) -> Float:
 def add_crossings(
     s: int, outline: Surface, near: NearFacets, candidates: Candidates, spacing: tuple[float, ...]
 ) -> None:
-    """Add facets through which node s came in the last step, if the search missed it."""
+    """Add facets through which node s came in the last step, if the search missed it; of a body the first."""
+    added, slot = -1, -1
     for k in range(near.first[s], near.first[s + 1]):
         m = near.facet[k]
         if hidden(m, outline.body[s], outline) or not crosses(s, m, outline, spacing):
             continue
-        slot = slot_for_lost(s, body_of(m, outline), outline, candidates)
-        if slot >= 0 and candidates.facet[s, slot] < 0:
+        if added < 0 or body_of(added, outline) != body_of(m, outline):
+            slot, added = slot_for_lost(s, body_of(m, outline), outline, candidates), -1
+        if slot >= 0 and (candidates.facet[s, slot] < 0 or m < added):
             put_behind(s, slot, m, outline, candidates, spacing)
+            added = candidates.facet[s, slot]
 
 
 @kernel
