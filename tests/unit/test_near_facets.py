@@ -11,7 +11,7 @@ from mpmfw.contact.surfaces.near_facets import VerletList
 from mpmfw.contact.surfaces.search import keep_nearest
 from mpmfw.kernels import kernel
 from mpmfw.runs.simulation import Simulation
-from scenes_for_tests import ball_on_a_box
+from scenes_for_tests import ball_on_a_box, two_blocks
 
 
 @kernel
@@ -62,6 +62,24 @@ def test_a_run_with_lists_is_one_without(monkeypatch):
     assert few < 0.5 * many
     for ours, theirs in zip(with_lists, without, strict=True):
         np.testing.assert_array_equal(ours, theirs)
+
+
+@pytest.mark.parametrize("make", [ball_on_a_box, two_blocks])
+def test_lists_have_all_facets_of_the_other_body_whose_box_is_near(make):
+    sim = Simulation(make("penalty") if make is two_blocks else make())
+    sim.advance(3)
+    lists, surface = sim.contact.detection.near, sim.state.surface
+    lists.listed = False
+    assert lists.update()
+    corners = surface.position[surface.facets]
+    lower, upper, x = corners.min(axis=1), corners.max(axis=1), surface.position[:, np.newaxis]
+    away = np.linalg.norm(np.maximum(np.maximum(lower - x, x - upper), 0.0), axis=2)
+    other = surface.body[:, np.newaxis] != surface.body[surface.facets[:, 0]]
+    expected = [np.flatnonzero(row) for row in (away <= lists.radius + lists.skin) & other]
+    listed = np.split(lists.near.facet[: lists.near.first[-1]], lists.near.first[1:-1])
+    assert sum(map(len, expected)) > 0
+    for ours, theirs in zip(listed, expected, strict=True):
+        np.testing.assert_array_equal(np.sort(ours), theirs)
 
 
 @pytest.mark.parametrize(("skins", "times"), [(0.9, 1), (1.1, 2)])
