@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from mpmfw.plugin.discovery import load
 from msh_files import write_msh
-from scenes_for_tests import SOFT, block, one_body, two_blocks, with_changes
+from scenes_for_tests import SOFT, block, one_body, solid, two_blocks, with_changes
 
 Changes = dict[str, Any]
 
@@ -115,12 +115,7 @@ STICKY, SMOOTH = (
     {"bodies": ["left", "right"], "friction": 0.5},
     {"bodies": ["left", "right"], "friction": 0.0},
 )
-THIRD = {
-    "material": "soft",
-    "particles": {"size": 0.25},
-    "geometry": {"type": "rectangle", "lower": [0.505, -0.2], "upper": [0.9, 0.3]},
-    "velocity": [-8.0, -3.0],
-}
+THIRD = solid([0.505, -0.2], [0.9, 0.3], 0.25, velocity=[-8.0, -3.0])
 #: Plug-ins that the tests of the options announce.
 TABLE, FAST = {"model": "shaken"}, {"model": "fastest"}
 AIR = {"model": "drag", "rate": 30.0}

@@ -18,10 +18,15 @@ def with_changes(scene, **changes):
     return scene
 
 
-def solid(lower, upper, size, material="soft", layout="lattice", **keys):
-    """A rectangle or a box of points of this size."""
-    geometry = {"type": "rectangle" if len(lower) == 2 else "box", "lower": lower, "upper": upper}
+def body_of(geometry, size, material="soft", layout="lattice", **keys):
+    """A body of points of this size."""
     return {"material": material, "geometry": geometry, "particles": {"layout": layout, "size": size}, **keys}
+
+
+def solid(lower, upper, size, material="soft", layout="lattice", **keys):
+    """A rectangle or a box."""
+    geometry = {"type": "rectangle" if len(lower) == 2 else "box", "lower": lower, "upper": upper}
+    return body_of(geometry, size, material, layout, **keys)
 
 
 def scene_of(bodies, cell, lower, upper, end, outputs=1, **tables):
@@ -39,7 +44,7 @@ def scene_of(bodies, cell, lower, upper, end, outputs=1, **tables):
 def one_body(geometry, *, size, layout="lattice", **changes):
     """A free Neo-Hookean body called ``solid``, in cells of 0.25 m round the origin."""
     dim = 2 if geometry["type"] in ("disc", "ring", "rectangle", "polygon", "mesh") else 3
-    body = {"material": "soft", "geometry": geometry, "particles": {"layout": layout, "size": size}}
+    body = body_of(geometry, size, layout=layout)
     return with_changes(scene_of({"solid": body}, 0.25, [-2.0] * dim, [2.0] * dim, end=0.05), **changes)
 
 

@@ -14,7 +14,7 @@ from mpmfw.effects.averaged_volume import average_pressure, average_volume
 from mpmfw.runs.simulation import Simulation
 from mpmfw.state.windows import make_grid, set_windows
 from mpmfw_testing.bench import points_at_rest
-from scenes_for_tests import disc, scene_of, two_blocks, with_changes
+from scenes_for_tests import body_of, disc, scene_of, two_blocks, with_changes
 
 AVERAGED = {"bodies__solid__volumetric": "averaged"}
 STIFF = {"model": "neo_hookean", "density": 1000.0, "youngs_modulus": 1e6, "poissons_ratio": 0.499}
@@ -55,16 +55,11 @@ def test_means_keep_volume_and_work_and_leave_a_common_motion(seed: int, dim: in
 
 def head_on(how: str, **changes: Any) -> dict[str, Any]:
     """Two discs of ν = 0.499 that meet at 1 m/s each, four cells to the radius."""
-    bodies = {
-        name: {
-            "material": "m",
-            "geometry": {"type": "disc", "centre": [side * 0.5005 + 0.0137, 0.0071], "radius": 0.5},
-            "particles": {"size": "0.5 cells", "layout": "fitted"},
-            "velocity": [-side, 0.0],
-            "volumetric": how,
-        }
-        for name, side in (("left", -1.0), ("right", 1.0))
-    }
+    bodies = {}
+    for name, side in (("left", -1.0), ("right", 1.0)):
+        geometry = {"type": "disc", "centre": [side * 0.5005 + 0.0137, 0.0071], "radius": 0.5}
+        own = {"velocity": [-side, 0.0], "volumetric": how}
+        bodies[name] = body_of(geometry, "0.5 cells", "m", "fitted", **own)
     tables = {
         "contact": {"method": "lcp"},
         "materials": {"m": STIFF},

@@ -13,7 +13,7 @@ from mpmfw.api import ContactStrategy, hookimpl
 from mpmfw.results.analysis import energy_kept
 from mpmfw.runs.simulation import Simulation
 from mpmfw.state.windows import FEW
-from scenes_for_tests import scene_of, with_changes
+from scenes_for_tests import body_of, scene_of, with_changes
 
 METHODS = ("none", "penalty")
 
@@ -30,12 +30,9 @@ def many_discs(count, contact, **changes):
     bodies = {}
     for k in range(count):
         i, j = divmod(k, side)
-        bodies[f"d{k}"] = {
-            "material": "soft",
-            "geometry": {"type": "disc", "centre": [3.0 * i + 0.03, 3.0 * j + 0.07], "radius": 1.5},
-            "particles": {"layout": "fitted", "size": 0.5},
-            "velocity": [0.1 * (1 - 2 * (i % 2)), 0.1 * (1 - 2 * (j % 2))],
-        }
+        geometry = {"type": "disc", "centre": [3.0 * i + 0.03, 3.0 * j + 0.07], "radius": 1.5}
+        velocity = [0.1 * (1 - 2 * (i % 2)), 0.1 * (1 - 2 * (j % 2))]
+        bodies[f"d{k}"] = body_of(geometry, 0.5, layout="fitted", velocity=velocity)
     contact = {"method": contact, "friction": 0.3}
     made = scene_of(bodies, 1.0, [-7.5] * 2, [3.0 * side + 6.0] * 2, end=1.0, outputs=2, contact=contact)
     return with_changes(made, **changes)

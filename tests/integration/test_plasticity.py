@@ -8,7 +8,7 @@ import pytest
 import mpmfw
 from mpmfw.errors import ResultsWarning, SimulationError
 from mpmfw.runs.simulation import Simulation
-from scenes_for_tests import scene_of, solid
+from scenes_for_tests import body_of, scene_of, solid
 
 SOFT = {
     "model": "j2",
@@ -53,12 +53,10 @@ def copper(density, young, poisson, strength, hardening):
 #: A copper disc of ten cells on a free copper block, at 500 m/s, until the jets at the rim are drawn out.
 SPRAY = scene_of(
     {
-        "ball": {
-            "material": "copper",
-            "geometry": {"type": "disc", "centre": [0, 8.2e-6], "radius": 8e-6},
-            "particles": {"size": "0.5 cells"},
-            "velocity": [0, -500],
-        },
+        "ball": body_of(
+            *({"type": "disc", "centre": [0, 8.2e-6], "radius": 8e-6}, "0.5 cells", "copper"),
+            velocity=[0, -500],
+        ),
         "block": solid([-18e-6, -12e-6], [18e-6, 0], "0.5 cells", "copper"),
     },
     *(1e-6, [-26e-6, -24e-6], [26e-6, 24e-6]),

@@ -6,7 +6,7 @@ import pytest
 from mpmfw.geometry.solid import turning
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
-from scenes_for_tests import scene_of, solid
+from scenes_for_tests import body_of, scene_of, solid
 
 CELL = 0.25
 SOFT = {"model": "neo_hookean", "density": 1000.0, "bulk_modulus": 12e6, "shear_modulus": 6e6}
@@ -64,13 +64,9 @@ def test_stress_in_blocks_turned_against_the_grid_is_the_pressure(blocks, tolera
 
 def impact(method="penalty"):
     """A ball that spins hits the edge of a free box, both off the grid lines."""
-    ball = {
-        "material": "soft",
-        "geometry": {"type": "ball", "centre": [0.31, 0.47, 1.18], "radius": 0.375},
-        "particles": {"layout": "lattice", "size": 0.5 * CELL},
-        "velocity": [2.0, 1.0, -6.0],
-        "angular_velocity": [5.0, -20.0, 8.0],
-    }
+    geometry = {"type": "ball", "centre": [0.31, 0.47, 1.18], "radius": 0.375}
+    motion = {"velocity": [2.0, 1.0, -6.0], "angular_velocity": [5.0, -20.0, 8.0]}
+    ball = body_of(geometry, 0.5 * CELL, **motion)
     bodies = {"ball": ball, "box": box((0.3, 0.2, 0.1), (3.3, 3.2, 3.1), 1 / 2)}
     return scene(bodies, contact={"method": method, "friction": 0.3})
 

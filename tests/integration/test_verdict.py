@@ -12,7 +12,7 @@ from mpmfw.effects.verdict import SIDES_LATEST
 from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene.toml_text import toml_text
-from scenes_for_tests import block, scene_of, with_changes
+from scenes_for_tests import block, body_of, scene_of, with_changes
 
 CELL, SPEED = 0.1, 5.0
 SOLID = {"model": "neo_hookean", "density": 1000.0, "bulk_modulus": 1e6, "shear_modulus": 5e5}
@@ -42,12 +42,7 @@ def scene(*bodies, end, outputs, **changes):
     """A scene of bodies that move along x, in cells of 0.1 m."""
     dim = 2 if bodies[0][0]["type"] in ("disc", "rectangle", "ring", "polygon") else 3
     moving = {
-        name: {
-            "material": "solid",
-            "geometry": geometry,
-            "particles": {"size": 0.5 * CELL},
-            "velocity": [speed] + [0.0] * (dim - 1),
-        }
+        name: body_of(geometry, 0.5 * CELL, "solid", velocity=[speed] + [0.0] * (dim - 1))
         for name, (geometry, speed) in zip("ab", bodies, strict=False)
     }
     tables = {"shape": {"method": "linear"}, "contact": {"method": "separate"}, "materials": {"solid": SOLID}}
