@@ -81,7 +81,7 @@ def run_grid(
     threads: int = 1,
     grown: Callable[[xr.Dataset], None] | None = None,
 ) -> xr.Dataset:
-    """Run and join all points of a grid, as :func:`campaign`; ``grown`` is called with the dataset after each
+    """Run and join all points of a grid, as :func:`campaign`; call ``grown`` with the dataset after each
     run."""
     if not grid.runnable:
         raise SceneError(problems=next(iter(grid.combinations.values())).problems)

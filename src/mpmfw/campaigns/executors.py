@@ -71,7 +71,7 @@ class Pool:
         self.cores = "one core" if self.jobs == 1 else f"{self.jobs} processes on {cores()} cores"
 
     def outcomes(self, work: Callable[[T], R], tasks: Sequence[T]) -> Iterator[tuple[T, R | None]]:
-        """Run all tasks. Repeat those whose process died one by one; run here those that cannot be
+        """Run all tasks; repeat one by one those whose process died; run those here that cannot be
         pickled."""
         leaving, here, died, dead = (deque[T]() for _ in range(4))
         for task in tasks:

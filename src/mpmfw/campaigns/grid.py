@@ -107,8 +107,7 @@ def make_grid(
 ) -> RunGrid:
     """Expand ``vary``, values by key, over scenes by label; ``shared`` are values of all runs.
 
-    The values of ``contact`` may include adapters to other codes.
-    """
+    The values of ``contact`` may include adapters to other codes."""
     names = dimension_names(vary)
     coords: dict[str, list[Any]] = {"scene": list(scenes)} if list(scenes) != [""] else {}
     offset = len(coords)

@@ -61,8 +61,7 @@ class Judgement:
 
 
 class Judge:
-    """Measures errors of runs; ``at`` makes an error about a key, ``beside`` the path of a file that the
-    table names."""
+    """Measures errors of runs; ``at`` makes an error about a key, ``beside`` the path of a named file."""
 
     def __init__(
         self,

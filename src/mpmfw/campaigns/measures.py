@@ -1,8 +1,7 @@
 """Measures by name: quantities that a campaign computes from stored runs, and their exact values.
 
 A measure is a class derived from :class:`mpmfw.api.results.Measure` with an entry point, or a function
-``(run, scene, about)`` under ``@measure(…)`` that returns a number or :class:`mpmfw.api.results.Measured`.
-"""
+``(run, scene, about)`` under ``@measure(…)`` that returns a number or :class:`mpmfw.api.results.Measured`."""
 
 from __future__ import annotations
 
@@ -40,11 +39,8 @@ def measure(
     norm: Literal["largest", "l2"] = "largest",
     particles: bool = False,
 ) -> Callable[[Extract], Extract]:
-    """Register the decorated function under a name, with the attributes of a
-    :class:`mpmfw.api.results.Measure`.
-
-    The first line of the function's docstring is its meaning.
-    """
+    """Register the function below under a name, with the attributes of a :class:`mpmfw.api.results.Measure`;
+    the first line of its docstring is the meaning."""
 
     def register(function: Extract) -> Extract:
         def of(self: Measure, run: xr.DataTree, scene: Scene, about: About) -> Measured:

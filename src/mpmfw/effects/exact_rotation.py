@@ -58,8 +58,7 @@ def spin_change(
 
     ``torque`` is Σ r ⊗ Δp and ``momentum`` Σ r ⊗ m v⁰, whose antisymmetric parts are τ Δt and L. In 2D Δω is
     (1/I − 1/I_grid) τ Δt. In 3D both bodies have a gyroscopic couple as well (:func:`answer_of`), at the spin
-    after half a step.
-    """
+    after half a step."""
     a, b = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
     inertia_of(true, a, spacing)
     inertia_of(lumped, b, spacing)

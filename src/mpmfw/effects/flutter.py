@@ -1,8 +1,7 @@
-"""Warning about bodies that flutter near the limit of friction: they slide although friction could hold them.
+"""Warning about flutter near the limit of friction: bodies slide although friction could hold them.
 
-The normal force oscillates, and bodies slip whenever it is low. At most outputs the friction force is then
-less than μ times the normal force, although the bodies slide as a whole.
-"""
+The normal force oscillates, and they slip whenever it is low. At most outputs the friction force is then
+below μ times the normal force, although the bodies slide as a whole."""
 
 from __future__ import annotations
 

@@ -1,8 +1,7 @@
 """Initial stress of soil in its own weight: vertical and horizontal, by depth.
 
 The points have it without deformation, F = 1; the material's history is set to match. With the weight of what
-lies above a point, a layer between smooth walls is in balance from the first step on.
-"""
+lies above a point, a layer between smooth walls is in balance from the first step on."""
 
 from __future__ import annotations
 

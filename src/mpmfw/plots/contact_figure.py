@@ -24,8 +24,7 @@ def contact_figure(
     bodies: Sequence[str] | None,
     limits: tuple[float, float] | None,
 ) -> Figure:
-    """Draw a field of surface nodes where forces act, over the coordinates along which the contact extends
-    most.
+    """Draw a field of surface nodes where forces act, over the coordinates along which it extends most.
 
     In the plane the outlines are those of the first run. Other parameters are those of :func:`field`.
     """

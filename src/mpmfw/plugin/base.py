@@ -250,9 +250,7 @@ def empty_stencil(points: int, entries: int, dim: int, *, gradient: bool = True)
 
 
 def check_inside(index: int) -> None:
-    """Raise OutsideGrid for the ``index`` that a fill kernel returns, unless it is −1.
-
-    The core then lays the window anew.
-    """
+    """Raise OutsideGrid for the ``index`` of a fill kernel unless it is −1; the core then lays the window
+    anew."""
     if index >= 0:
         raise OutsideGrid(index)

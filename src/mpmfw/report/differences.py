@@ -71,8 +71,8 @@ def _quantities(runs: xr.Dataset) -> Iterator[Difference]:
 def _each(
     what: str, unit: str, scale: xr.DataArray | float, end: xr.DataArray, against: str
 ) -> Iterator[Difference]:
-    """Yield a quantity at the end of the runs, with a number or the largest of the values ``scale`` as its
-    scale."""
+    """Yield a quantity at the end of the runs; its scale is a number or the largest of the values
+    ``scale``."""
     size = scale if isinstance(scale, float) else _largest(scale)
     dims = [dim for dim in end.dims if dim not in ("contact", "shape")]
     for labels, one in points_of(end.to_dataset(name="end"), dims):

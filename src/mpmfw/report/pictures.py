@@ -77,8 +77,7 @@ def _pictures(
 
 
 def _limits(trees: Mapping[str, xr.DataTree], times: FloatArray) -> tuple[float, float] | None:
-    """Return ends of the colour scale that a few large values do not stretch; None if all values are
-    equal."""
+    """Return ends of a colour scale that a few large values do not stretch; None if all are equal."""
     values = [
         point_field(frame_of(tree, f"particles/{body}", frame), _FIELD).values
         for tree in trees.values()

@@ -98,8 +98,7 @@ class Record(BaseModel):
 def records_of(dataset: xr.Dataset) -> list[Record]:
     """Return a record of each row of a comparison that has figures, failed, or was refused by a code.
 
-    A code ignores shape functions; of rows that differ in these alone, the first counts.
-    """
+    A code ignores shape functions; of rows that differ in these alone, the first counts."""
     found: dict[str, Record] = {}
     attributes = dataset.attrs
     codes = json.loads(attributes.get("codes", "{}"))
@@ -172,8 +171,7 @@ def read_records(folder: Path) -> list[Record]:
 
 
 def ranked(records: Sequence[Record]) -> dict[str, list[dict[str, Any]]]:
-    """Return rows by problem: ok first, then by the largest error (infinite if one is missing), then by
-    cost."""
+    """Return rows by problem: ok first, then by the largest error (missing is infinite), then by cost."""
     problems: dict[str, list[Record]] = {}
     for record in sorted(records, key=lambda record: record.scene):
         problems.setdefault(record.problem, []).append(record)

@@ -142,8 +142,7 @@ class ContactPhases:
 
 
 def contact_phases(time: FloatArray, force: FloatArray, threshold: float = 1e-6) -> ContactPhases:
-    """Find the phases of contact in a force (time,); a force below ``threshold`` times the largest one is
-    zero."""
+    """Find the phases of a force (time,), which is zero below ``threshold`` times its largest value."""
     size, nan = np.abs(np.nan_to_num(force)), float("nan")
     acting = np.flatnonzero(size > threshold * size.max())
     if len(acting) == 0:
@@ -175,10 +174,8 @@ _WORKS = ("contact_energy", "frictional_work", "damping_work")
 
 
 def energy_kept(run: xr.Dataset) -> FloatArray:
-    """Return energy plus work of friction and damping, relative to the initial energy (time,).
-
-    Series that are absent count as zero.
-    """
+    """Return energy plus work of friction and damping over the initial energy (time,); absent series are
+    zero."""
     total = np.zeros(run.sizes["time"])
     for names, dim in ((_ENERGIES, "body"), (_WORKS, "pair")):
         for name in names:

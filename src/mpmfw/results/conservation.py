@@ -78,8 +78,7 @@ def _works(scene: Scene) -> list[str]:
 
 
 def momentum_change(run: xr.DataTree, scene: Scene) -> float:
-    """Return the largest change of total momentum over the sum of the bodies' initial momenta; for free
-    bodies."""
+    """Return the largest change of total momentum of free bodies, over the sum of their initial ones."""
     held = any(body.sides or body.prescribed for body in scene.bodies.values())
     if scene.gravity or scene.loads or held:
         return float("nan")

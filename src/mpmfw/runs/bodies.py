@@ -125,8 +125,7 @@ def check_bodies(scene: Scene, layouts: tuple[Layout, ...], bodies: tuple[Body, 
 def _check_overlap(bodies: tuple[Body, ...]) -> None:
     """Refuse bodies whose surfaces overlap by more than rounding, 1e-6 of the smaller one.
 
-    In space the overlap is the depth of nodes inside the other body.
-    """
+    In space the overlap is the depth of nodes inside the other body."""
     if len(bodies) < 2 or any(not body.outlines for body in bodies):
         return
     lower, upper = (np.array([getattr(body, end) for body in bodies]) for end in ("lower", "upper"))
@@ -193,8 +192,7 @@ def make_particles(
 def initial_velocity(scene: Scene, state: State, interpolate: Callable[[], Stencil]) -> None:
     """Set v = v_0 + ω × (x − c) and the affine field of this motion on every body.
 
-    A stored moment is B = W D, with D = Σ φ q qᵀ from the table φ of ``interpolate``.
-    """
+    A stored moment is B = W D, with D = Σ φ q qᵀ from the table φ of ``interpolate``."""
     p = state.particles
     spread = _spread(state, interpolate()) if p.moment is not None else None
     for body in state.soft_bodies:

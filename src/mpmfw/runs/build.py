@@ -42,8 +42,7 @@ def build(
 ) -> Setup:
     """Discretise the bodies, create the plug-ins that the scene names, and decide the effects.
 
-    Names and objects replace the scene's methods; ``loads`` are added to the scene's.
-    """
+    Names and objects replace the scene's methods; ``loads`` are added to the scene's."""
     contact, shape = _strategy("contact", contact), _strategy("shape", shape)
     chosen = chosen_methods(contact, shape)
     if isinstance(scene, Scene):  # methods that it has already need no second reading
@@ -93,8 +92,7 @@ def _by_pair(scene: Scene, contact: ContactStrategy) -> ContactStrategy:
 def build_some(whole: Setup, which: Sequence[int]) -> Setup:
     """Build some of the bodies in their initial state; methods are new objects with the same options.
 
-    The largest wave speed, friction, and whether surfaces are tracked are those of all bodies.
-    """
+    The largest wave speed, friction, and whether surfaces are tracked are those of all bodies."""
 
     def again(plugin: Any) -> Any:
         return None if plugin is None else type(plugin).from_options(plugin.options)
@@ -183,8 +181,7 @@ def _put_together(
 
 
 def _highest_frequency(scene: Scene, body: Body, courant: float) -> float:
-    """Return 2 c / h of a body, with √(h w) instead of h in a thin one, raised by the material's damping
-    [1/s].
+    """Return 2 c / h of a body, √(h w) instead of h in a thin one, raised by its damping [1/s].
 
     Its product with the step is at most 2 ``courant``, the stable fraction of the shape function.
     """

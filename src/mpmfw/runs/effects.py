@@ -14,8 +14,7 @@ def add_effects(setup: Setup) -> None:
     """Add the plug-ins of all effects that act, and a line for every effect.
 
     A file ``module:function`` of the table is imported only if the scene needs it. The function returns
-    :class:`mpmfw.plugin.setup.Acts`, or the reason why nothing acts.
-    """
+    :class:`mpmfw.plugin.setup.Acts`, or the reason why nothing acts."""
     setup.effects += _of_methods(setup)
     for name, decides, called_for, otherwise in _table(setup):
         answer = resolve_name(f"mpmfw.{decides}")(setup) if called_for else otherwise
@@ -29,8 +28,7 @@ def add_effects(setup: Setup) -> None:
 def _table(setup: Setup) -> list[tuple[str, str, object, str]]:
     """Return name, ``module:function``, whether the scene needs it, and why not.
 
-    The name is empty if the effect writes its lines itself, or has none.
-    """
+    The name is empty if the effect writes its lines itself, or has none."""
     scene, output, several = setup.scene, setup.scene.output, len(setup.bodies) > 1
     contact, rigid = setup.contact, any(body.rigid for body in setup.bodies)
     tables = [getattr(scene.bodies[body.name], "rigid", None) for body in setup.bodies]

@@ -29,8 +29,7 @@ def key_of(scene: Scene, contact: Any = None, shape: Any = None, what: str = "")
     """Return a key of a scene's run, equal for the same meaning, code and libraries.
 
     A strategy object that another process cannot identify gives a new key each time. ``what`` is what is done
-    with the scene, other than to run it.
-    """
+    with the scene, other than to run it."""
     objects = {
         kind: _of_object(one) for kind, one in (("contact", contact), ("shape", shape)) if one is not None
     }

@@ -1,7 +1,6 @@
-"""The cost of a run, predicted from a trial of its first steps, without contacts that come later.
+"""The cost of a run, from a trial of its first steps; later contacts are left out.
 
-Plastic flow has a separate trial, since the first steps are elastic.
-"""
+Plastic flow has a separate trial, since the first steps are elastic."""
 
 from __future__ import annotations
 
@@ -109,8 +108,7 @@ def _time_of_flow(simulation: Simulation, history: Mapping[str, FloatArray]) -> 
     """Return the extra CPU time of stresses in a step in which all points flow [s].
 
     Points begin without strain and with the initial ``history``, so that none flows; then they are sheared at
-    constant volume, repeatedly. The simulation cannot be used afterwards.
-    """
+    constant volume, repeatedly. The simulation cannot be used afterwards."""
     points, dt = simulation.state.particles.in_space, simulation.state.dt
     points.deformation_gradient[...] = np.eye(points.deformation_gradient.shape[-1])
     for key, array in history.items():
@@ -151,8 +149,7 @@ def share_of_springs(simulation: Simulation, axis: int | None) -> float:
     """Estimate the part of a displacement that contact springs take, in series with the bodies.
 
     Under a unit pressure, springs yield by h / (κ M) and a body by its length over M. A pair counts if its
-    boxes are less than a cell apart and, with an ``axis``, follow each other along it.
-    """
+    boxes are less than a cell apart and, with an ``axis``, follow each other along it."""
     state, h = simulation.state, simulation.scene.grid.cell_size
     contact: Any = simulation.contact
     springs = contact.compliance() if hasattr(contact, "compliance") else None

@@ -304,8 +304,7 @@ class Simulation:
         """Restore values of a simulation of the same scene and methods; the run then continues with the same
         bits.
 
-        Raise NotSaved if scene or methods differ, or if the values are not those of a simulation.
-        """
+        Raise NotSaved if scene or methods differ, or if the values are not those of a simulation."""
         state = self.state
         if "simulation/_settling" not in saved and self.scene.settle is not None:
             self.begin_settling()

@@ -1,8 +1,7 @@
 """Sleep of bodies at rest: the active simulation, of the other bodies, takes the steps.
 
 Bodies whose windows of the grid share a node sleep and wake together, so that inactive bodies do not act on
-active ones. An inactive body keeps its velocity and its springs.
-"""
+active ones. An inactive body keeps its velocity and its springs."""
 
 from __future__ import annotations
 

@@ -1,8 +1,7 @@
 """``[contact] detection = "nodes"``, ``law = "penalty"``: another form of ``method = "nodes+penalty"``.
 
 Options are in the tables of the parts, ``[contact.nodes]`` and ``[contact.penalty]``. Other modules see the
-method alone.
-"""
+method alone."""
 
 from __future__ import annotations
 

@@ -19,8 +19,7 @@ class InitialStress(Table):
 
     The vertical stress is the weight above, with the ``density`` [kg/m^3] or by default the body's; the
     horizontal stress is ``k0`` times that. Alternatively ``table`` has rows (depth [m], vertical, horizontal
-    pressure [Pa]).
-    """
+    pressure [Pa])."""
 
     k0: Annotated[Number, Field(ge=0)] | None = None
     density: Annotated[Density, Field(gt=0)] | None = None

@@ -105,8 +105,7 @@ def scene_from(source: Source, overrides: Mapping[str, Any]) -> Scene:
 
 
 def _expanded(overrides: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
-    """Expand methods with options, such as ``penalty(kappa=2)``, into their keys; return duplicates as
-    problems."""
+    """Expand methods with options into the keys that they set; return duplicates as problems."""
     found: dict[str, Any] = {}
     problems = []
     for key, value in overrides.items():

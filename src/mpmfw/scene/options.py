@@ -56,8 +56,7 @@ class Chosen:
 def separate_options(mapping: Mapping[str, Any], contact_keys: Any = CORE_KEYS["contact"]) -> Chosen:
     """Separate the plug-ins' options from the core's tables, and validate those of the chosen plug-ins.
 
-    The core reads ``contact_keys`` of ``[contact]``.
-    """
+    The core reads ``contact_keys`` of ``[contact]``."""
     chosen = Chosen(dict(mapping))
     contact = mapping.get("contact")
     if isinstance(contact, Mapping):

@@ -149,8 +149,7 @@ class Origin:
         """Return the last override of the key, of a key around it, or of one of the keys in a table's
         problem.
 
-        If the file does not have the table, return any override that created it.
-        """
+        If the file does not have the table, return any override that created it."""
         path = problem.path
         between = [(*path, name) for name in problem.keys]
         absent = self.locator is not None and len(path) > 1 and not self.locator.holds(path[:-1])

@@ -43,8 +43,7 @@ class Rigid(Table):
 
     The mass follows from a ``density`` [kg/m^3], or is given as ``mass`` [kg] with the ``inertia`` [kg m^2]
     about the centroid. Components in ``held`` stay as they are. A ``force`` [N] through the centroid and a
-    ``torque`` [N m] are constant or in time.
-    """
+    ``torque`` [N m] are constant or in time."""
 
     motion: Motion | None = None
     density: Annotated[Density, Field(gt=0)] | None = None
@@ -76,8 +75,7 @@ OfDeformable = Annotated[Any, BeforeValidator(_refuse)]
 
 
 def check_rigid(body: RigidBody, path: Path, dim: int, *, turns: bool) -> Iterator[Problem]:
-    """Yield the problems of a rigid body's table at ``path``; a body that never ``turns`` needs no
-    inertia."""
+    """Yield the problems of a rigid body's table at ``path``; one that never ``turns`` needs no inertia."""
     at, rigid = (*path, "rigid"), body.rigid
     if body.prescribed:
         for key in ("velocity", "angular_velocity"):

@@ -1,8 +1,7 @@
 """A method and its options in one text: ``penalty(kappa=2, passes=one)``.
 
 A strategy's ``label`` prints the text, and every key or option that names a method accepts it. Its options
-override those of the scene's table of the method.
-"""
+override those of the scene's table of the method."""
 
 from __future__ import annotations
 
@@ -90,8 +89,7 @@ def specification_of(name: str, options: Mapping[str, Any]) -> str:
 def keys_of(key: str, value: Any) -> dict[Path, Any]:
     """Return the keys and values that ``KIND.method = specification`` sets; none for other keys and values.
 
-    For a method that is not installed return the name alone, so that the problem is about the name.
-    """
+    For a method that is not installed return the name alone, so that the problem is about the name."""
     try:
         path = parse_path(key)
     except ValueError:

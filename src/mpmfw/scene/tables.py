@@ -39,10 +39,8 @@ Options = SkipJsonSchema[BaseModel | None]
 
 
 class Grid(Table):
-    """Background grid in the plane, in space, or in the half-plane of bodies of revolution.
-
-    Cells are squares or cubes of ``cell_size`` [m], from ``lower`` to ``upper`` [m].
-    """
+    """Background grid of square or cubic cells of ``cell_size`` [m], from ``lower`` to ``upper`` [m], in the
+    plane, in space, or in the half-plane of bodies of revolution."""
 
     cell_size: PositiveLength
     lower: Position
@@ -79,8 +77,7 @@ class Stepping(Table):
     pic_fraction: Annotated[Number, Field(ge=0, le=1)] | None = None
 
     def chosen(self, shape: Any) -> tuple[str, str]:
-        """Return scheme and transfer, with ``auto`` resolved for a shape function (its class or an
-        object)."""
+        """Return scheme and transfer; ``auto`` is that of a shape function (its class or an object)."""
         scheme = str(shape.auto_scheme) if self.scheme == "auto" else self.scheme
         return scheme, str(shape.auto_transfer) if self.transfer == "auto" else self.transfer
 
@@ -112,8 +109,7 @@ class Contact(Table):
     """The contact strategy, its options, and pairs with another friction or contact.
 
     A scene may write ``detection`` and ``law`` instead of a method; ``tables`` are then those of its options.
-    ``friction_law`` is None for Coulomb's law; another law has its options in a separate table.
-    """
+    ``friction_law`` is None for Coulomb's law; another law has its options in a separate table."""
 
     method: str
     friction: Friction = 0.0
@@ -125,8 +121,7 @@ class Contact(Table):
 
 
 class Damping(Table):
-    """Viscous stress proportional to stiffness: times [s], or a share of critical damping at a frequency
-    [Hz]."""
+    """Viscous stress by the stiffness: times [s], or a share of critical damping at a frequency [Hz]."""
 
     bulk: NonNegativeTime = 0.0
     shear: NonNegativeTime = 0.0
@@ -143,8 +138,7 @@ class Damping(Table):
 
     @property
     def times(self) -> tuple[float, float]:
-        """Return the times of bulk and shear [s]; for a share ξ of critical at a frequency f they are ξ / (π
-        f)."""
+        """Times of bulk and shear [s]; a share ξ of critical at a frequency f is ξ / (π f)."""
         if self.critical is None or self.frequency is None:
             return self.bulk, self.shear
         time = self.critical / (math.pi * self.frequency)
@@ -164,8 +158,7 @@ class Side(Table):
     """A condition on a side: fixed components, a velocity [m/s], a pressure or traction [Pa], a force [N].
 
     The force acts on the whole side over the body's thickness, spread evenly. A load is constant, or rows of
-    a time [s] and its values: linear in between, constant outside.
-    """
+    a time [s] and its values: linear in between, constant outside."""
 
     #: A plane side, or for a load the whole outside of the body, or all its holes.
     side: Literal["left", "right", "bottom", "top", "back", "front", "outer", "inner"]
@@ -293,8 +286,7 @@ class Gravity(Table):
 
 
 class Settle(Table):
-    """Settling before the motion, until the residual force is below ``tolerance`` times the internal
-    forces."""
+    """Settling before the motion, until the residual force is below ``tolerance`` of the internal forces."""
 
     tolerance: Annotated[Number, Field(gt=0, lt=1)] = 1e-3
     max_time: PositiveTime | None = None

@@ -20,8 +20,7 @@ def problems_of(
     prefix: Path = (),
     also_valid: tuple[str, ...] = (),
 ) -> list[Problem]:
-    """Return the problems of ``data`` at ``prefix`` of the scene; ``also_valid`` keys belong to another
-    model."""
+    """Return problems of ``data`` at ``prefix`` of the scene; ``also_valid`` keys are another model's."""
     found: dict[Path, list[Any]] = {}
     for item in error.errors(include_url=False):
         found.setdefault(_data_path(item["loc"], data, item["type"]), []).append(item)

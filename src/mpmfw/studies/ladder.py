@@ -118,8 +118,7 @@ class Ladder:
     def _agreed(self, found: dict[Index, Measured]) -> Limit | None:
         """Return the extrapolation on which more than half of all laws, two at least, agree best.
 
-        Two laws that converge slowly may agree by chance, far from the limit. Most laws rarely do.
-        """
+        Two laws that converge slowly may agree by chance, far from the limit. Most laws rarely do."""
         needed = max(2, len({*self._laws.values()}) // 2 + 1)
         finest = {}
         for method in self.methods:
@@ -141,8 +140,7 @@ class Ladder:
     def _around(
         self, centre: Method, tend: dict[Method, Extrapolated], count: int, time: FloatArray
     ) -> Limit:
-        """Return one method's extrapolation; its uncertainty is the distance of the ``count`` nearest
-        laws."""
+        """Return one method's extrapolation, uncertain by the distance of the ``count`` nearest laws."""
         middle = tend[centre][0]
         size = np.max(np.abs(middle))
         nearest: dict[str, tuple[float, str]] = {}
