@@ -1,4 +1,4 @@
-"""``mpmfw explain``: what a scene would run, before it runs."""
+"""``mpmfw explain``: the effects, time step and cost of a scene, before it runs."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def _print_head(simulation: Simulation) -> None:
     if simulation.threads > 1:
         from mpmfw.runs.limits import remarks_on_threads
 
-        shared = " and sums at nodes" if simulation.shape.rows_ascend else "; sums at nodes are one thread's"
+        shared = " and sums at nodes" if simulation.shape.rows_ascend else "; one thread sums at nodes"
         typer.echo(f"{simulation.threads} threads share points{shared}")
         for remark in remarks_on_threads(simulation.threads):
             typer.echo(remark)
@@ -110,7 +110,7 @@ def _print_step(simulation: Simulation, found: Prediction, everything: bool) -> 
     limits = sorted(found.limits)
     if everything:
         rows = [{"set by": owner, "limit [s]": f"{seconds:.6g}"} for seconds, owner in limits]
-        print_table(rows, labels=("set by",), title="Limits of the time step: the least rules")
+        print_table(rows, labels=("set by",), title="Limits of the time step: the least applies")
     time = simulation.scene.time
     why = "fixed by time.step" if time.step is not None else f"{time.safety:g} of the stability limit at most"
     what = "first step" if simulation.scene.settle is None else "first step, of settling"
@@ -209,7 +209,7 @@ def _bodies(simulation: Simulation) -> Iterator[str]:
     for effect in simulation.effects:
         name = effect.name.removeprefix("rotation of ").removesuffix(": lumped")
         if name in bodies and bodies[name].rotation not in (None, "lumped"):
-            yield f"bodies.{name}.rotation: lumped all the same: {effect.reason}"
+            yield f"bodies.{name}.rotation: lumped anyway: {effect.reason}"
     used = {body.material for body in bodies.values()}
     yield from (f"materials.{name}: no body is made of it" for name in scene.materials if name not in used)
 

@@ -1,4 +1,4 @@
-"""``mpmfw stability``: how far a contact can be driven."""
+"""``mpmfw stability``: a map of stiffness and time step."""
 
 from __future__ import annotations
 

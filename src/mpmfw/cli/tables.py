@@ -47,7 +47,7 @@ def print_table(
     words: Collection[str] = (),
     title: str = "",
 ) -> None:
-    """Print rows as a table, or as several where columns find no room.
+    """Print rows as a table, or as several if there are too many columns.
 
     ``heads`` gives columns in order; those without a value are left out. Labels and ``words`` are wrapped.
     """
