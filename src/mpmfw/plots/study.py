@@ -144,7 +144,7 @@ def _draw_run(axes: Any, row: dict[str, Any], look: style.Look, size: float) -> 
     axes.errorbar(
         cost,
         100.0 * float(run["error"]),
-        xerr=[[min(spread, 0.9 * cost)], [spread]],
+        xerr=[[0.0], [2.0 * spread]],  # the cost is the least of the repeats, the spread half their range
         color=colour,
         elinewidth=0.6,
         linestyle="",
