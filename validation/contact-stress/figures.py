@@ -30,7 +30,7 @@ def convergence(runs: Sequence[CaseRun]) -> Figure:
     first = next(iter(curves.values()))
     sizes, error = np.array([size for size, _ in first]), first[0][1]["l2"]
     left.loglog(sizes, 0.6 * error * np.sqrt(sizes / sizes[0]), color="0.4", linestyle="--", linewidth=0.8)
-    left.annotate("order 1/2", (sizes[1], 0.85 * error), (-4, 3), textcoords="offset points", color="0.3")
+    left.annotate("order 1/2", (sizes[1], 0.42 * error), (-14, 5), textcoords="offset points", color="0.3")
     right.axhline(3.0, color="0.4", linestyle="--", linewidth=0.8)
     right.text(sizes[-1], 2.6, "limit, 3 %", color="0.3")
     dress(left, "cell size h [m]", "L2 error of σ_yy, both blocks [%]", "(a)")
