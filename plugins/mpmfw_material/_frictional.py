@@ -14,7 +14,7 @@ from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.arithmetic import invert
 from mpmfw.kernels.types import Float, Floats
 from mpmfw_material._isotropic import Moduli, pad_plane_strain
-from mpmfw_material._plastic import SPACE, Flow, Plastic, pad
+from mpmfw_material._plastic import OPENED, SPACE, Flow, Plastic, pad
 from mpmfw_material._principal import compose, diagonalise, push_forward
 
 
@@ -125,12 +125,14 @@ def return_stress(
 
 @kernel
 def frictional_stress(
-    first: int, last: int, deformation_gradient: Floats, flow: Flow, stress: Floats, bulk: float,
-    shear: float, surface: tuple[float, float, float], tension: float, cone: bool, spacing: tuple[float, ...],
+    first: int, last: int, deformation_gradient: Floats, flow: Flow, opened: Floats, stress: Floats,
+    bulk: float, shear: float, surface: tuple[float, float, float], tension: float, cone: bool,
+    spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """σ = τ / J, with τ_a = (K − 2 G / 3) Σ ε + 2 G ε_a of ε = ½ ln F C_p⁻¹ Fᵀ, returned to the surface.
 
-    Plastic work is that of the stress after the return.
+    Plastic work is that of the stress after the return. Volume that tension ``opened`` (n,), as a logarithm,
+    closes before there is pressure again.
     """
     dim = len(spacing)
     f, matrix = scratch.matrix(SPACE, SPACE), scratch.matrix(SPACE, SPACE)
@@ -143,7 +145,11 @@ def frictional_stress(
         for a in range(3):
             strain[a] = 0.5 * math.log(values[a])
         volumetric = strain[0] + strain[1] + strain[2]
+        closed = min(opened[p], max(-volumetric, 0.0))
+        opened[p] -= closed
+        volumetric += closed
         for a in range(3):
+            strain[a] += closed / 3.0
             tau[a] = (bulk - 2.0 / 3.0 * shear) * volumetric + 2.0 * shear * strain[a]
         flows = return_stress(tau, bulk, shear, surface, tension, cone)
         compose(tau, vectors, b)
@@ -151,7 +157,7 @@ def frictional_stress(
         for i in range(dim):
             for j in range(dim):
                 stress[p, i, j] = b[i, j] / jacobian
-        if flows:
+        if flows or closed > 0.0:
             pressure = (tau[0] + tau[1] + tau[2]) / 3.0
             square = 0.0
             for a in range(3):
@@ -161,6 +167,8 @@ def frictional_stress(
                 square += (plastic - (volumetric - pressure / bulk) / 3.0) ** 2
                 values[a] = math.exp(2.0 * elastic)
             flow.strain[p] += math.sqrt(2.0 / 3.0 * square)
+            if flows and pressure >= tension * (1.0 - 1e-9):
+                opened[p] += volumetric - pressure / bulk
             compose(values, vectors, b)
             push_forward(matrix, b, flow.metric[p])
 
@@ -196,6 +204,8 @@ class Frictional(Plastic):
 
     Options = FrictionalOptions
     options: FrictionalOptions
+    isochoric = True
+    history_fields = (*Plastic.history_fields, OPENED)
     #: True for the cone of Drucker and Prager, False for the planes of Mohr and Coulomb.
     cone: ClassVar[bool]
 
@@ -210,6 +220,7 @@ class Frictional(Plastic):
     @hookimpl
     def setup(self, setup: Setup) -> None:
         super().setup(setup)
+        self.opened = self.shared(setup, OPENED)
         self.constants = (
             self.bulk_modulus,
             self.shear_modulus,
@@ -221,8 +232,8 @@ class Frictional(Plastic):
     @hookimpl
     def update_stress(self, particles: Particles) -> None:
         self.over_points(
-            frictional_stress, particles, particles.deformation_gradient, self.flow, particles.stress,
-            *self.constants, self.spacing
+            frictional_stress, particles, particles.deformation_gradient, self.flow, self.opened,
+            particles.stress, *self.constants, self.spacing
         )  # fmt: skip
 
     def set_stress(self, own: slice, stress: FloatArray) -> bool:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 
 from mpmfw.api.types import AnyArray, Field, FloatArray, Particles, Setup, State, hookimpl
@@ -19,6 +21,7 @@ PLASTIC_METRIC = Field(
     "plastic_metric", ("particle", "three", "three2"), "1", "inverse plastic right Cauchy-Green tensor"
 )
 PLASTIC_WORK = Field("plastic_work", ("particle",), "J m-3", "plastic work per reference volume")
+OPENED = Field("opened", ("particle",), "1", "logarithm of the volume that tension has opened")
 
 
 class Flow(Struct):
@@ -44,25 +47,28 @@ class Plastic(Isotropic):
     """Base of materials with plastic flow; all of one model share the arrays of the history."""
 
     dissipates = True
+    history_fields: ClassVar[tuple[Field, ...]] = (PLASTIC_STRAIN, PLASTIC_METRIC, PLASTIC_WORK)
 
     @hookimpl
     def declare_fields(self) -> list[Field]:
-        return [PLASTIC_STRAIN, PLASTIC_METRIC, PLASTIC_WORK]
+        return [*self.history_fields]
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
         """Allocate the history, or take that of another material of this model."""
         self.spacing = setup.state.grid.tensor_spacing
-
-        def shared(field: Field) -> AnyArray:
-            known = setup.state.arrays.get(f"{self.name}/{field.name}")
-            return setup.allocate(self.name, field, three=3, three2=3) if known is None else known
-
         self.flow = Flow(
-            metric=shared(PLASTIC_METRIC), strain=shared(PLASTIC_STRAIN), work=shared(PLASTIC_WORK)
+            metric=self.shared(setup, PLASTIC_METRIC),
+            strain=self.shared(setup, PLASTIC_STRAIN),
+            work=self.shared(setup, PLASTIC_WORK),
         )
         for own in self.slices:
             self.flow.metric[own] = np.eye(3)
+
+    def shared(self, setup: Setup, field: Field) -> AnyArray:
+        """Return the array of a field, allocated once for all materials of this model."""
+        known = setup.state.arrays.get(f"{self.name}/{field.name}")
+        return setup.allocate(self.name, field, three=3, three2=3) if known is None else known
 
     @hookimpl
     def diagnostics(self, state: State, points: bool) -> dict[str, AnyArray]:  # noqa: ARG002

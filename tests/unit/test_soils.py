@@ -32,11 +32,19 @@ class Point(PlasticPoint):
     def __init__(self, material, dim=3):
         super().__init__(self.write, dim)
         self.material = m = material
+        self.opened = np.zeros(1)
         self.constants = (*(m.bulk_modulus, m.shear_modulus, m.surface(), m.largest_tension(), m.cone),)
 
     def write(self, f, flow, stress, spacing):
         """σ at F."""
-        frictional_stress(0, 1, f, flow, stress, *self.constants, spacing)
+        frictional_stress(0, 1, f, flow, self.opened, stress, *self.constants, spacing)
+
+    def tried(self, f):
+        """τ at F without keeping anything."""
+        opened = self.opened.copy()
+        found = super().tried(f)
+        self.opened[:] = opened
+        return found
 
     def stress(self, f):
         """τ at F."""
@@ -153,6 +161,16 @@ def test_tension_is_cut_off(model):
     sheared = Point(model(**SAND, tension=2e3)).stress(deformation([1e-3, 0.0, 0.0], 1e-3))
     assert np.trace(sheared) / 3.0 == pytest.approx(2e3)
     assert abs(sheared[0, 1]) > 1e2
+
+
+@pytest.mark.parametrize("model", [MohrCoulomb, DruckerPrager], ids=lambda m: m.name)
+def test_what_tension_has_opened_closes_before_there_is_pressure(model):
+    """Sand that was torn apart bears nothing until it has its volume again, and then as before."""
+    point = Point(model(**{**SAND, "cohesion": 0.0}))
+    for strain in (1e-3, 4e-3, 1e-3, 2e-3, 0.5e-3):
+        assert abs(point.stress(deformation([strain] * 3))).max() < 1e-6
+    pressure = -np.diag(point.stress(deformation([-1e-5] * 3)))
+    np.testing.assert_allclose(pressure, 3e-5 * point.material.bulk_modulus, rtol=1e-9)
 
 
 def excess(material, tau):

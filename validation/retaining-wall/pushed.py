@@ -53,6 +53,49 @@ def scene(state: str, cells: int, model: str = "mohr_coulomb") -> dict[str, Any]
     }
 
 
+def rough(cells: int, angle: float, volumetric: str = "auto") -> dict[str, Any]:
+    """Return the soil on a floor as rough as the soil, against a wall of the wall friction ``angle``
+    [degrees] that gives way."""
+    made, cell = scene("active", cells), HEIGHT / cells
+    made["time"] = {"end": 1.0, "output_interval": 0.02, "outputs": "nearest"}
+    made["grid"]["lower"] = [-6.0 * cell, -4.0 * cell]
+    made["bodies"]["soil"] |= {"sides": [{"side": "right", "fixed": ["x"]}], "volumetric": volumetric}
+    speed = SPEEDS["active"][0]
+    bodies = {
+        "wall": {
+            "geometry": {"type": "rectangle", "lower": [-3.0 * cell, 1e-6], "upper": [0.0, 1.3 * HEIGHT]},
+            "rigid": {"motion": {"velocity": [[0.0, 0.0, 0.0], [0.1, speed, 0.0], [1.0, speed, 0.0]]}},
+        },
+        "floor": {
+            "geometry": {
+                "type": "rectangle",
+                "lower": [-4.0 * cell, -3.0 * cell],
+                "upper": [WIDTH + 3.0 * cell, 0.0],
+            },
+            "rigid": True,
+        },
+    }
+    made["bodies"] |= bodies
+    pairs = {
+        "soil-wall": {"friction": float(np.tan(np.radians(angle)))},
+        "soil-floor": {"friction": float(np.tan(FRICTION))},
+    }
+    return made | {"contact": {"method": "penalty", "pairs": pairs}, "settle": {"tolerance": 1e-3}}
+
+
+def coulomb(tree: xr.DataTree, angle: float) -> dict[str, float]:
+    """Return the error [%] of the wall's mean ``force`` over the last third against Coulomb's K_a cos δ ρ g
+    H²/2, δ the ``angle`` [degrees], and how far friction over pressure is from tan δ [%], ``friction``."""
+    force = tree["series"]["reaction"].sel(body="wall").values
+    late, delta = np.abs(force[2 * len(force) // 3 :].mean(axis=0)), np.radians(angle)
+    root = np.sqrt(np.sin(FRICTION + delta) * np.sin(FRICTION) / np.cos(delta))
+    exact = (np.cos(FRICTION) / (1.0 + root)) ** 2 * 0.5 * DENSITY * GRAVITY * HEIGHT**2
+    return {
+        "force": 100.0 * float(late[0] / exact - 1.0),
+        "friction": 100.0 * float(late[1] / late[0] / np.tan(delta) - 1.0),
+    }
+
+
 def pressure(tree: xr.DataTree, state: str) -> dict[str, float]:
     """Return the error [%] of the wall's mean ``force`` over the last third, when the soil yields, against
     K ρ g H²/2, and how far it ``varies`` there [%].

@@ -1,5 +1,6 @@
-"""A smooth wall that holds soil, gives way to it, or pushes it: Rankine's pressures."""
-# cost: 20
+"""A smooth wall that holds soil, gives way to it, or pushes it: the pressures of Rankine and
+Coulomb."""
+# cost: 40
 
 import pushed
 
@@ -27,6 +28,43 @@ cone = Runs(
     ],
     when="full",
 )
+
+
+rough = Runs(
+    "rough",
+    scene=pushed.rough,
+    methods=methods(),
+    places=[
+        Place("δ = 20°, H/h = 16", make={"cells": 16, "angle": 20.0}),
+        Place("δ = 10°, H/h = 16", make={"cells": 16, "angle": 10.0}, when="full"),
+        Place(
+            "δ = 20°, H/h = 16, pointwise",
+            make={"cells": 16, "angle": 20.0, "volumetric": "pointwise"},
+            open={"force": "each point keeps its volume, and the soil locks"},
+            when="full",
+        ),
+    ],
+)
+
+
+@rough
+def test_rough(run):
+    measure, angle = pushed.coulomb, run.place.make["angle"]
+    run.gate(
+        f"force on the rough wall against Coulomb, error, {run.place.at}",
+        run.of(measure, "force", angle=angle),
+        0.0,
+        5.0,
+        "%",
+        key="force",
+    )
+    run.gate(
+        f"friction over pressure against tan δ, error, {run.place.at}",
+        run.of(measure, "friction", angle=angle),
+        0.0,
+        1.0,
+        "%",
+    )
 
 
 @wall

@@ -7,9 +7,10 @@ grid line, in cells of 0.1 m; the scene's is 0.13.
 
 import incline
 import normals
+import sand
 from classical import LITERAL, MASTER, POSITION, specified
 
-from mpmfw.validation import CONTACTS, RECOMMENDED, SHAPES, Runs, methods
+from mpmfw.validation import CONTACTS, RECOMMENDED, SHAPES, Place, Runs, methods
 
 DOWN = specified(0.0, -1.0)
 FORMS = {
@@ -62,3 +63,11 @@ def test_normals(case):
             tilt = normals.steepest_tilt(interface=height)
         quantity = f"steepest averaged normal at the leading corner, interface {where}"
         case.gate(quantity, tilt, "locks above 13.3", unit="deg")
+
+
+bed = Runs("bed", scene=sand.scene, places=[Place("on sand, 8 cells deep", make={"cells": 8})])
+
+
+@bed
+def test_bed(run):
+    run.gate(f"deceleration, error, {run.place.at}", run.of(sand.braking), 0.0, 2.0, "%")

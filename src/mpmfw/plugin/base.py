@@ -78,7 +78,7 @@ class Material(PlugIn):
 
     #: Whether its points lose energy, which :meth:`dissipated_by_points` says.
     dissipates: ClassVar[bool] = False
-    #: Whether it flows at constant volume, which locks as near incompressibility does.
+    #: Whether its flow prescribes the change of volume, which locks as near incompressibility does.
     isochoric: ClassVar[bool] = False
 
     #: Slices of the material points made of this material.
