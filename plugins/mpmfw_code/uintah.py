@@ -1,22 +1,33 @@
-"""Uintah: input for its MPM on many machines, which is neither started nor read here."""
+"""Uintah: input for its MPM on many machines, which is not started here, and its output."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, Literal
-from xml.etree.ElementTree import Element, ElementTree, indent
+from xml.etree.ElementTree import Element, ElementTree, indent, parse
 
 import numpy as np
 from pydantic import Field
 
-from mpmfw.api import OptionsModel
-from mpmfw.api.code import SIDES, Code, Scene, elasticity, gravity_of
+from mpmfw.api import AnyArray, OptionsModel
+from mpmfw.api.code import (
+    SIDES,
+    Code,
+    MotionOutputs,
+    MovingPoints,
+    Scene,
+    at_times,
+    elasticity,
+    gravity_of,
+)
 from mpmfw.api.units import TimeTable
 
 #: Variables that are saved at outputs.
 SAVED = ("p.x", "p.velocity", "p.mass", "p.stress", "p.particleID", "KineticEnergy", "TotalMomentum")
 
+#: Numbers of eight bytes that a point has of the variables that are read.
+_READ = {"p.x": (3, "f8"), "p.velocity": (3, "f8"), "p.mass": (1, "f8"), "p.particleID": (1, "i8")}
 _SHAPES = ("rectangle", "disc", "ring", "box", "ball")
 _PLAIN = {"energy": "split", "hardening_exponent": 1.0, "rate_factor": 0.0}
 _NO_HEAT = {"thermal_conductivity": 1, "specific_heat": 1}  # they must be named
@@ -32,13 +43,16 @@ class UintahOptions(OptionsModel):
 
 
 class Uintah(Code):
-    """Uintah's MPM (github.com/Uintah/Uintah): its input alone, ``mpmfw export SCENE --to uintah``.
+    """Uintah's MPM (github.com/Uintah/Uintah), which runs elsewhere.
+
+    ``mpmfw export SCENE --to uintah`` writes its input; ``Uintah().read(folder)`` reads its output.
 
     Each body is a material, with the scene's number of points in a cell, in rows. A plane scene is one cell
     deep between planes of symmetry. A rigid body is the master of a contact with friction. The grid ends at
     the sides of bodies that are fixed, divided into whole cells; its ends hold all that reaches them."""
 
     name = "uintah"
+    runs_elsewhere = True
     title = "Uintah"
     install = "mpmfw export SCENE --to uintah writes its input, and it runs elsewhere"
     reads = frozenset({"gravity", "motion"})
@@ -125,6 +139,61 @@ class Uintah(Code):
                     rows = [(time, *table.at(time), 0.0)[:4] for time in times]
                     np.savetxt(folder / facts["filename"], rows, fmt="%.12g")
             yield _tag("contact", facts)
+
+    def outputs(self, scene: Scene, folder: Path) -> MotionOutputs:
+        """Read the archive: positions and velocities, interpolated to the outputs."""
+        archive = folder / "scene.uda"
+        steps = list(parse(archive / "index.xml").iter("timestep"))
+        known = np.array([float(step.attrib["time"]) for step in steps])
+        frames = [_points(_within(archive, step.attrib["href"])) for step in steps]
+        interval, depth = float(scene.time.output_interval), 1.0 if scene.dim == 3 else scene.grid.cell_size
+        reached = min(float(scene.time.end), (1.0 + 1e-6) * known[-1])
+        time, bodies = interval * np.arange(int(reached / interval + 1e-6) + 1.0), {}
+        for k, name in enumerate(scene.bodies):
+            if not scene.bodies[name].prescribed:
+                place, fast = (
+                    np.array([frame[k, key] for frame in frames])[:, :, : scene.dim]
+                    for key in ("p.x", "p.velocity")
+                )
+                place = np.concatenate([place[:1] - known[0] * fast[:1], place])  # the start is not in it
+                times, fast = np.append(0.0, known), np.concatenate([fast[:1], fast])
+                moved = at_times(time, times, place), at_times(time, times, fast)
+                bodies[name] = MovingPoints(frames[0][k, "p.mass"][:, 0] / depth, *moved)
+        return MotionOutputs(
+            time=time,
+            bodies=bodies,
+            code="Uintah, float64",
+            steps=int(steps[-1].text or 0),
+            status="suspect: its output does not name its version, and the adapter was measured with none",
+        )
+
+
+def _points(path: Path) -> dict[tuple[int, str], AnyArray]:
+    """Return arrays of a timestep's points by material and variable, in order of the points' IDs."""
+    step = parse(path)
+    order = "<" if step.findtext("Meta/endianness") == "little_endian" else ">"
+    parts: dict[tuple[int, str], list[AnyArray]] = {}
+    for file in step.iter("Datafile"):
+        patch = _within(path.parent, file.attrib["href"])
+        for one in parse(patch).iter("Variable"):
+            name, number = str(one.findtext("variable")), int(str(one.findtext("index")))
+            if name in _READ:
+                with _within(patch.parent, str(one.findtext("filename"))).open("rb") as data:
+                    data.seek(start := int(str(one.findtext("start"))))
+                    content = data.read(int(str(one.findtext("end"))) - start)
+                width, kind = _READ[name]
+                values = np.frombuffer(content, order + kind).reshape(-1, width)
+                parts.setdefault((number, name), []).append(values.astype(kind))
+    points = {key: np.concatenate(values) for key, values in parts.items()}
+    sorted_by = {k: np.argsort(ids[:, 0]) for (k, name), ids in points.items() if name == "p.particleID"}
+    return {(k, name): values[sorted_by[k]] for (k, name), values in points.items()}
+
+
+def _within(folder: Path, name: str) -> Path:
+    """Return a path in a folder; a ValueError refuses one that leads out of it."""
+    if not (path := folder / name).resolve().is_relative_to(folder.resolve()):
+        raise ValueError(f"{name} is not within its folder")
+    return path
 
 
 def _held(scene: Scene) -> list[tuple[str, Any, int, int]]:

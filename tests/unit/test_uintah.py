@@ -1,4 +1,4 @@
-"""Uintah's input: what is written of a scene, with the tags of its own specification, and what is refused."""
+"""Uintah's input, with the tags of its own specification, what is refused, and its output."""
 
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from command_line import called
-from mpmfw.errors import SceneError
+from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.scene import load_scene
 from mpmfw_code.uintah import Uintah
 
@@ -172,3 +172,75 @@ def test_the_command_writes_a_folder_or_nothing(tmp_path, monkeypatch):
         idle = called("export", *rings, "-o", "new", *option, status=2)
         assert f"{option[0]}: has no effect with --to" in idle.output
         assert not Path("new").exists()
+
+
+VARIABLE = """<Variable type="ParticleVariable"><variable>{}</variable><index>{}</index><patch>{}</patch>
+<start>{}</start><numParticles>{}</numParticles><end>{}</end><filename>p{:05d}.data</filename></Variable>"""
+
+
+def archived(folder, times, points, order="<"):
+    """Write an archive of two patches; ``points(time, patch)`` has arrays by material and name."""
+    steps = ""
+    for number, time in enumerate(times, 1):
+        steps += f'<timestep href="t{number:05d}/timestep.xml" time="{time}">{number}</timestep>'
+        place = folder / f"scene.uda/t{number:05d}"
+        (place / "l0").mkdir(parents=True)
+        files = ""
+        for patch in (0, 1):
+            content, listed = b"", ""
+            for (index, name), values in points(time, patch).items():
+                start = len(content)
+                content += values.astype(values.dtype.newbyteorder(order)).tobytes()
+                listed += VARIABLE.format(name, index, patch, start, len(values), len(content), patch)
+                content += bytes(-len(content) % 512)
+            (place / f"l0/p{patch:05d}.data").write_bytes(content)
+            (place / f"l0/p{patch:05d}.xml").write_text(f"<Uintah_Output>{listed}</Uintah_Output>")
+            files += f'<Datafile href="l0/p{patch:05d}.xml" proc="{patch}"/>'
+        endianness = {"<": "little_endian", ">": "big_endian"}[order]
+        (place / "timestep.xml").write_text(
+            f"<Uintah_timestep><Meta><endianness>{endianness}</endianness></Meta><Data>{files}</Data></Uintah_timestep>"
+        )
+    (folder / "scene.uda/index.xml").write_text(
+        f"<Uintah_DataArchive><timesteps>{steps}</timesteps></Uintah_DataArchive>"
+    )
+
+
+def sliding(time, patch):
+    """A block of four points that move at 1 m/s and change their patch; the plane, material 1, has two."""
+    ids = np.array([3, 0, 2, 1] if time > 0.1 else [0, 1, 2, 3])
+    own = ids[:1] if patch else ids[1:]
+    place = np.column_stack([0.1 * own + time, 0.2 * own, np.full(own.size, 0.05)])
+    block = {"p.stress": np.zeros((own.size, 9)), "p.particleID": own, "p.x": place}
+    block |= {"p.velocity": np.tile([1.0, 0.0, 0.0], (own.size, 1)), "p.mass": 0.1 * (1.0 + own)}
+    plane = {"p.x": np.zeros((1, 3)), "p.particleID": np.array([patch])}
+    return {(0, name): values for name, values in block.items()} | {
+        (1, name): one for name, one in plane.items()
+    }
+
+
+@pytest.mark.parametrize("order", ["<", ">"])
+def test_an_archive_gives_the_motion_of_its_points_per_metre_of_thickness(tmp_path, order):
+    exported(tmp_path, STOPPING, {"time.end": 0.2, "time.output_interval": 0.1})
+    archived(tmp_path, [0.01, 0.15, 0.21], sliding, order)
+    run = Uintah().read(tmp_path)
+    series = run["series"].to_dataset().sel(body="block")
+    np.testing.assert_allclose(series["time"], [0.0, 0.1, 0.2])
+    mean = np.arange(4) @ (1.0 + np.arange(4)) / 10.0
+    np.testing.assert_allclose(series["centre_of_mass"].sel(axis="x"), 0.1 * mean + np.array([0.0, 0.1, 0.2]))
+    np.testing.assert_allclose(series["centre_of_mass"].sel(axis="y"), 0.2 * mean)
+    np.testing.assert_allclose(series["kinetic_energy"], 0.5 * 1.0 / 0.1)  # cells are 0.1 m deep
+    assert run.attrs["status"].startswith("suspect: its output does not name its version")
+    assert run.attrs["steps"] == 3
+    assert np.isnan(run.attrs["cpu_time"])
+
+
+@pytest.mark.parametrize(
+    ("old", "new"), [("t00002/", "../t00002/"), ("</timesteps>", ""), ('time="0.15"', 'time="soon"')]
+)
+def test_a_damaged_archive_gives_one_line(tmp_path, old, new):
+    exported(tmp_path, STOPPING, {"time.end": 0.2, "time.output_interval": 0.1})
+    archived(tmp_path, [0.01, 0.15, 0.21], sliding)
+    index = tmp_path / "scene.uda/index.xml"
+    index.write_text(index.read_text().replace(old, new))
+    with pytest.raises(MpmfwError, match=r"^Uintah: its output is missing or damaged"):
+        Uintah().read(tmp_path)

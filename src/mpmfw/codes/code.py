@@ -64,6 +64,7 @@ class Code(PlugIn):
     models: ClassVar[tuple[str, ...]] = ("neo_hookean", "linear_elastic")  #: materials that it writes
     versions: ClassVar[tuple[str, ...]] = ()  #: with which the adapter was measured
     limits: ClassVar[ProcessLimits] = ProcessLimits()
+    runs_elsewhere: ClassVar[bool] = False  #: it is not started here, so that its costs are not known
     #: program and version that were found, which the keys of stored runs contain
     installed: str = ""
 
@@ -179,8 +180,9 @@ class Code(PlugIn):
                 if path.stat().st_size > _LARGEST.get(path.suffix, LARGEST):
                     raise ValueError(f"{path.name} is too large")
             scene = load_scene(folder / SCENE)
-            cost = RunCost(**json.loads((folder / COST).read_text(encoding="utf-8")))
-            outputs = self.outputs(scene, folder)
+            outputs, cost = self.outputs(scene, folder), None
+            if not self.runs_elsewhere:
+                cost = RunCost(**json.loads((folder / COST).read_text(encoding="utf-8")))
             outputs.check(scene, cost)
             return results_of(scene, outputs, cost, {"contact": self.label, "settings": settings}, output)
         except SceneError:

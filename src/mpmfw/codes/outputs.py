@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from mpmfw.errors import MpmfwError
 from mpmfw.results import Frame, RunHeader, RunWriter, provenance
@@ -58,7 +59,7 @@ class MotionOutputs:
     notes: tuple[str, ...] = ()  #: how the run differs from the scene
     versions: Mapping[str, str] = field(default_factory=dict)  #: of the code and its libraries
 
-    def check(self, scene: Scene, cost: RunCost) -> None:
+    def check(self, scene: Scene, cost: RunCost | None) -> None:
         """Refuse a cost and outputs that are not those of a scene; a ValueError says why."""
         soft = {name for name, body in scene.bodies.items() if not body.prescribed}
         if self.bodies.keys() != soft:
@@ -70,7 +71,8 @@ class MotionOutputs:
             raise ValueError("its times do not rise from 0")
         if type(self.steps) is not int or not 0 <= self.steps < 2**63:
             raise ValueError("its number of steps is not a whole number from 0")
-        for name, value in (*asdict(cost).items(), *self.costs.items()):
+        known = {} if cost is None else asdict(cost)
+        for name, value in (*known.items(), *self.costs.items()):
             if not isinstance(value, int | float) or isinstance(value, bool) or not 0.0 <= value < math.inf:
                 raise ValueError(f"its {name} is not a finite number from 0")
         for name, points in self.bodies.items():
@@ -85,9 +87,9 @@ class MotionOutputs:
                 raise ValueError(f"'{name}' has a motion that is not finite")
 
 
-def at_times(time: FloatArray, known: Sequence[float], values: Sequence[FloatArray]) -> FloatArray:
+def at_times(time: FloatArray, known: ArrayLike, values: ArrayLike) -> FloatArray:
     """Return values of the times ``known`` at others by linear interpolation (time, …)."""
-    times, stacked = np.array(known), np.array(values)
+    times, stacked = np.asarray(known), np.asarray(values)
     after = np.clip(np.searchsorted(times, time), 1, len(times) - 1)
     share = np.clip((time - times[after - 1]) / (times[after] - times[after - 1]), 0.0, 1.0)
     share = share.reshape(-1, *(1,) * (stacked.ndim - 1))
@@ -103,7 +105,7 @@ def printable(text: str) -> str:
 def results_of(
     scene: Scene,
     outputs: MotionOutputs,
-    cost: RunCost,
+    cost: RunCost | None,
     attributes: Mapping[str, Any],
     path: str | os.PathLike[str] | None,
 ) -> xr.DataTree:
@@ -199,9 +201,9 @@ def _series(scene: Scene, moments: Mapping[str, Mapping[str, Any]], k: int) -> d
     return series
 
 
-def _costs(outputs: MotionOutputs, cost: RunCost) -> dict[str, float]:
+def _costs(outputs: MotionOutputs, cost: RunCost | None) -> dict[str, float]:
     points = sum(len(one.mass) for one in outputs.bodies.values())
-    known = {"cpu_time": cost.cpu_time, "wall_time": cost.wall_time, "peak_memory": cost.peak_memory}
+    known = asdict(cost) if cost else dict.fromkeys(("cpu_time", "wall_time", "peak_memory"), math.nan)
     none = {"settle_time": 0.0, "output_time": math.nan, "gap_time": 0.0, "compile_time": math.nan}
     return {**known, **none, **outputs.costs, "steps": outputs.steps, "material_points": points}
 
