@@ -77,7 +77,7 @@ class Calculix(Code):
             shape, turned = body.geometry, _is_turned(body.geometry)
             if scene.dim == 3 and shape.type not in ("box", "ball"):
                 yield f"bodies.{name}.geometry", "only balls and boxes are written in space"
-            if body.prescribed:
+            if body.particles is None:
                 if shape.type not in ("rectangle", "box"):
                     yield f"bodies.{name}.geometry", "only rectangles and boxes are rigid"
                 continue

@@ -511,6 +511,11 @@ def test_what_a_code_cannot_do_is_refused_by_its_key(code, key, tmp_path):
 
 
 @pytest.mark.parametrize("code", REFUSED)
+def test_a_free_rigid_body_is_refused(code):
+    assert "bodies.wheel.rigid" in [problem.key for problem in code().problems(load_scene("wheel"))]
+
+
+@pytest.mark.parametrize("code", REFUSED)
 @pytest.mark.parametrize("method", ["none", "separate", "tied"])
 def test_contact_without_friction_is_refused(code, method):
     assert "contact.method" in [
