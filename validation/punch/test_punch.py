@@ -1,0 +1,138 @@
+"""A rigid punch, flat and round, on an elastic half-plane: pressure, and force over displacement."""
+# cost: 70
+
+import numpy as np
+from surface_pressure import nodes_of
+
+from mpmfw.validation import CLASSICAL, Place, Runs, full, methods, together
+
+MODULUS = 1e6 / (1.0 - 0.3**2)  #: E / (1 − ν²) [Pa]
+RADIUS, HALF_WIDTH = 8.0, 0.6  #: of the round punch and of the contact under the whole force [m]
+FORCE = np.pi * MODULUS * HALF_WIDTH**2 / (4.0 * RADIUS)  #: on the whole punch [N/m]
+
+
+def scene(punch, part):
+    """Return half of a ``punch`` under ``part`` of the force."""
+    flat = {"type": "rectangle", "lower": [-HALF_WIDTH, 0.0], "upper": [HALF_WIDTH, 0.4]}
+    round_ = {"type": "disc", "centre": [0.0, RADIUS], "radius": RADIUS}
+    sides = [{"side": "bottom", "fixed": True}] + [{"side": s, "fixed": ["x"]} for s in ("left", "right")]
+    return {
+        "grid": {"cell_size": 0.1, "lower": [-0.4, -3.4], "upper": [3.4, 0.6]},
+        "time": {"end": 1e-4, "output_interval": 1e-4},
+        "shape": {"method": "cpdi"},
+        "contact": {"method": "penalty"},
+        "materials": {
+            "rubber": {
+                "model": "linear_elastic", "density": 1e3, "youngs_modulus": 1e6, "poissons_ratio": 0.3
+            }
+        },
+        "bodies": {
+            "bed": {
+                "material": "rubber",
+                "geometry": {"type": "rectangle", "lower": [0.0, -3.0], "upper": [3.0, 0.0]},
+                "particles": {"size": "0.5 cells"},
+                "segment": "0.25 cells",
+                "sides": sides,
+            },
+            "punch": {
+                "geometry": flat if punch == "flat" else round_,
+                "segment": 0.01,
+                "rigid": {
+                    "mass": 1e3, "inertia": 1e3, "held": ["x", "rotation"],
+                    "force": [0.0, -0.5 * part * FORCE],
+                },
+            },
+        },
+        "settle": {"tolerance": 1e-3},
+        "output": {"particles": False},
+    }  # fmt: skip
+
+
+def places(punch, *parts):
+    """Return places of a punch with 6 and 12 cells in the half-width, under parts of the force."""
+    return [
+        Place(
+            f"{punch}, b/h = {6 * n}" + (f", F/{round(1 / part)}" if part < 1.0 else ""),
+            set={"grid.cell_size": 0.1 / n},
+            make={"punch": punch, "part": part},
+            when="" if n == 1 else "full",
+        )
+        for n in (1, 2)
+        for part in parts
+    ]
+
+
+pressed = Runs(
+    "pressed",
+    scene,
+    methods(),
+    [*places("flat", 0.25), *places("round", 0.25, 1.0)],
+)
+
+#: Classical contact has no forces of surface nodes.
+classical = Runs("classical", scene, methods(CLASSICAL[1:]), places("round", 0.25, 1.0)[:2], when="full")
+
+
+def profile(tree):
+    """Return x and pressure in windows of a cell, without the corner on the plane of symmetry."""
+    position, force, length = nodes_of(tree, "bed", -1)
+    top = (position[:, 1] > -0.3) & (position[:, 0] < 1.5) & (position[:, 0] > 1e-3)
+    window = (position[top, 0] / float(tree.attrs["cell_size"])).astype(int)
+    sums = [np.bincount(window, v) for v in (length[top] * position[top, 0], -force[top, 1], length[top])]
+    return sums[0] / sums[2], sums[1] / sums[2]
+
+
+def flat(tree):
+    """Return the largest error [%] of the pressure F / (π √(b² − x²)) for x < 0.65 b."""
+    x, pressure = profile(tree)
+    inner = x < 0.65 * HALF_WIDTH
+    exact = 0.25 * FORCE / (np.pi * np.sqrt(HALF_WIDTH**2 - x[inner] ** 2))
+    return {"pressure": 100.0 * abs(pressure[inner] / exact - 1.0).max()}
+
+
+def round_(tree, part):
+    """Return errors [%] of p0 and b of a semi-ellipse that is fitted above a fifth of the peak."""
+    x, pressure = profile(tree)
+    chosen = pressure > 0.2 * pressure.max()
+    slope, level = np.polyfit(x[chosen] ** 2, pressure[chosen] ** 2, 1)
+    b = HALF_WIDTH * np.sqrt(part)
+    peak, width = np.sqrt(level) / (2.0 * part * FORCE / (np.pi * b)), np.sqrt(-level / slope) / b
+    return {"peak": 100.0 * (peak - 1.0), "width": 100.0 * (width - 1.0)}
+
+
+@pressed
+def test_pressed(run):
+    if run.at("flat*"):
+        rows = (("pressure, largest error for x < 0.65 b, {at}", "pressure", 0.0, 5.0, "%"),)
+        measure, args = flat, {}
+    else:
+        rows = ("p0, error, {at}", "peak", 0.0, 5.0, "%"), ("b, error, {at}", "width", 0.0, 5.0, "%")
+        measure, args = round_, {"part": run.place.make["part"]}
+    run.gates(measure, *rows, **args)
+
+
+def depth(run):
+    """Return how deep the round punch stands [m]."""
+    return RADIUS - run.results["series"]["centre_of_mass"].sel(body="punch", axis="y").values[0]
+
+
+def falls(runs):
+    """Return by how much δ/F falls from F/4 to F over ln 4 / (π E*) [%], less 100 (Johnson, eq. 5.56)."""
+    compliance = [depth(one) / (one.place.make["part"] * FORCE) for one in runs]
+    return 100.0 * ((compliance[0] - compliance[1]) * np.pi * MODULUS / np.log(4.0) - 1.0)
+
+
+@classical
+def test_classical(run):
+    run.gate(f"δ, {run.place.at}", 1e3 * depth(run), unit="mm")
+
+
+@full
+@together(pressed, classical)
+def test_force_over_displacement(case, runs):
+    for method, same in runs.by_method():
+        for n in (6, 12):
+            pair = [one for one in same if f"round, b/h = {n}" in one.place.at]
+            if pair:
+                value = falls(sorted(pair, key=lambda one: one.place.make["part"]))
+                case.gate(f"fall of δ/F, error, b/h = {n}", value, 0.0, 5.0, "%", method, method.recommended)
