@@ -264,7 +264,9 @@ CASES = {
     ),
     **{
         model: Case(
-            with_changes(ONE, materials__soft={**ELASTIC, **SOIL, "model": model}), (), material=model
+            with_changes(ONE, materials__soft={**ELASTIC, **SOIL, "model": model}),
+            ("averaged volume",),
+            material=model,
         )
         for model in ("mohr_coulomb", "drucker_prager")
     },
@@ -275,7 +277,7 @@ CASES = {
             bodies__solid__initial_stress={"k0": 0.5},
             gravity=GRAVITY,
         ),
-        ("initial stress", "gravity"),
+        ("initial stress", "averaged volume", "gravity"),
         material="mohr_coulomb",
     ),
     "three dimensions": Case(box(shape__method="linear", bodies__solid__rotation="lumped"), ()),
