@@ -220,7 +220,11 @@ class VerletList:
             self.listed and measure_motion(self.outline, self.listed_at, self.near.moved) <= self.skin
         ):
             write_boxes(self.outline, self.blocks)
-            while (entries := self._list()) > len(self.near.facet):
+            given = (
+                self.items, self.item_first, self.radius + self.skin, self.outline, self.boxes, self.partners,
+                self.blocks, self.near, self.spacing,
+            )  # fmt: skip
+            while (entries := list_near(*given)) > len(self.near.facet):
                 self.near.set(facet=np.zeros(2 * entries, dtype=np.int32), away=np.zeros(2 * entries))
             self.near.moved.fill(0.0)
             self.listed_at[:] = self.outline.position
@@ -231,12 +235,6 @@ class VerletList:
                 self.near, self.scratch, self.spacing,
             )  # fmt: skip
         return near
-
-    def _list(self) -> int:
-        return list_near(
-            self.items, self.item_first, self.radius + self.skin, self.outline, self.boxes, self.partners,
-            self.blocks, self.near, self.spacing,
-        )  # fmt: skip
 
 
 #: Share of the search radius that near bodies may travel in a step.
