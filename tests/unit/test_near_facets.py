@@ -7,7 +7,6 @@ import pytest
 
 from contact_kernels import empty_candidates, flat, join, lists_of
 from mpmfw.contact.surfaces import near_facets
-from mpmfw.contact.surfaces.near_facets import VerletList
 from mpmfw.contact.surfaces.search import keep_nearest
 from mpmfw.kernels import kernel
 from mpmfw.runs.simulation import Simulation
@@ -47,8 +46,8 @@ def test_of_equally_near_bodies_the_lower_index_is_kept():
 def test_a_run_with_lists_is_one_without(monkeypatch):
     """Lists that last until bodies have moved by the SKIN find what lists of every step find, to the bit."""
     made = []
-    plain = VerletList._list
-    monkeypatch.setattr(VerletList, "_list", lambda self: (made.append(1), plain(self))[1])
+    plain = near_facets.write_boxes
+    monkeypatch.setattr(near_facets, "write_boxes", lambda *given: (made.append(1), plain(*given))[1])
 
     def run():
         made.clear()
@@ -85,13 +84,8 @@ def test_lists_have_all_facets_of_the_other_body_whose_box_is_near(make):
 @pytest.mark.parametrize(("skins", "times"), [(0.9, 1), (1.1, 2)])
 def test_lists_are_made_anew_when_a_body_has_moved_by_the_skin(monkeypatch, skins, times):
     made = []
-    plain = VerletList._list
-
-    def counted(lists):
-        made.append(lists)
-        return plain(lists)
-
-    monkeypatch.setattr(VerletList, "_list", counted)
+    plain = near_facets.write_boxes
+    monkeypatch.setattr(near_facets, "write_boxes", lambda *given: (made.append(1), plain(*given))[1])
     loops = join([flat(-1.0, 1.0, -1.0, 0.0, 4), flat(-1.0, 1.0, 0.05, 1.0, 4)])
     lists = lists_of(loops, 0.25)
     lists.update()
