@@ -23,7 +23,7 @@ NO_OPTIONS = {
 #: Keys that a rigid body refuses by name.
 REFUSED_BY_RIGID = {
     f"RigidBody.{key}"
-    for key in ("material", "particles", "rotation", "volumetric", "sides", "initial_stress")
+    for key in ("material", "particles", "rotation", "volumetric", "sides", "initial_stress", "self_contact")
 }
 
 

@@ -45,6 +45,14 @@ BURIED = with_changes(
     block(), **TIME, gravity=G, bodies__solid__sides=HELD, bodies__solid__initial_stress={"k0": 0.5},
     materials__soft={**SOFT, "model": "mohr_coulomb", "friction_angle": 0.5, "cohesion": 1e5},
 )  # fmt: skip
+CLIP = with_changes(
+    block(shape__method="cpdi"), **TIME, contact={"method": "penalty"}, bodies__solid__sides=HELD,
+    bodies__solid__geometry={
+        "type": "polygon",
+        "points": [[-1, -1], [1, -1], [1, -0.1], [-0.5, -0.1], [-0.5, 0.1], [1, 0.1], [1, 1], [-1, 1]],
+    },
+    gravity={"vector": [0, -5e3]},
+)  # fmt: skip
 REVOLVED = with_changes(
     block(), **TIME, bodies__solid__geometry={"type": "rectangle", "lower": [0.5, -0.5], "upper": [1.5, 0.5]},
     bodies__solid__velocity=[1.0, 0.0], grid__lower=[0.0, -2.0],
@@ -196,6 +204,7 @@ ROWS: dict[str, tuple[dict[str, Any], str, Any, Any]] = {
         *(f"{SOLID}__rotation", "exact", "lumped"),
     ),
     "Body.volumetric": (held(), f"{SOLID}__volumetric", "auto", "averaged"),
+    "Body.self_contact": (CLIP, f"{SOLID}__self_contact", False, True),
     "Body.initial_stress": (BURIED, f"{SOLID}__initial_stress", None, {"k0": 0.5}),
     "InitialStress.k0": (BURIED, f"{SOLID}__initial_stress", {"k0": 0.5}, {"k0": 0.7}),
     "InitialStress.density": (BURIED, f"{SOLID}__initial_stress", {"k0": 0.5}, {"k0": 0.5, "density": 2e3}),

@@ -67,6 +67,7 @@ class EveryFacet(Surfaces):
 
     Options: ClassVar[type[FacetOptions]] = FacetOptions
     every_facet = True
+    finds_own = False  # one part would have to be master
     #: [H17] is of the plane; in space its rows leave a moment where cubes meet face on face (``mpmfw check``:
     #: 0.006 cells).
     dimensions = (2,)

@@ -104,6 +104,7 @@ class CompactKernel(AtPoints):
 
     name = "ck"
     staggered = True
+    divisible = False  # nodes of both grids would have to be
     #: A cell's corners belong to two grids, so that it has no spin.
     auto_rotation = "exact"
     functions = (fill_compact, WIDTH)

@@ -155,6 +155,7 @@ class Cpdi2(PackedRows):
     """φ_ip from the four corners, which move with the grid velocity: up to 16 entries; 2D."""
 
     name = "cpdi2"
+    divisible = False  # corners take velocities of the grid
     fill = fill_cpdi2
     axisymmetric = True
     dimensions = (2,)

@@ -146,6 +146,8 @@ class Detection(PlugIn):
     provides: ClassVar[frozenset[str]] = frozenset()
     #: Whether it finds rigid bodies, which have a surface and no material points.
     finds_rigid: bool = True
+    #: Whether it finds where a body touches itself, of the pairs of a body with itself.
+    finds_own: bool = False
     #: How surface nodes are mapped to the grid: ``auto`` follows the shape function.
     surface_map: Literal["auto", "plain", "mass_weighted"] = "auto"
     #: Whether a part of it adds inertia to the nodes.

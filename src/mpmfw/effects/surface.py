@@ -162,4 +162,7 @@ class GapDiagnostic:
     def diagnostics(self, state: State) -> dict[str, AnyArray]:
         """Least of both bodies' node-to-facet distances, (pair,) [m]."""
         first, second = np.ascontiguousarray(state.pair_bodies.T)
-        return {"min_gap": least_gaps(state.tracked_surface, first, second, state.grid.spacing)}
+        gaps = least_gaps(state.tracked_surface, first, second, state.grid.spacing)
+        if state.self_contact is not None:
+            gaps = np.where(first == second, state.self_contact.gaps(state.pair_bodies), gaps)
+        return {"min_gap": gaps}

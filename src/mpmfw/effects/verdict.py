@@ -80,7 +80,7 @@ class Verdict:
         """Return the verdict, of steps if surfaces meet or gravity changes."""
         gravity, contact = setup.plugin("gravity"), setup.contact
         changing = gravity is not None and len(gravity.table.times) > 1
-        watched = contact is not None and contact.keeps_apart and len(setup.bodies) > 1
+        watched = contact is not None and contact.keeps_apart
         return Acts("", [(VerdictOfSteps if watched or changing else Verdict)(setup, watched)])
 
     def _begin(self, state: State) -> None:
@@ -119,8 +119,9 @@ class Verdict:
 
     def _judge_own_gaps(self, state: State) -> None:
         self.next_own = state.steps + OWN_EVERY
+        apart = {pair.first for pair in state.pairs if pair.first == pair.second}
         for body, gap in zip(state.bodies, self.outlines.own_gaps(state) / state.grid.cell_size, strict=True):
-            if gap < self.closed.get(body.name, 1.0):
+            if body.index not in apart and gap < self.closed.get(body.name, 1.0):
                 self.closed[body.name], self.closed_at[body.name] = float(gap), state.time
 
     def _energy(self, state: State) -> float:
@@ -155,6 +156,8 @@ class Verdict:
     def _depths(self, state: State) -> tuple[FloatArray, AnyArray]:
         """Deepest node [m], and nodes that went through, beyond the start."""
         depth, passed = self.outlines.inside(state, self.inside)
+        if state.self_contact is not None:
+            depth = np.maximum(depth, -state.self_contact.gaps(state.pair_bodies))
         depth[: len(self.overlap)] -= self.overlap
         return depth, passed
 
@@ -218,8 +221,7 @@ class Verdict:
             ),
             *(
                 f"{name}: parts of its own surface are {cells:.2g} cells apart at time "
-                f"{self.closed_at[name]:.4g} s; within a cell they stick together, since a body has no "
-                "contact with itself"
+                f"{self.closed_at[name]:.4g} s; within a cell they stick together; see self_contact"
                 for name, cells in self.closed.items()
             ),
         ]

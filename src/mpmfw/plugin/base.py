@@ -146,6 +146,8 @@ class ShapeFunction(PlugIn):
     singular_spread: ClassVar[bool] = False
     #: Σ φ q qᵀ over h², where it is this number times 1 at every point of the plane and of space.
     spread: ClassVar[float | None] = None
+    #: Whether bodies take all from the grid by its tables, so that nodes may be divided (``self_contact``).
+    divisible: ClassVar[bool] = True
     #: Whether the nodes of every row of its tables ascend, so that threads can share the nodes out.
     rows_ascend: ClassVar[bool] = False
     #: Whether uniform states of bodies of revolution are exact with it: ``Setup.state.grid.axisymmetric``.

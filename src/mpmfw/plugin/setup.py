@@ -136,6 +136,8 @@ class Setup:
     def _locks(self, body: Body) -> bool:
         """Return True if points of the body keep their volume. With B-splines bodies do not lock, and a mean
         would make them too soft."""
+        if self.scene.bodies[body.name].self_contact:
+            return False  # averages of cells would join its parts
         isochoric = self.materials[self.scene.bodies[body.name].material].isochoric
         keeps_volume = isochoric or body.bulk_modulus > INCOMPRESSIBLE * body.shear_modulus
         return keeps_volume and self.shape_function.boundary_degree == 1
@@ -172,7 +174,7 @@ class Setup:
             *(["loads on sides"] if self.loaded_sides else []),
             *(f"'{plugin.title}'" for plugin in self.named_plugins if plugin.needs_surface),
             *(["rigid bodies"] if any(body.rigid for body in self.bodies) else []),
-            *(["min_gap"] if self.scene.output.gap and len(self.bodies) > 1 else []),
+            *(["min_gap"] if self.scene.output.gap and self.pairs else []),
             *(["all bodies"] if whole is not None and whole.state.surface is not None else []),
         ]
 

@@ -54,7 +54,7 @@ def build(
         shape = _plugin("shape", scene.shape.method, scene.shape.options)
     _check_dimensions(scene, shape, "shape.method")
     by_name = isinstance(contact, str | None)
-    if len(scene.bodies) == 1:
+    if len(scene.bodies) == 1 and not any(body.self_contact for body in scene.bodies.values()):
         if by_name:
             _check_unused_contact(scene)
         contact = None
@@ -232,6 +232,8 @@ def _add_interfaces(setup: Setup) -> None:
         rigid = np.array([body.rigid for body in state.bodies])  # which have no window that comes near
         pairs = np.concatenate([ends, pairs[rigid[pairs[:, 1]]]])
         state.near = near
+    itself = [body.index for body in state.bodies if setup.scene.bodies[body.name].self_contact]
+    pairs = np.concatenate([pairs, np.column_stack((itself, itself)).astype(np.int64)])
     # Nothing moves two prescribed bodies apart, and few contacts two rigid ones
     kept: Any = ~np.array([body.rigid for body in state.bodies])[pairs].all(axis=1)
     for k in np.flatnonzero(~kept):

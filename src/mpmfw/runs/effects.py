@@ -29,7 +29,7 @@ def _table(setup: Setup) -> list[tuple[str, str, object, str]]:
     """Return name, ``module:function``, whether the scene needs it, and why not.
 
     The name is empty if the effect writes its lines itself, or has none."""
-    scene, output, several = setup.scene, setup.scene.output, len(setup.bodies) > 1
+    scene, output, several = setup.scene, setup.scene.output, bool(setup.pairs or len(setup.bodies) > 1)
     contact, rigid = setup.contact, any(body.rigid for body in setup.bodies)
     tables = [getattr(scene.bodies[body.name], "rigid", None) for body in setup.bodies]
     pressed = any(getattr(each, key, None) is not None for each in tables for key in ("force", "torque"))
@@ -51,6 +51,8 @@ def _table(setup: Setup) -> list[tuple[str, str, object, str]]:
         ("least gap", "effects.surface:GapDiagnostic.from_setup", output.gap and several, no_gap),
         ("surfaces", "effects.surface:SurfaceTracker.from_setup", setup.surface_users,
          "nothing needs outlines"),
+        ("self-contact", "contact.surfaces.self_contact:SelfContact.from_setup",
+         any(scene.bodies[body.name].self_contact for body in setup.bodies), "no body has self_contact"),
         ("material damping", "effects.damping:Damping.from_setup", damped, "no material has damping"),
         ("averaged volume", "effects.averaged_volume:AveragedVolume.from_setup", setup.averaged_bodies,
          "no body would lock, and none has volumetric = 'averaged'"),
@@ -144,6 +146,11 @@ def _treatment(setup: Setup, body: Body, held: bool) -> tuple[str, str]:
         return "lumped", "a body of revolution does not turn"
     if asked == "lumped":
         return "lumped", "given"
+    if model.self_contact and asked != "exact":
+        if asked == "spin":
+            text = "'spin' would join parts that touch; expected 'exact' or 'lumped' with self_contact"
+            raise SceneError(text, key=f"bodies.{body.name}.rotation")
+        return "lumped", "parts of its surface may touch each other"
     if not setup.field_per_body:
         return "lumped", "shares its velocity field with other bodies"
     if contact is not None and contact.adds_mass:

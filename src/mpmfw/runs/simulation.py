@@ -90,7 +90,8 @@ class Simulation:
             from mpmfw.step.threads import Threads
 
             particles = self.state.particles
-            particles.threads = Threads(min(threads, particles.count), rows_ascend=self.shape.rows_ascend)
+            ascend = self.shape.rows_ascend and self.state.self_contact is None
+            particles.threads = Threads(min(threads, particles.count), rows_ascend=ascend)
         self.manager = make_manager()
         groups: list[Mapping[str, Any]] = [setup.materials, *setup.named.values()]
         named = {id(plugin): f"{plugin.name} {name}" for group in groups for name, plugin in group.items()}

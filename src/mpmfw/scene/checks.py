@@ -63,6 +63,9 @@ def check(scene: Tables, plugins: Mapping[Path, type[Any]], options: Mapping[Pat
     if scene.sleep is not None and any(isinstance(body, RigidBody) for body in scene.bodies.values()):
         yield Problem(("sleep",), "does not go with rigid bodies: a body on a moving one cannot rest")
 
+    if scene.sleep is not None and any(body.self_contact for body in scene.bodies.values()):
+        yield Problem(("sleep",), "does not go with self_contact; leave one of them out")
+
 
 def _grid(scene: Tables) -> Iterator[Problem]:
     grid = scene.grid
@@ -121,8 +124,8 @@ def _names(scene: Tables) -> Iterator[Problem]:
 
 def _contact(scene: Tables) -> Iterator[Problem]:
     if scene.contact is None:
-        if len(scene.bodies) > 1:
-            message = f"missing: name a method for more than one body ({', '.join(available('contact'))}, …)"
+        if len(scene.bodies) > 1 or any(body.self_contact for body in scene.bodies.values()):
+            message = f"missing: name a method for bodies that touch ({', '.join(available('contact'))}, …)"
             yield Problem(("contact",), message, "missing")
         return
     seen: dict[frozenset[str], int] = {}

@@ -196,6 +196,7 @@ class Body(Table):
     #: Change of volume at points or averaged over cells, against locking: see ``Setup.averaged_bodies``.
     volumetric: Literal["auto", "averaged", "pointwise"] = "auto"
     initial_stress: InitialStress | None = None  #: of soil in its own weight
+    self_contact: bool = False  #: parts of its surface may touch each other
     thickness: PositiveLength | None = None  #: in the plane, across it [m]; None is 1 m
     sides: Annotated[tuple[Side, ...], Strict(False)] = ()
 
@@ -219,6 +220,7 @@ class RigidBody(Body):
     rotation: SkipJsonSchema[OfDeformable] = None
     volumetric: SkipJsonSchema[OfDeformable] = None
     initial_stress: SkipJsonSchema[OfDeformable] = None
+    self_contact: SkipJsonSchema[OfDeformable] = None
     sides: SkipJsonSchema[OfDeformable] = ()
 
     @property

@@ -242,6 +242,8 @@ class Grid(Struct):
     frame: int = 0  #: counts how often the windows were laid; node indices are valid within one frame
     rigid_fields: int = 0  #: number of rigid bodies' fields, the last ones: dim + 1 points of mass each
     axisymmetric: bool = False  #: x is the radius, and y the axis
+    #: how often a window has every node (n_fields,), twice where a body may touch itself; 1 where none may
+    sheets: Any = 1
     tensor_spacing: tuple[float, ...] = ()  #: as ``spacing``, of the tensors that materials take
 
     def __post_init__(self) -> None:
@@ -344,6 +346,7 @@ class State:
     dims: dict[str, tuple[str, ...]] = field(default_factory=dict)  #: of the arrays that were declared
     near: Any = None  #: ``BodyPairs``, which list pairs as bodies come near; None where all pairs are listed
     rigid: Any = None  #: ``RigidBodies`` and their motion; None without any
+    self_contact: Any = None  #: ``SelfContact`` of bodies that may touch themselves; None without any
 
     @property
     def pair_bodies(self) -> IntArray:

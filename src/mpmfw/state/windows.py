@@ -115,13 +115,13 @@ def allocate_nodes(grid: Grid) -> None:
 
     The position of a node is the same to the last bit in every window that holds it."""
     dim, h = grid.dim, grid.cell_size
-    np.cumsum(np.prod(grid.window_shape, axis=1), out=grid.offset[1:])
+    np.cumsum(grid.sheets * np.prod(grid.window_shape, axis=1), out=grid.offset[1:])
     sizes = {"node": int(grid.offset[-1]), "axis": dim}
     grid.set(**{field.name: field.allocate(sizes) for field in GRID_FIELDS})
     for f, (first, shape) in enumerate(zip(grid.window_lower, grid.window_shape, strict=True)):
         axes = [grid.lower[d] + h * (first[d] + np.arange(shape[d])) for d in range(dim)]
         positions = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
-        grid.position[grid.offset[f] : grid.offset[f + 1]] = positions.reshape(-1, dim)
+        grid.position[grid.offset[f] : grid.offset[f + 1]].reshape(-1, *positions.shape)[:] = positions
     grid.frame += 1
 
 
@@ -189,7 +189,7 @@ class BodyPairs:
         Raise NotSaved if they are not pairs of the scene that begin with those already listed."""
         listed, count = state.pair_bodies, len(self.names)
         keys, first, second = np.array(bodies) @ np.array([count, 1]), bodies[:, 0], bodies[:, 1]
-        valid = ((first >= 0) & (first < second) & (second < count)).all()
+        valid = ((first >= 0) & (first <= second) & (second < count)).all()
         if not (
             valid and np.array_equal(bodies[: len(listed)], listed) and len(set(keys.tolist())) == len(keys)
         ):

@@ -174,6 +174,8 @@ def _fill_tables(state: State, hook: Any, clock: Clock) -> Stencil:
             surface.stencil = hook.interpolate_surface(position=position, first=first, grid=grid)
         except OutsideGrid as error:
             raise OutsideGrid(error.index, surface=True) from None
+        if state.self_contact is not None:
+            phi = state.self_contact.divide(phi, grid)
         if state.rigid is not None:
             surface.stencil = state.rigid.with_points(surface.stencil)
     return phi

@@ -238,7 +238,8 @@ def assemble(
                     return -1
                 p = pair_index(pair_of, body[s], master)
                 rows.pair[c], rows.identity[c], rows.gap[c] = p, s * n_bodies + master, g
-                rows.sign[c] = 1.0 if pair_first[p] == body[s] else -1.0
+                earlier = s < outline.facets[m, 0]  # of a body with itself the part that comes first
+                rows.sign[c] = 1.0 if pair_first[p] == body[s] and (master != body[s] or earlier) else -1.0
                 passes = 0.5 if rank[body[s]] == rank[master] else 1.0
                 rows.tributary_area[c] = taken * passes * outline.tributary[s]
                 rows.area[c] = rows.tributary_area[c]

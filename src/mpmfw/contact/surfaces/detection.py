@@ -90,6 +90,8 @@ class OnFacets(Detection):
             from mpmfw.contact.surfaces.seams import find_covered
 
             self.near.find_covered = find_covered
+        if setup.state.self_contact is not None:
+            self.near.remove_joined = setup.state.self_contact.remove_joined
         self.list_pairs(setup.state)
 
     def rank_bodies(self, setup: Setup, owner: str) -> IntArray:
@@ -118,7 +120,7 @@ class Surfaces(OnFacets):
     Options: ClassVar[type[FacetOptions]] = SurfacesOptions
     options: FacetOptions
     provides = frozenset({"facets", "nodes", "steady gap"})
-    has_radius = True
+    has_radius = finds_own = True
     #: Whether a node has a row for every facet that it penetrates (eq. 10), not the closest alone.
     every_facet: bool = False
     history = ("count",)
@@ -144,7 +146,8 @@ class Surfaces(OnFacets):
 
     def prepare(self, setup: Setup, owner: str) -> None:
         super().prepare(setup, owner)
-        slots = 8 if self.every_facet else min(max(len(setup.bodies) - 1, 1), 3)
+        others = len(setup.bodies) - (setup.state.self_contact is None)
+        slots = 8 if self.every_facet else min(max(others, 1), 3)
         axes, text = ("surface_node", "slot"), "candidates of surface nodes"
         facet = setup.allocate(owner, ArrayField("facet", axes, "1", text, "surface", "i8"), slot=slots)
         gap = setup.allocate(owner, ArrayField("gap", axes, "m", text, "surface"), slot=slots)

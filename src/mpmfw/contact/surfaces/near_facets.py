@@ -41,9 +41,9 @@ def partners_of(first: IntArray, second: IntArray, rank: IntArray) -> Partners:
     body, other = np.concatenate([first, second]), np.concatenate([second, first])
     searched = rank[body] <= rank[other]
     body, other = body[searched], other[searched]
-    order = np.lexsort((other, body))
-    first = np.searchsorted(body[order], np.arange(len(rank) + 1))
-    return Partners(first=first, body=other[order], last=np.zeros_like(first, shape=len(order)))
+    body, other = np.divmod(np.unique(body * len(rank) + other), len(rank))
+    first = np.searchsorted(body, np.arange(len(rank) + 1))
+    return Partners(first=first, body=other, last=np.zeros_like(first, shape=len(other)))
 
 
 @kernel
@@ -199,6 +199,8 @@ class VerletList:
         self.listed_at = np.zeros_like(outline.position)  #: positions when the lists were made
         #: Kernel that finds which facets a third body covers, and its scratch; None of two bodies.
         self.find_covered: Any = None
+        #: Removes facets of one part with a node; None where no body may touch itself.
+        self.remove_joined: Any = None
         self.scratch = np.zeros(len(outline.covered), dtype=np.int32)
 
     def list_pairs(self, bodies: IntArray, rank: IntArray, acting: AnyArray | slice = slice(None)) -> None:
@@ -216,8 +218,9 @@ class VerletList:
         if not near and self.listed:
             self.near.first.fill(0)
             self.listed = False
+        most = self.skin if self.remove_joined is None else 0.5 * self.skin  # two parts of a body may move
         if near and not (
-            self.listed and measure_motion(self.outline, self.listed_at, self.near.moved) <= self.skin
+            self.listed and measure_motion(self.outline, self.listed_at, self.near.moved) <= most
         ):
             write_boxes(self.outline, self.blocks)
             given = (
@@ -226,6 +229,8 @@ class VerletList:
             )  # fmt: skip
             while (entries := list_near(*given)) > len(self.near.facet):
                 self.near.set(facet=np.zeros(2 * entries, dtype=np.int32), away=np.zeros(2 * entries))
+            if self.remove_joined is not None:
+                self.remove_joined(self.near)
             self.near.moved.fill(0.0)
             self.listed_at[:] = self.outline.position
             self.listed = True

@@ -147,7 +147,7 @@ def find_covered(
     outline.covered[:] = -1
     for c in range(len(first)):
         a, b = first[c], second[c]
-        if boxes_apart(a, b, boxes.lower, boxes.upper, FLUSH * spacing[0]):
+        if a == b or boxes_apart(a, b, boxes.lower, boxes.upper, FLUSH * spacing[0]):
             continue
         if not seam_box(a, b, partners, reach, boxes, lower, upper, spacing):
             continue

@@ -169,6 +169,8 @@ def keep_inside(
     """
     outward, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
     other = body_of(last, outline)
+    if other == outline.body[s]:
+        return  # the nearest facet of its body is its own
     slot = slot_for_lost(s, other, outline, candidates)
     if slot < 0:
         return
