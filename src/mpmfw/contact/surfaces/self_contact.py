@@ -35,6 +35,9 @@ DECISIVE = 1.0
 #: support of a part nodes are divided, in cells.
 OVERLAP, DEEPEST, BEYOND = 0.5, 1.0, 0.25
 
+#: How much deeper than behind a node that it faces a node may be, in cells: others are beside it.
+BESIDE = 0.1
+
 #: Length along the surface, or through the material, within which surface nodes are of one part, in reaches
 #: of a part. At the root of a slit both sides hang together: with 3, a folded ring is 3 to 5 % too soft.
 ROOT = 4.0
@@ -155,9 +158,12 @@ def least_gap(
             least, gap = min(least, gap), most
         if not face_each_other(s, t, normal, outline.position, DEEPEST * spacing[0], spacing):
             continue
+        behind = 0.0
+        for d in range(len(spacing)):
+            behind += (outline.position[t, d] - outline.position[s, d]) * normal[t, d]
         for k in range(outline.star_first[t], outline.star_first[t + 1]):
             distance = distance_to(s, outline.star[k], outline, share, direction, spacing)
-            if abs(distance) < abs(gap):
+            if distance >= -behind - BESIDE * spacing[0] and abs(distance) < abs(gap):
                 gap = distance
     return min(least, gap)
 
@@ -289,7 +295,7 @@ class SelfContact:
         assert setup.contact is not None
         contact = setup.contact.between(bodies[0].name, bodies[0].name)
         if setup.dim == 3 or setup.state.grid.axisymmetric:
-            problem = "is for the plane: in space, edges of parts that touch go into each other by a cell"
+            problem = "was not tested in space, nor for bodies of revolution; expected a scene of the plane"
         elif not getattr(getattr(contact, "detection", None), "finds_own", False):
             problem = f"contact '{contact.label}' finds other bodies alone; expected penalty or lcp"
         elif not setup.shape_function.divisible:
