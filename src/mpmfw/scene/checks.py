@@ -125,7 +125,8 @@ def _names(scene: Tables) -> Iterator[Problem]:
 def _contact(scene: Tables) -> Iterator[Problem]:
     if scene.contact is None:
         if len(scene.bodies) > 1 or any(body.self_contact for body in scene.bodies.values()):
-            message = f"missing: name a method for more than one body, or self_contact ({', '.join(available('contact'))}, …)"
+            why, known = "more than one body, or self_contact", ", ".join(available("contact"))
+            message = f"missing: name a method for {why} ({known}, …)"
             yield Problem(("contact",), message, "missing")
         return
     seen: dict[frozenset[str], int] = {}
