@@ -115,6 +115,7 @@ EFFECTS = {
     "flutter": brings("flutter", modules=".flutter"),
     "travel": brings("surface_travel"),
     "seams": brings(modules="~surfaces.seams"),
+    "self-contact": brings(arrays="grid/sheets", modules="~surfaces.self_contact"),
     "interface layer": brings("surface_layer", arrays="surface_layer", modules="~surfaces.layer"),
     "ledger": brings(
         "energy_ledger",
@@ -216,6 +217,10 @@ CASES = {
     "contact with a layer": Case(
         _two("penalty", contact__penalty={"interface_thickness": 0.01}),
         (*(name for name in TOUCHED if name != "local spin"), "interface layer"),
+    ),
+    "self-contact": Case(
+        _two("penalty", bodies__left__self_contact=True, bodies__left__rotation="lumped"),
+        (*TOUCHED, "self-contact"),
     ),
     "gravity": Case(with_changes(ONE, gravity=GRAVITY), ("gravity",)),
     "settled": Case(

@@ -197,7 +197,13 @@ def test_a_restart_and_threads_give_the_same_bits(threads):
     ("changes", "key", "message"),
     [
         ({"contact__method": "bardenhagen"}, "bodies.clip.self_contact", "finds other bodies alone"),
+        ({"contact__method": "none"}, "bodies.clip.self_contact", "finds other bodies alone"),
         ({"contact__method": "hamad2017"}, "bodies.clip.self_contact", "finds other bodies alone"),
+        *(
+            ({"contact__pairs": {"clip-ball": {"method": name}}}, "bodies.clip.self_contact", "second nodes")
+            for name in ("bardenhagen", "tied", "nodes+lcp")
+        ),
+        ({"contact__pairs": {"clip-clip": {"friction": 0.1}}}, "contact.pairs.clip-clip", "with itself"),
         ({"shape__method": "cpdi2"}, "bodies.clip.self_contact", "cannot be divided"),
         ({"bodies__clip__volumetric": "averaged"}, "bodies.clip.self_contact", "pointwise"),
         ({"bodies__clip__rotation": "spin"}, "bodies.clip.rotation", "'exact' or 'lumped'"),

@@ -69,7 +69,8 @@ def _print_head(simulation: Simulation) -> None:
     if simulation.threads > 1:
         from mpmfw.runs.limits import remarks_on_threads
 
-        shared = " and sums at nodes" if simulation.shape.rows_ascend else "; one thread sums at nodes"
+        ascend = simulation.state.particles.threads.rows_ascend
+        shared = " and sums at nodes" if ascend else "; one thread sums at nodes"
         typer.echo(f"{simulation.threads} threads share points{shared}")
         for remark in remarks_on_threads(simulation.threads):
             typer.echo(remark)

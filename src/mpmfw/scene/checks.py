@@ -136,7 +136,8 @@ def _contact(scene: Tables) -> Iterator[Problem]:
             if name not in scene.bodies:
                 yield unknown_name((*path, k), name, list(scene.bodies), "no such body: ")
         if len(set(pair.bodies)) == 1:
-            yield Problem(path, f"a pair is two bodies, not '{pair.bodies[0]}' twice")
+            itself = "contact of a body with itself takes method and friction of [contact]"
+            yield Problem(path, f"a pair is two bodies, not '{pair.bodies[0]}' twice; {itself}")
         elif seen.setdefault(frozenset(pair.bodies), index) != index:
             first = scene.contact.pairs[seen[frozenset(pair.bodies)]]
             yield Problem(path, f"the same bodies as the pair '{'-'.join(first.bodies)}' before")

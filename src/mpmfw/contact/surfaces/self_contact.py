@@ -294,10 +294,15 @@ class SelfContact:
         bodies = [body for body in setup.bodies if setup.scene.bodies[body.name].self_contact]
         assert setup.contact is not None
         contact = setup.contact.between(bodies[0].name, bodies[0].name)
+        between = [setup.contact.between(a.name, b.name) for a in bodies for b in setup.bodies]
+        found = [(getattr(each, "detection", None), each.label) for each in between]
+        at_nodes = [label for each, label in found if "facets" not in getattr(each, "provides", ())]
         if setup.dim == 3 or setup.state.grid.axisymmetric:
             problem = "was not tested in space, nor for bodies of revolution; expected a scene of the plane"
         elif not getattr(getattr(contact, "detection", None), "finds_own", False):
             problem = f"contact '{contact.label}' finds other bodies alone; expected penalty or lcp"
+        elif at_nodes:
+            problem = f"contact '{at_nodes[0]}' would miss its second nodes; expected contact on surfaces"
         elif not setup.shape_function.divisible:
             problem = f"shape '{setup.shape}' has nodes that cannot be divided; expected cpdi or gimp"
         elif any(body.name in {each.name for each in setup.averaged_bodies} for body in bodies):
