@@ -248,7 +248,7 @@ def test_another_version_is_refused_with_what_differs(path, monkeypatch):
     stopped(BLOCKS, path, 9)
     monkeypatch.setattr("mpmfw.runs.identity.version", lambda _: "99")
     monkeypatch.setattr("mpmfw.runs.identity.package", lambda _: "changed")
-    expected = r"another version .*: mpmfw_contact \(.{8} then, changed now\), .*numpy \(.* then, 99 now\)"
+    expected = r"other code: mpmfw_contact \(.{8} then, changed now\), .*numpy \(.* then, 99 now\)"
     with pytest.raises(SceneError, match=expected):
         resume(path)
     assert read(path).attrs["status"] == "interrupted"
