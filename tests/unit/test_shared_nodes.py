@@ -88,7 +88,7 @@ def find(f, capacity=2000):
 def write(f, first, second, given, gradient, mean, cut_off):
     """Rows of all shared nodes, with a motion over a step of 0.1 s."""
     c, count = find(f)
-    rows = ContactRows(f.dim, couples=False, own={"active": 0, "compliance": 0, "velocity": 1})
+    rows = ContactRows(f.dim, couples=False, own={"active": 0, "compliance": 0, "across": 0, "velocity": 1})
     rows.make_room(count, 2 * count)
     nodes = nodes_of(f, gradient, mean)
     rows.count = shared.write_rows(
