@@ -68,7 +68,7 @@ def disc(centre, radius, **keys):
 
 def scene(bodies, *, friction=MU, extent=1.2, **keys):
     """A scene of these bodies in a square grid round the origin, without contact as yet."""
-    materials = {b["material"]: MATERIALS[b["material"]] for b in bodies.values()}
+    materials = {b["material"]: dict(MATERIALS[b["material"]]) for b in bodies.values()}
     tables = {"contact": {"method": "separate", "friction": friction}, "materials": materials, **keys}
     return scene_of(bodies, CELL, [-extent] * 2, [extent] * 2, end=1.0, outputs=10, **tables)
 
