@@ -167,7 +167,7 @@ def frictional_stress(
                 square += (plastic - (volumetric - pressure / bulk) / 3.0) ** 2
                 values[a] = math.exp(2.0 * elastic)
             flow.strain[p] += math.sqrt(2.0 / 3.0 * square)
-            if flows and pressure >= tension * (1.0 - 1e-9):
+            if flows and pressure >= tension - 1e-12 * bulk:
                 opened[p] += volumetric - pressure / bulk
             compose(values, vectors, b)
             push_forward(matrix, b, flow.metric[p])

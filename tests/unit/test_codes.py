@@ -459,6 +459,7 @@ THROWN = (BLOCK, {"bodies.block.velocity": [1.0, 0.0]})
 REFUSED = {
     Newton: {
         "bodies.cylinder.thickness": (SLIP, {"bodies.cylinder.thickness": 0.5}),
+        "bodies.cylinder.self_contact": (SLIP, {"bodies.cylinder.self_contact": True}),
         "sleep": ("rolling-cylinder-slip", {"sleep": {}}),
         "settle.max_time": (SLIP, {"settle.max_time": 1.0}),
         "bodies": ("rolling-cylinder-slip", {}),

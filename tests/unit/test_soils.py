@@ -173,6 +173,24 @@ def test_what_tension_has_opened_closes_before_there_is_pressure(model):
     np.testing.assert_allclose(pressure, 3e-5 * point.material.bulk_modulus, rtol=1e-9)
 
 
+@pytest.mark.parametrize("model", [MohrCoulomb, DruckerPrager], ids=lambda m: m.name)
+def test_a_cut_off_at_zero_keeps_all_that_opened_with_shear(model):
+    """Cohesion leaves shear at the cut-off, and round-off of its mean does not lose what opened."""
+    soil = {"youngs_modulus": 1.06e7, "poissons_ratio": 0.32, "dilation_angle": 0.0, "tension": 0.0}
+    point = Point(model(**{**SAND, **soil}))
+
+    def mean(volume, part=1.0):
+        strain = volume / 3.0 + 0.02 * part * np.array([1.0, -1.0, 0.0])
+        return float(np.trace(point.stress(deformation(strain)))) / 3.0
+
+    for part in np.linspace(0.0, 1.0, 200):
+        assert mean(0.01 * part, part) == pytest.approx(0.0, abs=1e-3)
+    assert point.opened == pytest.approx(0.01, rel=1e-9)
+    for volume in np.linspace(0.01, 0.0, 200):
+        assert mean(volume) == pytest.approx(0.0, abs=1e-3)
+    assert mean(-0.002) == pytest.approx(-0.002 * point.material.bulk_modulus, rel=1e-9)
+
+
 def excess(material, tau):
     """Yield function of a stress over the moduli; at most round-off is admissible."""
     friction, _, cohesion = material.surface()

@@ -19,7 +19,7 @@ from mpmfw.campaigns.measures import exact_of, measure_of, names_of_measures
 from mpmfw.campaigns.running import Event, Execution, Running
 from mpmfw.campaigns.store import COSTS, store_of
 from mpmfw.codes.code import codes_of
-from mpmfw.errors import ResultsWarning, SceneError, is_complete, status_code
+from mpmfw.errors import Interrupted, ResultsWarning, SceneError, status_code
 from mpmfw.plugin.discovery import Kind, object_of
 from mpmfw.plugin.measure import About
 from mpmfw.results.concatenation import concatenate_runs
@@ -84,7 +84,7 @@ def run_grid(
     grown: Callable[[xr.Dataset], None] | None = None,
 ) -> xr.Dataset:
     """Run and join all points of a grid, as :func:`campaign`; call ``grown`` with the dataset as runs end,
-    for at most a tenth of the time."""
+    for at most a tenth of the time, and once when they are interrupted."""
     if not grid.runnable:
         raise SceneError(problems=next(iter(grid.combinations.values())).problems)
     judges = judge_all(grid, measures, reference)
@@ -96,11 +96,16 @@ def run_grid(
         if grown is not None and event.name and event.status != "repeat" and begins >= due:
             grown(dataset_of(runs, fields=False))  # it reads all runs anew
             ends = time.perf_counter()
-            due = ends + 9.0 * (ends - begins) if is_complete(event.status) else due
+            due = ends + 9.0 * (ends - begins)
         if execution.progress is not None:
             execution.progress(event)
 
-    runs.complete(progress=tell)
+    try:
+        runs.complete(progress=tell)
+    except Interrupted:
+        if grown is not None:
+            grown(dataset_of(runs, fields=False))
+        raise
     runs.warn()
     dataset = dataset_of(runs)
     if "fields" in dataset.attrs:
@@ -167,7 +172,7 @@ def compare(
         Other codes, each a label of the dimension ``contact``: names with or without options, or adapters. A
         bare name stands for a code's plainest and its best settings. A code runs once, whatever the shape.
     output
-        NetCDF file to write, updated as runs end. Finished runs are kept in the folder
+        NetCDF file to write, updated now and then as runs end. Finished runs are kept in the folder
         ``<output>.runs``, from which an interrupted study continues.
     set
         Scene keys that all runs share. ``output.particles`` keeps fields if all runs have the same points.

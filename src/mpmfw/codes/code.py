@@ -135,10 +135,9 @@ class Code(PlugIn):
                     f"'{material.model}' is not one of {' and '.join(self.models)}",
                 )
         for name, body in scene.bodies.items():
-            if body.initial_stress is not None:
-                yield f"bodies.{name}.initial_stress", "a stress at the start cannot be expressed"
-            if body.thickness is not None:
-                yield f"bodies.{name}.thickness", "a thickness cannot be expressed"
+            for key in ("initial_stress", "thickness", "self_contact"):
+                if getattr(body, key) not in (None, False):
+                    yield f"bodies.{name}.{key}", "cannot be expressed"
             moves = isinstance(body, RigidBody) and body.rigid is not True
             if moves and not ("motion" in self.reads and body.prescribed):
                 yield f"bodies.{name}.rigid", "a rigid body that moves cannot be expressed"
