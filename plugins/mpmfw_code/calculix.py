@@ -93,10 +93,14 @@ class Calculix(Code):
                     yield f"bodies.{name}.sides", "only upright sides fixed in all directions are written"
         if scene.settle and len(soft) > 1 and not any(scene.bodies[name].sides for name in soft):
             yield "settle", "bodies that nothing holds cannot be settled by a static step"
+        level = gravity_of(scene, settling=True)
         for name, _ in _rolling(scene) if scene.settle else ():
             others = [body for each, body in scene.bodies.items() if each != name]
             upright = all(one.prescribed and not _is_turned(one.geometry) for one in others)
-            if np.count_nonzero(gravity_of(scene, settling=True)) != 1 or not upright:
+            centre = np.array(scene.bodies[name].geometry.centre)
+            spans = np.reshape([one.geometry.bounds - centre for one in others], (-1, 2, scene.dim))
+            above = np.all(spans.prod(axis=1)[:, level == 0.0] <= 0.0) and np.all(spans @ level > 0.0)
+            if np.count_nonzero(level) != 1 or not (upright and above):
                 yield "settle", f"'{name}' can roll away, except from an upright rigid face across gravity"
 
     def write(self, scene: Scene, folder: Path) -> None:
@@ -194,12 +198,9 @@ class Calculix(Code):
         settled = 1.0 if scene.settle is not None else 0.0
         before = [u for t, u in moved if t <= settled] or [np.zeros_like(moved[0][1])]
         moved = [(0.0, before[-1]), *((t - settled, u) for t, u in moved if t > settled)]
-        start = np.concatenate(
-            [
-                np.tile(body.velocity or (0.0,) * scene.dim, (len(mesh[f"{name}_nodes"]), 1))
-                for name, body in soft.items()
-            ]
-        )
+        still = (0.0,) * scene.dim
+        starts = ((body.velocity or still, len(mesh[f"{name}_nodes"])) for name, body in soft.items())
+        start = np.concatenate([np.tile(velocity, (n, 1)) for velocity, n in starts])
         fast = [(0.0, start), *((t - settled, v) for t, v in fast if t > settled)]
         interval, end = float(scene.time.output_interval), float(scene.time.end)
         reached = min(end, (1.0 + 1e-6) * moved[-1][0], (1.0 + 1e-6) * fast[-1][0])
@@ -250,10 +251,8 @@ class _Part:
 def _rolling(scene: Scene) -> list[tuple[str, int]]:
     """Return the round bodies that nothing but contact holds, with the axis of the gravity of rest."""
     down = int(np.abs(gravity_of(scene, settling=True)).argmax())
-    bodies = scene.bodies.items()
-    return [
-        (name, down) for name, body in bodies if body.geometry.type in ("disc", "ball") and not body.sides
-    ]
+    free = [(name, body.geometry.type) for name, body in scene.bodies.items() if not body.sides]
+    return [(name, down) for name, shape in free if shape in ("disc", "ball")]
 
 
 def _is_turned(shape: Any) -> bool:

@@ -16,6 +16,7 @@ from mpmfw.api.code import (
     Code,
     MotionOutputs,
     MovingPoints,
+    ProcessLimits,
     Scene,
     at_times,
     elasticity,
@@ -145,18 +146,23 @@ class Uintah(Code):
         archive = folder / "scene.uda"
         steps = list(parse(archive / "index.xml").iter("timestep"))
         known = np.array([float(step.attrib["time"]) for step in steps])
+        if not known.size or (np.diff(known) <= 0.0).any():
+            raise ValueError("expected timesteps in the order of time")
         frames = [_points(_within(archive, step.attrib["href"])) for step in steps]
         interval, depth = float(scene.time.output_interval), 1.0 if scene.dim == 3 else scene.grid.cell_size
         reached = min(float(scene.time.end), (1.0 + 1e-6) * known[-1])
         time, bodies = interval * np.arange(int(reached / interval + 1e-6) + 1.0), {}
         for k, name in enumerate(scene.bodies):
             if not scene.bodies[name].prescribed:
+                _check_points(frames, k)
                 place, fast = (
                     np.array([frame[k, key] for frame in frames])[:, :, : scene.dim]
                     for key in ("p.x", "p.velocity")
                 )
-                place = np.concatenate([place[:1] - known[0] * fast[:1], place])  # the start is not in it
-                times, fast = np.append(0.0, known), np.concatenate([fast[:1], fast])
+                times = known
+                if known[0] > 0.0:  # the start is not in it
+                    place = np.concatenate([place[:1] - known[0] * fast[:1], place])
+                    times, fast = np.append(0.0, known), np.concatenate([fast[:1], fast])
                 moved = at_times(time, times, place), at_times(time, times, fast)
                 bodies[name] = MovingPoints(frames[0][k, "p.mass"][:, 0] / depth, *moved)
         return MotionOutputs(
@@ -178,15 +184,39 @@ def _points(path: Path) -> dict[tuple[int, str], AnyArray]:
         for one in parse(patch).iter("Variable"):
             name, number = str(one.findtext("variable")), int(str(one.findtext("index")))
             if name in _READ:
-                with _within(patch.parent, str(one.findtext("filename"))).open("rb") as data:
-                    data.seek(start := int(str(one.findtext("start"))))
-                    content = data.read(int(str(one.findtext("end"))) - start)
+                if one.findtext("compression"):
+                    raise ValueError(f"{name} of material {number} is compressed")
                 width, kind = _READ[name]
+                content = _content(_within(patch.parent, str(one.findtext("filename"))), one)
                 values = np.frombuffer(content, order + kind).reshape(-1, width)
                 parts.setdefault((number, name), []).append(values.astype(kind))
     points = {key: np.concatenate(values) for key, values in parts.items()}
+    for (k, name), values in points.items():
+        if len(values) != len(points.get((k, "p.particleID"), ())):
+            raise ValueError(f"{name} of material {k} has not as many points as p.particleID")
     sorted_by = {k: np.argsort(ids[:, 0]) for (k, name), ids in points.items() if name == "p.particleID"}
     return {(k, name): values[sorted_by[k]] for (k, name), values in points.items()}
+
+
+def _content(path: Path, variable: Element) -> bytes:
+    """Return the bytes of a variable; raise ValueError unless a plain file of bounded size has them."""
+    start, end = (int(str(variable.findtext(key))) for key in ("start", "end"))
+    size = path.stat().st_size if path.is_file() else -1
+    if not 0 <= start <= end <= size <= ProcessLimits.file:
+        raise ValueError(f"{path.name} is no file with bytes {start} to {end}, or too large")
+    with path.open("rb") as data:
+        data.seek(start)
+        return data.read(end - start)
+
+
+def _check_points(frames: list[dict[tuple[int, str], AnyArray]], k: int) -> None:
+    """Raise ValueError unless a material has all variables at all times, of the same points."""
+    for frame in frames:
+        for name in _READ:
+            if (k, name) not in frame:
+                raise ValueError(f"{name} of material {k} is absent")
+        if not np.array_equal(frame[k, "p.particleID"], frames[0][k, "p.particleID"]):
+            raise ValueError(f"p.particleID of material {k} changes: points have left or come")
 
 
 def _within(folder: Path, name: str) -> Path:

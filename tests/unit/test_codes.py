@@ -313,6 +313,13 @@ def test_a_disc_rests_by_its_contact_on_a_rigid_face_alone(tmp_path):
     assert not Calculix().problems(load_scene("rolling-cylinder-slip", set={"settle": None}))
 
     scene = load_scene(SLIP, set={"grid.cell_size": 0.8})
+    (x0, y0), (x1, y1) = scene.bodies["plane"].geometry.bounds.tolist()
+    x, y = scene.bodies["cylinder"].geometry.centre
+    for place in [x0 - 0.1, y], [x1 + 0.1, y], [x, y0 + y1 - y]:  # beside and below the face
+        beside = load_scene(SLIP, set={"bodies.cylinder.geometry.centre": place})
+        (problem,) = Calculix().problems(beside)
+        assert "'cylinder' can roll away" in problem.message
+
     Calculix().prepare(scene, tmp_path)
     lines = (tmp_path / "scene.inp").read_text().splitlines()
     with np.load(tmp_path / "mesh.npz") as file:

@@ -244,3 +244,67 @@ def test_a_damaged_archive_gives_one_line(tmp_path, old, new):
     index.write_text(index.read_text().replace(old, new))
     with pytest.raises(MpmfwError, match=r"^Uintah: its output is missing or damaged"):
         Uintah().read(tmp_path)
+
+
+def test_an_archive_may_hold_the_start(tmp_path):
+    exported(tmp_path, STOPPING, {"time.end": 0.2, "time.output_interval": 0.1})
+    archived(tmp_path, [0.0, 0.1, 0.2], sliding)
+    series = Uintah().read(tmp_path)["series"].to_dataset().sel(body="block", axis="x")
+    np.testing.assert_allclose(np.diff(series["centre_of_mass"]), 0.1)
+
+
+def losing(time, patch):
+    """The sliding block, of which a point leaves."""
+    found = sliding(time, patch)
+    if time > 0.1 and patch:
+        found = {key: values[:0] if key[0] == 0 else values for key, values in found.items()}
+    return found
+
+
+def without(name):
+    """Return the sliding block without a variable."""
+    return lambda time, patch: {
+        key: values for key, values in sliding(time, patch).items() if key != (0, name)
+    }
+
+
+@pytest.mark.parametrize(
+    ("points", "said"),
+    [
+        (losing, "p.particleID of material 0 changes: points have left or come"),
+        (without("p.mass"), "p.mass of material 0 is absent"),
+        (without("p.particleID"), "of material 0 has not as many points as p.particleID"),
+    ],
+    ids=["points leave", "no mass", "no IDs"],
+)
+def test_points_that_leave_or_lack_a_variable_are_named(tmp_path, points, said):
+    exported(tmp_path, STOPPING, {"time.end": 0.2, "time.output_interval": 0.1})
+    archived(tmp_path, [0.01, 0.15, 0.21], points)
+    with pytest.raises(MpmfwError, match=said):
+        Uintah().read(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("</Variable>", "<compression>gzip</compression></Variable>", "is compressed"),
+        ("<start>", "<start>-", "p00000.data is no file with bytes -"),
+        ("</end>", "0000000000000000</end>", "p00000.data is no file with bytes"),
+        ("p00000.data", ".", "l0 is no file"),
+    ],
+    ids=["compressed", "before the start", "past the end", "a folder"],
+)
+def test_a_range_that_a_file_does_not_have_is_refused(tmp_path, old, new, said):
+    exported(tmp_path, STOPPING, {"time.end": 0.2, "time.output_interval": 0.1})
+    archived(tmp_path, [0.01, 0.15, 0.21], sliding)
+    listed = tmp_path / "scene.uda/t00002/l0/p00000.xml"
+    listed.write_text(listed.read_text().replace(old, new))
+    with pytest.raises(MpmfwError, match=said):
+        Uintah().read(tmp_path)
+
+
+def test_times_that_go_back_are_refused(tmp_path):
+    exported(tmp_path, STOPPING, {"time.end": 0.2, "time.output_interval": 0.1})
+    archived(tmp_path, [0.15, 0.01, 0.21], sliding)
+    with pytest.raises(MpmfwError, match="expected timesteps in the order of time"):
+        Uintah().read(tmp_path)
