@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from pydantic import Field
@@ -97,8 +97,10 @@ class Calculix(Code):
         for name, _ in _rolling(scene) if scene.settle else ():
             others = [body for each, body in scene.bodies.items() if each != name]
             upright = all(one.prescribed and not _is_turned(one.geometry) for one in others)
-            centre = np.array(scene.bodies[name].geometry.centre)
-            spans = np.reshape([one.geometry.bounds - centre for one in others], (-1, 2, scene.dim))
+            shape = cast(Any, scene.bodies[name].geometry)
+            spans = np.reshape(
+                [one.geometry.bounds - np.array(shape.centre) for one in others], (-1, 2, scene.dim)
+            )
             above = np.all(spans.prod(axis=1)[:, level == 0.0] <= 0.0) and np.all(spans @ level > 0.0)
             if np.count_nonzero(level) != 1 or not (upright and above):
                 yield "settle", f"'{name}' can roll away, except from an upright rigid face across gravity"
