@@ -102,10 +102,11 @@ class Impulse(ImpulseLaw):
         rows.couplings(own.active, grid, own.compliance)
         own.across[:n] = own.compliance[:n]
         if free:
-            velocity, normal = np.zeros_like(grid.momentum), rows.normal[:n]
+            normal = rows.normal[:n]
             slip = own.velocity[:n] - np.vecdot(own.velocity[:n], normal)[:, None] * normal
             slip /= np.maximum(np.linalg.norm(slip, axis=1, keepdims=True), 1e-300)
             for direction, out in ((normal, own.compliance), (slip, own.across)):
+                velocity = np.zeros((3, *grid.momentum.shape))
                 rigid_couplings(rows, n, own.active, direction, grid.mass, velocity, out, grid.spacing)
         limit, gained = self.limit(rows, grid), np.zeros(0) if work is None else work
         stop(rows, n, own, limit, projected, gained, self.repels, grid.spacing)

@@ -195,35 +195,40 @@ def rigid_couplings(
     spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """Inverse masses along ``direction`` e (n, dim) of ``active`` rows on free rigid bodies, into ``out``:
-    max(Σ_d a_cd, ½ Σ_d max(a_cd, 0)) over active rows d, with a_cd = e_c·B_c M⁻¹ B_dᵀ e_d.
+    max(Σ_d a_cd, ½ Σ_d p_cd) over active rows d, with a_cd = e_c·B_c M⁻¹ B_dᵀ e_d.
 
-    Rows that approach alike are then stopped at once; impulses J_c = u_c / out_c ≥ 0 give no energy, as
-    Jᵀ A J ≤ Σ_c J_c² Σ_d max(a_cd, 0). ``velocity`` (n_nodes, dim) is scratch, zero on entry and return.
+    p_cd ≥ a_cd = Σ_i m_i v_ci·v_di, v_c = M⁻¹ B_cᵀ e_c, has the products above 0 alone. Rows that approach
+    alike are stopped at once; impulses J_c = u_c / out_c ≥ 0 give no energy, as Jᵀ A J ≤ Σ_c J_c² Σ_d p_cd.
+    ``velocity`` (3, n_nodes, dim) is scratch, zero on entry: v_c, Σ_d v_d and its components above 0.
     """
     dim, first_rigid = len(spacing), len(mass) - len(rows.response)
     push, moved = scratch.vector(spacing), scratch.vector(spacing)
-    for c in range(count):
-        free = False
-        for k in range(rows.start[c], rows.start[c + 1]):
-            free = free or (rows.dof[k] >= first_rigid and mass[rows.dof[k]] > 0.0)
-        if active[c] == 0.0 or not free:
-            continue
-        for d in range(dim):
-            push[d] = direction[c, d]
-        add_force(c, push, rows, mass, velocity, spacing)
-        total, positive = 0.0, 0.0
-        for b in range(count):
-            if active[b] != 0.0:
-                along = 0.0
-                row_velocity(b, rows, velocity, moved, spacing)
+    own, total, above = velocity[0], velocity[1], velocity[2]
+    for summed in (False, True):
+        for c in range(count):
+            if active[c] == 0.0:
+                continue
+            for d in range(dim):
+                push[d] = direction[c, d]
+            add_force(c, push, rows, mass, own, spacing)
+            free, along, positive = False, 0.0, 0.0
+            for k in range(rows.start[c], rows.start[c + 1]):
+                point, rigid = rows.dof[k] - first_rigid, rows.dof[k] >= first_rigid
+                first = first_rigid + point - (point % (dim + 1) if rigid else 0)
+                free = free or (rigid and mass[first] > 0.0)
+                for i in range(first, first + (dim + 1 if rigid else 1)):
+                    for d in range(dim):
+                        v, own[i, d] = own[i, d], 0.0
+                        if summed:
+                            positive += mass[i] * v * (above[i, d] if v > 0.0 else total[i, d] - above[i, d])
+                        else:
+                            total[i, d] += v
+                            above[i, d] += max(v, 0.0)
+            if summed and free and positive > 0.0:
+                row_velocity(c, rows, total, moved, spacing)
                 for d in range(dim):
-                    along += moved[d] * direction[b, d]
-                total, positive = total + along, positive + max(along, 0.0)
-        if positive > 0.0:
-            out[c] = max(total, 0.5 * positive)
-        for k in range(rows.start[c], rows.start[c + 1]):
-            velocity[rows.dof[k]] = 0.0
-        velocity[first_rigid:] = 0.0
+                    along += moved[d] * direction[c, d]
+                out[c] = max(along, 0.5 * positive)
 
 
 @kernel
