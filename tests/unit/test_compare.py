@@ -142,11 +142,12 @@ def test_a_comparison_that_is_interrupted_writes_all_runs_that_ended(tmp_path):
 
 
 def test_runs_that_fail_do_not_join_all_runs_each_time(monkeypatch):
-    """A second passes at each look at the clock: the first takes one, and the next is due nine later."""
+    """A second passes at each look at the clock: the first takes one, and the next is due nine later. The
+    first run that is complete is written at once, for the first page of a report."""
     joined, clock = [], itertools.count()
     monkeypatch.setattr(campaign, "time", SimpleNamespace(perf_counter=lambda: next(clock)))
     join = campaign.dataset_of
     monkeypatch.setattr(campaign, "dataset_of", lambda runs, **how: joined.append(how) or join(runs, **how))
     data = compare([Choosy(), "none"], ["gimp", "cpdi"])
     assert [str(one)[:6] for one in data["status"].values.ravel()] == ["failed", "failed", "ok", "ok"]
-    assert joined == [{"fields": False}, {}]
+    assert joined == [{"fields": False}, {"fields": False}, {}]

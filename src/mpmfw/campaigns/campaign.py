@@ -19,7 +19,7 @@ from mpmfw.campaigns.measures import exact_of, measure_of, names_of_measures
 from mpmfw.campaigns.running import Event, Execution, Running
 from mpmfw.campaigns.store import COSTS, store_of
 from mpmfw.codes.code import codes_of
-from mpmfw.errors import Interrupted, ResultsWarning, SceneError, status_code
+from mpmfw.errors import Interrupted, ResultsWarning, SceneError, is_complete, status_code
 from mpmfw.plugin.discovery import Kind, object_of
 from mpmfw.plugin.measure import About
 from mpmfw.results.concatenation import concatenate_runs
@@ -88,15 +88,15 @@ def run_grid(
     if not grid.runnable:
         raise SceneError(problems=next(iter(grid.combinations.values())).problems)
     judges = judge_all(grid, measures, reference)
-    runs, due = GridRuns(grid, "campaign", execution, threads=threads), -math.inf
+    runs, due, shown = GridRuns(grid, "campaign", execution, threads=threads), -math.inf, False
 
     def tell(event: Event) -> None:
-        nonlocal due
-        begins = time.perf_counter()
-        if grown is not None and event.name and event.status != "repeat" and begins >= due:
+        nonlocal due, shown
+        begins, first = time.perf_counter(), is_complete(event.status) and not shown
+        if grown is not None and event.name and event.status != "repeat" and (first or begins >= due):
             grown(dataset_of(runs, fields=False))  # it reads all runs anew
             ends = time.perf_counter()
-            due = ends + 9.0 * (ends - begins)
+            due, shown = ends + 9.0 * (ends - begins), shown or first
         if execution.progress is not None:
             execution.progress(event)
 

@@ -174,7 +174,7 @@ class Setup:
             *(["loads on sides"] if self.loaded_sides else []),
             *(f"'{plugin.title}'" for plugin in self.named_plugins if plugin.needs_surface),
             *(["rigid bodies"] if any(body.rigid for body in self.bodies) else []),
-            *(["min_gap"] if self.scene.output.gap and self.pairs else []),
+            *(["min_gap"] if self.scene.output.gap and (len(self.bodies) > 1 or self.pairs) else []),
             *(["all bodies"] if whole is not None and whole.state.surface is not None else []),
         ]
 
