@@ -105,7 +105,10 @@ nitpick_ignore_regex = [
     ),
     ("py:class", r"mpmfw\.(stability\.(invariants\.Invariants|chart\.Request)|studies\.choosing\.Request)"),
     ("py:class", r"mpmfw\.(campaigns\.(measures\.Measure|running\.\w+))"),
-    ("py:class", r"mpmfw\.(contact\.shared_nodes\.GridNodes|state\.history\.IndexMap|plugin\.setup\.Acts)"),
+    (
+        "py:class",
+        r"mpmfw\.(contact\.shared_nodes\.GridNodes|state\.(history\.IndexMap|structs\.Factors)|plugin\.setup\.Acts)",
+    ),
     ("py:class", r"NearRigid"),
     ("py:class", r"tuple\[Layout|dict\[str|Callable\[\[\]|Effect|Side|Transfer"),  # annotations of Setup
     ("py:.*", r"declare_fields|hookimpl|Interrupted|KAPPA|mpmfw\.state\.fields\.CONTACT_SERIES"),

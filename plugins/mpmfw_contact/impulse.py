@@ -73,7 +73,7 @@ class Impulse(ImpulseLaw):
 
     The mass of row c is 1 / Σ_i |b_ci| (Σ_d |b_di|) / m_i over the rows d that approach: of two bodies at
     a shared node m_a m_b / (m_a + m_b). All impulses follow from the same velocities. A free rigid body moves
-    as a whole: along normals and along slips the mass is that of :func:`rigid_couplings`.
+    as a whole: along normals and along slips the mass is that of ``rigid_couplings``.
     """
 
     name = "impulse"

@@ -9,7 +9,6 @@ from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from mpmfw.errors import MpmfwError
 from mpmfw.results import Frame, RunHeader, RunWriter, provenance
@@ -87,7 +86,7 @@ class MotionOutputs:
                 raise ValueError(f"'{name}' has a motion that is not finite")
 
 
-def at_times(time: FloatArray, known: ArrayLike, values: ArrayLike) -> FloatArray:
+def at_times(time: FloatArray, known: Any, values: Any) -> FloatArray:
     """Return values of the times ``known`` at others by linear interpolation (time, …)."""
     times, stacked = np.asarray(known), np.asarray(values)
     after = np.clip(np.searchsorted(times, time), 1, len(times) - 1)

@@ -42,7 +42,7 @@ class ForceLaw(ContactLaw):
         """Write ``rows.force``, and add to the pairs' works and energies in ``records``.
 
         ``rows`` and ``old`` are as in :meth:`stiffness`, which was called before. ``dashpot`` is c / (k
-        Δt) [1] of a dashpot of the fraction :attr:`damping` of critical, Δt that of the last step [s].
+        Δt) [1] of a dashpot of the fraction ``damping`` of critical, Δt that of the last step [s].
         """
         raise NotImplementedError
 
