@@ -109,7 +109,7 @@ nitpick_ignore_regex = [
         "py:class",
         r"mpmfw\.(contact\.shared_nodes\.GridNodes|state\.(history\.IndexMap|structs\.Factors)|plugin\.setup\.Acts)",
     ),
-    ("py:class", r"NearRigid|mpmfw\.state\.structs\.Factors"),
+    ("py:class", r"NearRigid"),
     ("py:class", r"tuple\[Layout|dict\[str|Callable\[\[\]|Effect|Side|Transfer"),  # annotations of Setup
     ("py:.*", r"declare_fields|hookimpl|Interrupted|KAPPA|mpmfw\.state\.fields\.CONTACT_SERIES"),
 ]
