@@ -203,7 +203,7 @@ def _content(path: Path, variable: Element) -> bytes:
     start, end = (int(str(variable.findtext(key))) for key in ("start", "end"))
     size = path.stat().st_size if path.is_file() else -1
     if not 0 <= start <= end <= size <= ProcessLimits.file:
-        raise ValueError(f"{path.name} is no file with bytes {start} to {end}, or too large")
+        raise ValueError(f"{path.name}: expected a file of bounded size with bytes {start} to {end}")
     with path.open("rb") as data:
         data.seek(start)
         return data.read(end - start)

@@ -24,7 +24,7 @@ def choosing():
         ("press-fit", "lcp", 0.0),
         # test_rigid_control runs its scene
         pytest.param("footing", "penalty", 1.0945, marks=pytest.mark.long),
-        ("column", "bardenhagen(criterion=position,normal=master)", 2.51),
+        ("column", "bardenhagen(criterion=position,normal=master)", 2.50),
         ("column", "penalty", math.nan),
     ],
 )

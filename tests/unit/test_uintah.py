@@ -288,9 +288,9 @@ def test_points_that_leave_or_lack_a_variable_are_named(tmp_path, points, said):
     ("old", "new", "said"),
     [
         ("</Variable>", "<compression>gzip</compression></Variable>", "is compressed"),
-        ("<start>", "<start>-", "p00000.data is no file with bytes -"),
-        ("</end>", "0000000000000000</end>", "p00000.data is no file with bytes"),
-        ("p00000.data", ".", "l0 is no file"),
+        ("<start>", "<start>-", "p00000.data: expected a file .* with bytes -"),
+        ("</end>", "0000000000000000</end>", "p00000.data: expected a file"),
+        ("p00000.data", ".", "l0: expected a file"),
     ],
     ids=["compressed", "before the start", "past the end", "a folder"],
 )

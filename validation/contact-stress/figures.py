@@ -32,7 +32,7 @@ def convergence(runs: Sequence[CaseRun]) -> Figure:
     left.loglog(sizes, 0.6 * error * np.sqrt(sizes / sizes[0]), color="0.4", linestyle="--", linewidth=0.8)
     left.annotate("order 1/2", (sizes[1], 0.42 * error), (-14, 5), textcoords="offset points", color="0.3")
     right.axhline(3.0, color="0.4", linestyle="--", linewidth=0.8)
-    right.text(sizes[-1], 2.6, "limit, 3 %", color="0.3")
+    right.annotate("limit, 3 %", (sizes[-1], 3.0), (0, -4), textcoords="offset points", color="0.3", va="top")
     dress(left, "cell size h [m]", "L2 error of σ_yy, both blocks [%]", "(a)")
     dress(right, "cell size h [m]", "largest departure off the walls [%]", "(b)")
     for panel in (left, right):

@@ -27,7 +27,6 @@ def convergence(runs: Sequence[CaseRun]) -> Figure:
     ends = np.array([2.0, 4.0])
     panel.loglog(ends, 8.0 * ends[0] / ends, color="0.4", linestyle="--", linewidth=0.8)
     panel.annotate("order 1", (3.3, 16.0 / 3.3), (0, 4), textcoords="offset points", color="0.3")
-    panel.axhline(10.0, color="0.6", linewidth=0.6)
     panel.set_yticks(ticks := [0.2, 0.5, 1, 2, 5, 10], [f"{tick:g}" for tick in ticks])
     dress(panel, "cells in the half-width, b/h [1]", "error [%]")
     panel.set_xticks([2, 3, 4], ["2", "3", "4"])
