@@ -51,6 +51,9 @@ def test_means_keep_volume_and_work_and_leave_a_common_motion(seed: int, dim: in
     points.velocity_gradient[:] = common
     average_volume(0, n, points, points.volume, grid, 0, dt, cell, of_points, first, second, spacing, spacing)
     assert np.allclose(points.velocity_gradient, common, atol=1e-8)
+    points.velocity_gradient[0] = np.diag([-2.0 / dt, *[0.0] * (dim - 1)])  # turns inside out
+    average_volume(0, n, points, points.volume, grid, 0, dt, cell, of_points, first, second, spacing, spacing)
+    assert np.isnan(points.velocity_gradient[0]).all()
 
 
 def head_on(how: str, **changes: Any) -> dict[str, Any]:
