@@ -21,10 +21,11 @@ STIFF = {"model": "neo_hookean", "density": 1000.0, "youngs_modulus": 1e6, "pois
 
 
 @settings(max_examples=40, deadline=None)
-@given(seed=st.integers(0, 2**32 - 1), dim=st.sampled_from([2, 3]))
-def test_means_keep_volume_and_work_and_leave_a_common_motion(seed: int, dim: int) -> None:
-    """Σ V j, the deviator, and Σ V p̄ tr L = Σ V p tr L̄ for small steps; a rigid turn and a swelling stay."""
-    rng, n, dt = np.random.default_rng(seed), 20, 1e-7
+@given(seed=st.integers(0, 2**32 - 1), dim=st.sampled_from([2, 3]), dt=st.sampled_from([1e-7, 0.02]))
+def test_means_keep_volume_and_work_and_leave_a_common_motion(seed: int, dim: int, dt: float) -> None:
+    """Σ V j, by ROOT_STEPS also where j changes by 20 %, and Σ V p̄ tr L = Σ V p tr L̄ for small steps; a rigid
+    turn and a swelling stay."""
+    rng, n = np.random.default_rng(seed), 20
     spacing = (0.5,) * dim
     grid = make_grid(0.5, np.zeros(dim), np.full(dim, 2.0), 1)
     set_windows(grid, np.zeros((1, dim), np.int64), grid.nodes[None].copy(), 10**6)
@@ -46,7 +47,7 @@ def test_means_keep_volume_and_work_and_leave_a_common_motion(seed: int, dim: in
     average_pressure(0, n, points, points.volume, 0, len(first), cell, second, first, spacing)
     mean = np.trace(points.stress, axis1=1, axis2=2) / dim
     work = volume @ (pressure * np.trace(after, axis1=1, axis2=2))
-    assert volume @ (mean * rate) == pytest.approx(work, abs=1e-5 * n * np.abs(volume).max())
+    assert volume @ (mean * rate) == pytest.approx(work, abs=max(1e-5, 10.0 * dt) * n * np.abs(volume).max())
     common = rng.normal(size=(dim, dim))
     points.velocity_gradient[:] = common
     average_volume(0, n, points, points.volume, grid, 0, dt, cell, of_points, first, second, spacing, spacing)
