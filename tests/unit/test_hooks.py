@@ -75,6 +75,11 @@ def test_an_observer_sees_every_implementation_while_it_runs():
     assert [(when, who) for when, _, who in seen] == [
         ("before", None), ("before", "load"), ("acts", "load"), ("after", "load"), ("after", None),
     ]  # fmt: skip
+    seen.clear()
+    look.moments = {"add_nodal_force": ("begin", "after")}
+    hook, _ = bound(look, plugin("load", add_nodal_force=add_nodal_force))
+    hook.add_nodal_force(grid=None, state=None, phi=None, dt=0.1)
+    assert [(when, who) for when, _, who in seen] == [("before", None), ("acts", "load"), ("after", "load")]
 
 
 def test_first_result_stops_at_the_first_answer():

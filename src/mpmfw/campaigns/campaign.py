@@ -84,7 +84,7 @@ def run_grid(
     grown: Callable[[xr.Dataset], None] | None = None,
 ) -> xr.Dataset:
     """Run and join all points of a grid, as :func:`campaign`; call ``grown`` with the dataset as runs end,
-    for at most a tenth of the time, and once when they are interrupted."""
+    for at most a twentieth of the time, and once when they are interrupted."""
     if not grid.runnable:
         raise SceneError(problems=next(iter(grid.combinations.values())).problems)
     judges = judge_all(grid, measures, reference)
@@ -96,7 +96,7 @@ def run_grid(
         if grown is not None and event.name and event.status != "repeat" and (first or begins >= due):
             grown(dataset_of(runs, fields=False))  # it reads all runs anew
             ends = time.perf_counter()
-            due, shown = ends + 9.0 * (ends - begins), shown or first
+            due, shown = ends + 19.0 * (ends - begins), shown or first
         if execution.progress is not None:
             execution.progress(event)
 

@@ -8,7 +8,8 @@ time."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -67,6 +68,13 @@ class EnergyLedger(Observer):
     name = "energy_ledger"
     stage = "output"
     observes = tuple(TERMS)
+    moments: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "after_momentum_projection": ("begin", "after"),
+        "add_nodal_force": ("begin", "after"),
+        "after_momentum_update": ("begin", "after"),
+        "correct_inertia": ("after",),
+        "constrain_momentum": ("after", "end"),
+    }
     history = (
         "running", "work", "gained", "dissipated", "contact_before", "loaded", "motion", "start", "lost",
         "half_step", "guard", "driven",
@@ -74,6 +82,7 @@ class EnergyLedger(Observer):
     force: FloatArray  #: (n_nodes, dim) [N/m], as it was at the last look
     internal: FloatArray  #: (n_nodes, dim) [N/m], the internal forces
     momentum: FloatArray  #: (n_nodes, dim) [N s/m], as it was at the last look
+    room: dict[str, FloatArray]  #: for the impulses of each term
 
     def __init__(self, setup: Setup, terms: list[str]) -> None:
         contact: Any = setup.contact
@@ -90,6 +99,7 @@ class EnergyLedger(Observer):
             nothing, unit = series.negligible_energy(setup.state), series.energy_unit(setup.state)
             self.guard = EnergyGuard(nothing, setup.remedies, unit)
         self.motion = self.start = self.lost = 0.0
+        self.momentum = np.zeros((0, 0))
         self._forget()
 
     @classmethod
@@ -135,19 +145,22 @@ class EnergyLedger(Observer):
         names += ["contact_half_step_work"] if self.tells_motion else []
         return [Field(name, (), "J m-1", MEANINGS[name], "series", output=True) for name in names]
 
-    def before(self, hook: str, plugin: Any, grid: Grid, dt: float) -> None:
-        if plugin is not None:
-            return
+    def before(self, hook: str, plugin: Any, grid: Grid, dt: float) -> None:  # noqa: ARG002
+        """Take momenta and forces before the first implementation."""
         if hook == "after_momentum_projection":
-            self.projected = grid_energy(grid.mass, grid.momentum)
-            self.impulse: dict[str, FloatArray] = {}
-            self.momentum = grid.momentum.copy()
+            self.projected, self.impulse = grid_energy(grid.mass, grid.momentum), dict[str, FloatArray]()
+            if self.momentum.shape != grid.momentum.shape:
+                self.momentum, self.force, self.internal = (np.empty_like(grid.momentum) for _ in range(3))
+                self.room = {term: np.empty_like(grid.momentum) for term in self.work}
+            np.copyto(self.momentum, grid.momentum)
             self.forced = self.balanced = False
         elif hook == "add_nodal_force":
-            self.force, self.dt = grid.force.copy(), dt
-            self.internal = self.force
-        elif hook == "after_momentum_update":
-            self.momentum = grid.momentum.copy()
+            np.copyto(self.force, grid.force)
+            np.copyto(self.internal, grid.force)
+            self.dt = dt
+        else:
+            np.copyto(self.momentum, grid.momentum)
+            self.forced = True
 
     def after(self, hook: str, plugin: Any, grid: Grid, dt: float) -> None:  # noqa: ARG002
         """Count the change that an implementation made; after the last one, balance the grid.
@@ -155,28 +168,28 @@ class EnergyLedger(Observer):
         USF calls ``constrain_momentum`` before there are forces as well, MUSL after the points have moved."""
         if plugin is not None:
             self._count(hook, plugin, grid)
-        elif hook == "add_nodal_force":
-            self.forced = True
-        elif hook == "constrain_momentum" and self.forced and not self.balanced:
+        elif self.forced and not self.balanced:
             self._balance_grid(grid)
 
     def _count(self, hook: str, plugin: Any, grid: Grid) -> None:
         """Add the change since the last look to its term, (n_nodes, dim) [N s/m]."""
-        term = TERMS[hook]
-        if plugin is self.state.rigid and plugin.holds:
-            term = "external"
-        if plugin is self.state.rigid and not plugin.holds:  # a projection to rigid motion does no work
-            self.momentum = grid.momentum.copy()
-        elif hook == "add_nodal_force":
+        term, forces = TERMS[hook], hook == "add_nodal_force"
+        if forces:
             term = getattr(plugin, "ledger_term", (term,))[0]
-            impulse, known = self.dt * (grid.force - self.force), self.impulse.get(term)
-            self.impulse[term] = impulse if known is None else known + impulse
-            self.force = grid.force.copy()
-        elif not self.balanced:
-            total = self.impulse.get(term)
-            total = np.zeros_like(self.momentum) if total is None else total
-            if add_change(grid.momentum, self.momentum, total):
-                self.impulse[term] = total
+        elif self.balanced:
+            return
+        elif plugin is self.state.rigid:
+            term = "external"
+            if not plugin.holds:  # a projection to rigid motion does no work
+                np.copyto(self.momentum, grid.momentum)
+                return
+        impulse = self.impulse.get(term)
+        if impulse is None:
+            impulse = self.room[term]
+            impulse.fill(0.0)
+        changes = (grid.force, self.force, self.dt) if forces else (grid.momentum, self.momentum, 1.0)
+        if add_change(*changes, impulse) or forces:
+            self.impulse[term] = impulse
 
     def _balance_grid(self, grid: Grid) -> None:
         self.balanced = True

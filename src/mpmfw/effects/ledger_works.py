@@ -50,14 +50,15 @@ def grid_energy(mass: Floats, momentum: Floats) -> float:
 
 
 @kernel
-def add_change(momentum: Floats, last: Floats, impulse: Floats) -> bool:
-    """I_i += m v − ``last``; return whether there is a change."""
+def add_change(now: Floats, last: Floats, scale: float, impulse: Floats) -> bool:
+    """I_i += ``scale`` (now − last) of momenta, or of forces with Δt, and last = now; return whether there is
+    a change."""
     changed = False
-    for i in range(len(momentum)):
-        for d in range(momentum.shape[1]):
-            if momentum[i, d] != last[i, d]:
-                impulse[i, d] += momentum[i, d] - last[i, d]
-                last[i, d] = momentum[i, d]
+    for i in range(len(now)):
+        for d in range(now.shape[1]):
+            if now[i, d] != last[i, d]:
+                impulse[i, d] += scale * (now[i, d] - last[i, d])
+                last[i, d] = now[i, d]
                 changed = True
     return changed
 

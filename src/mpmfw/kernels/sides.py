@@ -75,7 +75,8 @@ def find_inside(
                         entered[s] = b
                 elif cosine > THROUGH:
                     passed[c] += 1
-    inside[:] = entered
+    for s in range(len(inside)):  # a whole array's assignment would compile the text of its error
+        inside[s] = entered[s]
 
 
 @kernel

@@ -10,7 +10,7 @@ import functools
 import inspect
 import linecache
 import zlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from textwrap import indent
 from types import CodeType
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
@@ -63,6 +63,10 @@ def register(manager: pluggy.PluginManager, plugin: Any, name: str) -> None:
             )
 
 
+#: When a hook is observed: before all implementations, before and after each, and after all.
+MOMENTS = ("begin", "before", "after", "end")
+
+
 class Observer:
     """Base of plug-ins that measure the effect of hooks on the grid while they are ``running``.
 
@@ -72,6 +76,8 @@ class Observer:
 
     #: Hooks that are observed; they have an argument ``grid``.
     observes: ClassVar[tuple[str, ...]] = ()
+    #: When, by hook, if not at all of :data:`MOMENTS`.
+    moments: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     running = False
 
     def before(self, hook: str, plugin: Any, grid: Grid, dt: float) -> None:
@@ -114,13 +120,8 @@ def _bind(
     names: dict[str, Any] = {"clock": clock, "passed_on": (*PASSED_ON, OutsideGrid)}
     names["failed"] = lambda error, plugin: failure(error, plugin, name, state)
     names |= {f"observer_{k}": observer for k, observer in enumerate(observers)}
-    look = "".join(
-        f"if observer_{k}.running: previous = clock('output'); observer_{k}.WHEN({name!r}, WHO, grid, "
-        f"{'dt' if 'dt' in given else '0.0'}); clock(previous)\n"
-        for k in range(len(observers))
-    )
-    before, after = look.replace("WHEN", "before"), look.replace("WHEN", "after")
-    lines = before.replace("WHO", "None")
+    calls_of = {moment: _observing(name, moment, observers, "dt" in given) for moment in MOMENTS}
+    lines = calls_of["begin"]
     for k, impl in enumerate(calls):
         names[f"call_{k}"], names[f"plugin_{k}"] = impl.function, impl.plugin
         call = f"result = call_{k}({', '.join(impl.argnames)})\n"
@@ -131,9 +132,9 @@ def _bind(
         if name == "end_step" and hasattr(impl.plugin, "running"):
             call = f"result = None\nif plugin_{k}.running:\n{indent(call, '    ')}"
         keep = "return result" if first_result else "results.append(result)"
-        whole = f"{before}{call}{after}".replace("WHO", "plugin")
+        whole = f"{calls_of['before']}{call}{calls_of['after']}"
         lines += f"plugin = plugin_{k}\n{whole}if result is not None:\n    {keep}\n"
-    lines += after.replace("WHO", "None")
+    lines += calls_of["end"]
     if first_result:
         expected = caller.spec.function.__annotations__["return"]
         lines += f"raise TypeError('returned None; expected {expected}')\n"
@@ -149,6 +150,18 @@ def _bind(
         if impl.wrapper:
             bound = _around(impl, name, bound, state)
     return bound
+
+
+def _observing(hook: str, moment: str, observers: Sequence[Observer], has_dt: bool) -> str:
+    """Return lines that call the observers of a hook at one of :data:`MOMENTS`."""
+    method = "before" if moment in ("begin", "before") else "after"
+    who = "plugin" if moment in ("before", "after") else "None"
+    return "".join(
+        f"if observer_{k}.running: previous = clock('output'); "
+        f"observer_{k}.{method}({hook!r}, {who}, grid, {'dt' if has_dt else '0.0'}); clock(previous)\n"
+        for k, observer in enumerate(observers)
+        if moment in observer.moments.get(hook, MOMENTS)
+    )
 
 
 @functools.cache
