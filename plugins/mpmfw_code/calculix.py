@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from pydantic import Field
@@ -21,9 +21,12 @@ from mpmfw.api.code import (
     MovingPoints,
     Scene,
     at_times,
+    deformable,
     elasticity,
     gravity_of,
+    is_turned,
     mesh_of_body,
+    output_times,
     read_arrays,
     read_log,
 )
@@ -43,9 +46,7 @@ class CalculixOptions(OptionsModel):
     """Settings of the contact and the step."""
 
     size: float = Field(default=1.0, gt=0, description="longest edge of an element over a cell")
-    stiffness: float = Field(
-        default=1.0, gt=0, description="contact stiffness over (K + 4G/3) / h, the stiffer body's"
-    )
+    stiffness: float = Field(default=1.0, gt=0, description="of contact, over the larger (K + 4G/3) / h")
     stick: float = Field(default=0.1, gt=0, description="tangential stiffness over the normal one")
     safety: float = Field(default=0.3, gt=0, le=1, description="longest step over h / c, the faster body's")
 
@@ -69,50 +70,36 @@ class Calculix(Code):
     options: CalculixOptions
 
     def refusals(self, scene: Scene) -> Iterator[tuple[str, str]]:
-        """Yield what is not written."""
-        soft = [name for name, body in scene.bodies.items() if not body.prescribed]
+        soft, level = deformable(scene), gravity_of(scene, settling=True)
         if len(scene.bodies) != 2 or not soft:
             yield "bodies", "is run with two bodies, one of them at least deformable"
         for name, body in scene.bodies.items():
-            shape, turned = body.geometry, _is_turned(body.geometry)
+            shape = body.geometry
             if scene.dim == 3 and shape.type not in ("box", "ball"):
                 yield f"bodies.{name}.geometry", "only balls and boxes are written in space"
-            if body.particles is None:
-                if shape.type not in ("rectangle", "box"):
-                    yield f"bodies.{name}.geometry", "only rectangles and boxes are rigid"
-                continue
-            if scene.dim == 2 and body.particles.layout != "fitted":
-                key = f"bodies.{name}.particles.layout"
-                yield key, "needs 'fitted', whose quadrilaterals are its elements"
-            if np.any(body.angular_velocity or 0.0):
-                yield f"bodies.{name}.angular_velocity", "a spin at the start is not written"
-            if scene.settle and np.any(body.velocity or 0.0):
-                yield f"bodies.{name}.velocity", "a velocity after a static step is not written"
-            for side in body.sides:
-                if side.fixed is not True or turned:
-                    yield f"bodies.{name}.sides", "only upright sides fixed in all directions are written"
-        if scene.settle and len(soft) > 1 and not any(scene.bodies[name].sides for name in soft):
+            if name not in soft and shape.type not in ("rectangle", "box"):
+                yield f"bodies.{name}.geometry", "only rectangles and boxes are rigid"
+            if scene.dim == 2 and body.particles and body.particles.layout != "fitted":
+                yield f"bodies.{name}.particles.layout", "needs 'fitted': quadrilaterals are its elements"
+            if body.sides and (is_turned(shape) or any(side.fixed is not True for side in body.sides)):
+                yield f"bodies.{name}.sides", "only upright sides fixed in all directions are written"
+        if scene.settle and len(soft) > 1 and not any(body.sides for body in soft.values()):
             yield "settle", "bodies that nothing holds cannot be settled by a static step"
-        level = gravity_of(scene, settling=True)
-        for name, _ in _rolling(scene) if scene.settle else ():
-            others = [body for each, body in scene.bodies.items() if each != name]
-            upright = all(one.prescribed and not _is_turned(one.geometry) for one in others)
-            shape = cast(Any, scene.bodies[name].geometry)
-            spans = np.reshape(
-                [one.geometry.bounds - np.array(shape.centre) for one in others], (-1, 2, scene.dim)
-            )
-            above = np.all(spans.prod(axis=1)[:, level == 0.0] <= 0.0) and np.all(spans @ level > 0.0)
+        for name in _rolling(scene):
+            *_, floor = scene.bodies.values()  # rigid bodies are the last
+            spans = floor.geometry.bounds - np.array(soft[name].geometry.centre)
+            above = (spans.prod(axis=0)[level == 0.0] <= 0.0).all() and (spans @ level > 0.0).all()
+            upright = floor.prescribed and not is_turned(floor.geometry)
             if np.count_nonzero(level) != 1 or not (upright and above):
                 yield "settle", f"'{name}' can roll away, except from an upright rigid face across gravity"
 
     def write(self, scene: Scene, folder: Path) -> None:
         """Write ``scene.inp`` and the mesh, ``mesh.npz``."""
-        size, meshes = self.options.size * float(scene.grid.cell_size), self._meshes(scene)
-        soft = [name for name in meshes if not scene.bodies[name].prescribed]
-        solids = {name: elasticity(scene, name if name in soft else soft[0]) for name in meshes}
+        size, meshes = self.options.size * scene.grid.cell_size, self._meshes(scene)
+        soft, interval = deformable(scene), scene.time.output_interval
+        solids = {name: elasticity(scene, name if name in soft else next(iter(soft))) for name in meshes}
         stiff = self.options.stiffness * max(one.uniaxial for one in solids.values()) / size
         through = min(meshes[name].mesh.shortest / solids[name].speed for name in soft)
-        interval = float(scene.time.output_interval)
         every = math.ceil(0.5 * interval / (self.options.safety * through) - 1e-9)
         step = interval / (2 * every)
         lines = _lines_of_meshes(meshes)
@@ -128,11 +115,11 @@ class Calculix(Code):
         lines += [f"{stiff:.9g},"]
         if friction := scene.pairs[0][2]:
             lines += ["*FRICTION", f"{friction:.9g},{stiff * self.options.stick:.9g}"]
-        labels = [meshes[name].label for name in (soft[0], *(each for each in meshes if each != soft[0]))]
         lines += ["*CONTACT PAIR, INTERACTION=CONTACT, TYPE=NODE TO SURFACE"]
-        lines += [",".join(f"S{label}" for label in labels), "*NSET, NSET=PRINT, GENERATE"]
-        printed = {name: _printed_nodes(meshes[name], scene.dim) for name in soft}
-        lines += [f"{numbers[0]},{numbers[-1]}" for numbers in printed.values()]
+        lines += [",".join(f"S{part.label}" for part in meshes.values()), "*NSET, NSET=PRINT, GENERATE"]
+        layers = 2 if scene.dim == 2 else 1  # of which the front is printed
+        counts = {name: len(meshes[name].mesh.nodes) // layers for name in soft}
+        lines += [f"{meshes[name].first + 1},{meshes[name].first + n}" for name, n in counts.items()]
         held = _supports(scene, meshes)
         lines += ["*BOUNDARY", *held]
         if scene.settle is not None:
@@ -141,94 +128,89 @@ class Calculix(Code):
             lines += ["*BOUNDARY", *_upright(scene, meshes, level)]
             lines += ["*NODE PRINT, NSET=PRINT", "U", "*END STEP"]
         lines += ["*STEP, NLGEOM, INC=10000000", "*DYNAMIC, EXPLICIT"]
-        lines += [f"{step:.9g},{float(scene.time.end):.9g},{1e-6 * step:.9g},{step:.9g}"]
+        lines += [f"{step:.9g},{scene.time.end:.9g},{1e-6 * step:.9g},{step:.9g}"]
         anew = ", OP=NEW" if scene.settle is not None else ""
         lines += [f"*BOUNDARY{anew}", *held, *_weight(meshes, gravity_of(scene), f"*DLOAD{anew}")]
         lines += [f"*NODE PRINT, NSET=PRINT, FREQUENCY={every}", "U,V", "*END STEP"]
         (folder / "scene.inp").write_text("\n".join(lines) + "\n", encoding="ascii")
         arrays: dict[str, Any] = {}
-        for name, numbers in printed.items():
-            part, own = meshes[name], numbers - 1 - meshes[name].first
-            arrays |= {f"{name}_numbers": numbers, f"{name}_nodes": part.mesh.nodes[own, : scene.dim]}
+        for name, n in counts.items():
+            part = meshes[name]
+            arrays[f"{name}_numbers"] = part.first + 1 + np.arange(n)
+            arrays[f"{name}_nodes"] = part.mesh.nodes[:n, : scene.dim]
             share = part.density * (2.0 / size if scene.dim == 2 else 1.0)
-            arrays[f"{name}_mass"] = share * part.mesh.volume[own]
+            arrays[f"{name}_mass"] = share * part.mesh.volume[:n]
         np.savez(folder / "mesh.npz", step=step, **arrays)
 
     def _meshes(self, scene: Scene) -> dict[str, _Part]:
         """Return the meshes of all bodies, by name."""
-        size, meshes = self.options.size * float(scene.grid.cell_size), dict[str, _Part]()
+        size, meshes = self.options.size * scene.grid.cell_size, dict[str, _Part]()
         for name, body in scene.bodies.items():
             edge = size * (COARSE if body.prescribed else UNLIKE if meshes else 1.0)
             mesh = mesh_of_body(scene, name, edge, size)
             density = 1.0 if body.prescribed else scene.materials[body.material].density
             if body.geometry.type == "ball":  # the mass is that of the ball
                 density *= body.geometry.exact_volume / mesh.volume.sum()
-            numbers = [(len(each.mesh.nodes), len(each.mesh.cells)) for each in meshes.values()]
-            first, before = np.sum([(0, 0), *numbers], axis=0).tolist()
+            first = sum(len(each.mesh.nodes) for each in meshes.values())
+            before = sum(len(each.mesh.cells) for each in meshes.values())
             meshes[name] = _Part(f"B{len(meshes) + 1}", mesh, density, first, before)
-        if scene.settle is not None:
-            for name, down in _rolling(scene):
-                meshes[name] = self._lowered(scene, meshes[name], name, down)
+        for name in _rolling(scene):
+            meshes[name] = self._lowered(scene, meshes[name], name)
         return meshes
 
-    def _lowered(self, scene: Scene, part: _Part, name: str, down: int) -> _Part:
+    def _lowered(self, scene: Scene, part: _Part, name: str) -> _Part:
         """Return a round body so low that its contact carries it as the static step begins."""
-        level = gravity_of(scene, settling=True)[down]
-        (other,) = (body for each, body in scene.bodies.items() if each != name)
-        face, lowest = other.geometry.bounds[int(level < 0.0)][down], _at_end(part, down, int(level > 0.0))[0]
-        weight = part.density * part.mesh.volume.sum() * level
+        *_, floor = scene.bodies.values()
+        level = gravity_of(scene, settling=True)
+        down = int(np.abs(level).argmax())
+        face = floor.geometry.bounds[int(level[down] < 0.0)][down]
+        lowest = _at_end(part, down, level[down] > 0.0)[0]
+        weight = part.density * part.mesh.volume.sum() * level[down]
         overlap = weight / (elasticity(scene, name).uniaxial * self.options.size * scene.grid.cell_size)
         nodes = part.mesh.nodes.copy()
         nodes[:, down] += face + overlap - nodes[lowest - 1 - part.first, down]
         return replace(part, mesh=replace(part.mesh, nodes=nodes))
 
     def command(self, program: str, folder: Path) -> Sequence[str]:
-        """Return the arguments; ccx adds the ending."""
-        return [program, str(folder / "scene")]
+        return [program, str(folder / "scene")]  # it adds the ending
 
     def outputs(self, scene: Scene, folder: Path) -> MotionOutputs:
         """Read ``scene.dat``: displacements and velocities of the nodes, interpolated to the outputs."""
-        mesh = read_arrays(folder / "mesh.npz")
+        mesh, soft = read_arrays(folder / "mesh.npz"), deformable(scene)
         log = read_log(folder / "log.txt")
-        named = re.search(r"CalculiX Version ([0-9.]+[0-9])", log)
-        if named is None or "Job finished" not in log:
+        named = re.search(r"CalculiX Version ([0-9.]+[0-9]).*Job finished", log, re.S)
+        if named is None:
             raise ValueError("its log is not whole")
-        version = named.group(1)
-        soft = {name: body for name, body in scene.bodies.items() if not body.prescribed}
         numbers = np.concatenate([mesh[f"{name}_numbers"] for name in soft])
+        place = np.concatenate([mesh[f"{name}_nodes"] for name in soft])
         moved, fast = _printed(folder / "scene.dat", numbers, scene.dim)
         settled = 1.0 if scene.settle is not None else 0.0
-        before = [u for t, u in moved if t <= settled] or [np.zeros_like(moved[0][1])]
-        moved = [(0.0, before[-1]), *((t - settled, u) for t, u in moved if t > settled)]
-        still = (0.0,) * scene.dim
-        starts = ((body.velocity or still, len(mesh[f"{name}_nodes"])) for name, body in soft.items())
-        start = np.concatenate([np.tile(velocity, (n, 1)) for velocity, n in starts])
-        fast = [(0.0, start), *((t - settled, v) for t, v in fast if t > settled)]
-        interval, end = float(scene.time.output_interval), float(scene.time.end)
-        reached = min(end, (1.0 + 1e-6) * moved[-1][0], (1.0 + 1e-6) * fast[-1][0])
-        time = interval * np.arange(int(reached / interval + 1e-6) + 1.0)
+        rest = [u for t, u in moved if t <= settled] or [np.zeros_like(place)]
+        moved = [(0.0, rest[-1]), *((t - settled, u) for t, u in moved if t > settled)]
+        start = [np.zeros_like(mesh[f"{name}_nodes"]) + (soft[name].velocity or 0.0) for name in soft]
+        fast = [(0.0, np.concatenate(start)), *((t - settled, v) for t, v in fast if t > settled)]
+        time = output_times(scene, min(moved[-1][0], fast[-1][0]))
         displacement, velocity = (at_times(time, *zip(*blocks, strict=True)) for blocks in (moved, fast))
         bodies, first = {}, 0
         for name in soft:
             own = slice(first, first := first + len(mesh[f"{name}_nodes"]))
-            position = mesh[f"{name}_nodes"] + displacement[:, own]
+            position = place[own] + displacement[:, own]
             bodies[name] = MovingPoints(mesh[f"{name}_mass"], position, velocity[:, own])
-        grown = _growth(scene, bodies)
-        status = self.judged(version)
+        grown, status = _growth(scene, bodies), self.judged(named[1])
         if grown > BALANCE:
             status = f"suspect: the kinetic energy grew by {100 * grown:.3g} % of the largest without a cause"
         return MotionOutputs(
             time=time,
             bodies=bodies,
-            code=f"CalculiX {version}, float64, CPU",
+            code=f"CalculiX {named[1]}, float64, CPU",
             steps=round(float(time[-1]) / float(mesh["step"])),
             status=status,
             notes=self._notes(scene),
-            versions={"calculix": version},
+            versions={"calculix": named[1]},
         )
 
     def _notes(self, scene: Scene) -> tuple[str, ...]:
-        size, options = self.options.size * float(scene.grid.cell_size), self.options
+        options, size = self.options, self.options.size * scene.grid.cell_size
         notes = (
             "finite elements, not MPM: explicit, node to surface, springs of linear pressure-overclosure",
             f"elements C3D8 of {size:g} m, of the second body of {UNLIKE * size:g} m",
@@ -250,37 +232,27 @@ class _Part:
     before: int
 
 
-def _rolling(scene: Scene) -> list[tuple[str, int]]:
-    """Return the round bodies that nothing but contact holds, with the axis of the gravity of rest."""
-    down = int(np.abs(gravity_of(scene, settling=True)).argmax())
-    free = [(name, body.geometry.type) for name, body in scene.bodies.items() if not body.sides]
-    return [(name, down) for name, shape in free if shape in ("disc", "ball")]
-
-
-def _is_turned(shape: Any) -> bool:
-    return bool(np.any(getattr(shape, "angle", 0.0)) or np.any(getattr(shape, "angles", 0.0)))
+def _rolling(scene: Scene) -> list[str]:
+    """Return the round bodies that nothing but contact holds while they settle."""
+    free = {name: body.geometry.type for name, body in deformable(scene).items() if not body.sides}
+    return [name for name, shape in free.items() if scene.settle and shape in ("disc", "ball")]
 
 
 def _lines_of_meshes(meshes: Mapping[str, _Part]) -> list[str]:
     """Return nodes, elements and surfaces."""
     lines = ["*NODE, NSET=ALL"]
     for part in meshes.values():
-        for k, place in enumerate(part.mesh.nodes):
-            lines.append(f"{1 + part.first + k}," + ",".join(f"{x:.12g}" for x in place))
+        for k, place in enumerate(part.mesh.nodes, part.first + 1):
+            lines.append(f"{k}," + ",".join(f"{x:.12g}" for x in place))
     for part in meshes.values():
         label, count = part.label, len(part.mesh.nodes)
         lines.append(f"*ELEMENT, TYPE=C3D8, ELSET=E{label}")
-        for k, cell in enumerate(part.mesh.cells + part.first + 1):
-            lines.append(",".join(map(str, (part.before + k + 1, *cell.tolist()))))
+        for k, cell in enumerate(part.mesh.cells + part.first + 1, part.before + 1):
+            lines.append(",".join(map(str, (k, *cell.tolist()))))
         lines += [f"*SURFACE, NAME=S{label}, TYPE=ELEMENT"]
         lines += [f"{part.before + element + 1},S{side}" for element, side in part.mesh.outer.tolist()]
         lines += [f"*NSET, NSET=N{label}, GENERATE", f"{part.first + 1},{part.first + count}"]
     return lines
-
-
-def _printed_nodes(part: _Part, dim: int) -> IntArray:
-    """Return the numbers of the nodes, in the plane of the front."""
-    return part.first + 1 + np.arange(len(part.mesh.nodes) // (2 if dim == 2 else 1))
 
 
 def _supports(scene: Scene, meshes: Mapping[str, _Part]) -> list[str]:
@@ -299,17 +271,18 @@ def _at_end(part: _Part, axis: int, upper: int) -> list[int]:
     nodes = part.mesh.nodes
     place = nodes[:, axis] if upper else -nodes[:, axis]
     near = place > place.max() - 1e-6 * np.ptp(nodes, axis=0).max()
-    return [int(node) + part.first + 1 for node in np.flatnonzero(near)]
+    return (np.flatnonzero(near) + part.first + 1).tolist()
 
 
 def _upright(scene: Scene, meshes: Mapping[str, _Part], gravity: FloatArray) -> Iterator[str]:
     """Yield what keeps round bodies from rolling at rest: their tops, with little force, move up or down."""
-    for name, down in _rolling(scene):
-        across = [axis for axis in range(scene.dim) if axis != down]
-        for node in _at_end(meshes[name], down, int(gravity[down] < 0.0)):
+    down = int(np.abs(gravity).argmax())
+    across = [axis for axis in range(scene.dim) if axis != down]
+    for name in _rolling(scene):
+        for node in _at_end(meshes[name], down, gravity[down] < 0.0):
             yield from (f"{node},{axis + 1}" for axis in across)
         if scene.dim == 3:
-            yield f"{_at_end(meshes[name], across[0], 1)[0]},{across[1] + 1}"
+            yield f"{_at_end(meshes[name], across[0], True)[0]},{across[1] + 1}"
 
 
 def _weight(meshes: Mapping[str, _Part], gravity: FloatArray, card: str) -> list[str]:
@@ -325,8 +298,7 @@ Blocks = list[tuple[float, FloatArray]]
 def _printed(path: Path, numbers: IntArray, dim: int) -> tuple[Blocks, Blocks]:
     """Return displacements and velocities (n, dim) of the nodes, each with its time, from a ``.dat`` file."""
     blocks: dict[str, Blocks] = {"displacements": [], "velocities": []}
-    with path.open(encoding="ascii") as file:
-        lines = iter(file)
+    with path.open(encoding="ascii") as lines:
         for line in lines:
             words = line.split()
             if words and words[0] in blocks:
@@ -342,9 +314,8 @@ def _printed(path: Path, numbers: IntArray, dim: int) -> tuple[Blocks, Blocks]:
 
 def _growth(scene: Scene, bodies: Mapping[str, MovingPoints]) -> float:
     """Return the growth of kinetic energy over its start and the work of gravity, over the largest."""
-    kinetic: Any = sum(0.5 * (one.velocity**2).sum(axis=2) @ one.mass for one in bodies.values())
-    work: Any = sum(
-        ((one.position - one.position[0]) @ gravity_of(scene)) @ one.mass for one in bodies.values()
-    )
+    gravity, every = gravity_of(scene), bodies.values()
+    kinetic: Any = sum(0.5 * (one.velocity**2).sum(axis=2) @ one.mass for one in every)
+    work: Any = sum(((one.position - one.position[0]) @ gravity) @ one.mass for one in every)
     grown = float((kinetic - kinetic[0] - work).max())
     return grown / float(kinetic.max()) if kinetic.max() > 0.0 else 0.0

@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, cast
 
 import numpy as np
 from pydantic import Field
@@ -18,8 +18,10 @@ from mpmfw.api.code import (
     MotionOutputs,
     MovingPoints,
     Scene,
+    deformable,
     elasticity,
     gravity_of,
+    is_turned,
     points_of_body,
     read_log,
     starting_velocity,
@@ -34,9 +36,6 @@ SETTLE = 20.0
 
 #: Its numbers of ways to find normals.
 NORMALS = {"MAXG": 0, "MAXV": 1, "AVGG": 2, "OWNG": 3, "LINR": 5, "LOGR": 6}
-
-#: Bytes of the header of an archive, as version 6 has it.
-_HEADER = 64
 
 _AXES = ("Horiz", "Vert", "Depth")
 
@@ -60,9 +59,7 @@ class NairnOptions(OptionsModel):
     points: Literal["lattice", "scene"] = Field(
         default="lattice", description="squares in rows, as its own regions have them, or the scene's points"
     )
-    safety: float = Field(
-        default=0.5, gt=0, le=0.8, description="longest step over h / c, the fastest body's"
-    )
+    safety: float = Field(default=0.5, gt=0, le=0.8, description="longest step over h / c, of the largest c")
 
 
 class Nairn(Code):
@@ -76,13 +73,12 @@ class Nairn(Code):
     install = "set MPMFW_CODE_NAIRN to its program (github.com/nairnj/nairn-mpm-fea)"
     best: ClassVar = {"apart": 0.8, "shape": "lCPDI", "points": "scene"}
     executable = "NairnMPM"
-    reads = frozenset({"gravity", "settle", "motion"})
+    reads = frozenset({"gravity", "settle", "motion", "spin"})
     versions = ("19.0",)
     Options = NairnOptions
     options: NairnOptions
 
     def refusals(self, scene: Scene) -> Iterator[tuple[str, str]]:
-        """Yield what is not written."""
         if scene.dim == 3 and self.options.shape == "qCPDI":
             yield "grid", "has qCPDI in the plane alone"
         rigid = [name for name, body in scene.bodies.items() if body.prescribed]
@@ -90,42 +86,34 @@ class Nairn(Code):
             yield f"bodies.{rigid[1]}.rigid", "is run with one rigid body at most"
         if len({friction for _, _, friction in scene.pairs}) > 1:
             yield "contact.pairs", "is run with one friction for all pairs"
-        for name, body in scene.bodies.items():
-            if body.prescribed:
-                if body.geometry.type == "half_space":
-                    yield f"bodies.{name}.geometry", "a half_space is not written"
-                if surface_velocity(body) is None or (
-                    scene.settle and getattr(body, "rigid", None) is not True
-                ):
-                    yield (
-                        f"bodies.{name}.rigid.motion",
-                        "only a constant velocity is written, without settling",
-                    )
-                continue
-            if scene.settle and (np.any(body.velocity or 0.0) or np.any(body.angular_velocity or 0.0)):
-                yield f"bodies.{name}.velocity", "a velocity after settling is not written"
-            yield from self._sides(scene, name)
+        for name in rigid:
+            body: Any = scene.bodies[name]
+            if body.geometry.type == "half_space":
+                yield f"bodies.{name}.geometry", "a half_space is not written"
+            if surface_velocity(body) is None or (scene.settle and body.rigid is not True):
+                key = f"bodies.{name}.rigid.motion"
+                yield key, "only a constant velocity is written, without settling"
+        for name, body in deformable(scene).items():
+            for side in body.sides:
+                if reason := self._refusal_of_side(scene, body.geometry, side):
+                    yield f"bodies.{name}.sides", reason
 
-    def _sides(self, scene: Scene, name: str) -> Iterator[tuple[str, str]]:
-        """Yield sides that nodes of the grid cannot hold."""
-        body: Any = scene.bodies[name]
-        for side in body.sides:
-            key = f"bodies.{name}.sides"
-            if not side.fixed:
-                yield key, "only sides that are fixed are written"
-                continue
-            axis, upper = SIDES[side.side]
-            cell, origin = float(scene.grid.cell_size), float(scene.grid.lower[axis])
-            place = (float(body.geometry.bounds[upper][axis]) - origin) / cell
-            if type(body.geometry).__name__ not in ("Rectangle", "Box"):
-                yield key, "only sides of rectangles and boxes are written"
-            elif np.any(getattr(body.geometry, "angle", 0.0)) or abs(place - round(place)) > 1e-6:
-                yield key, f"holds nodes; expected the side '{side.side}' along a line of the grid"
+    def _refusal_of_side(self, scene: Scene, shape: Any, side: Any) -> str:
+        """Return why nodes of the grid cannot hold a side, if they cannot."""
+        if not side.fixed:
+            return "only sides that are fixed are written"
+        if shape.type not in ("rectangle", "box"):
+            return "only sides of rectangles and boxes are written"
+        axis, upper = SIDES[side.side]
+        place = (shape.bounds[upper][axis] - scene.grid.lower[axis]) / scene.grid.cell_size
+        if is_turned(shape) or abs(place - round(place)) > 1e-6:
+            return f"holds nodes; expected the side '{side.side}' along a line of the grid"
+        return ""
 
     def write(self, scene: Scene, folder: Path) -> None:
         """Write ``scene.fmcmd``."""
-        cell, step = float(scene.grid.cell_size), _step(scene, self.options.safety)
-        interval, wait = float(scene.time.output_interval), _settling(scene, step)
+        cell, interval = scene.grid.cell_size, scene.time.output_interval
+        step, wait = self._times(scene)
         contact = f'<MultiMaterialMode Normals="{NORMALS[self.options.normals]}">'
         contact += f"<Friction>{_text(max(f for _, _, f in scene.pairs))}</Friction>" if scene.pairs else ""
         if self.options.apart is not None:
@@ -134,7 +122,7 @@ class Nairn(Code):
         lines += ['<ConsistentUnits length="m" mass="kg" time="s"/>']
         lines += [f"<Analysis>{10 if scene.dim == 2 else 12}</Analysis>", "</Header>", "<MPMHeader>"]
         lines += [f'<Timing step="{_text(step)}" CFL="1"']  # its own limit is above the step
-        lines[-1] += f' max="{_text(wait + float(scene.time.end) - 0.5 * step)}"/>'
+        lines[-1] += f' max="{_text(wait + scene.time.end - 0.5 * step)}"/>'
         archive = f'<ArchiveGroup time="{_text(interval * (1 - 1e-9))}"'
         lines += [archive + (f' start="{_text(wait - 0.5 * step)}"/>' if wait else "/>")]
         lines += ["<ArchiveRoot>motion</ArchiveRoot>", "<MPMArchiveOrder>iYY</MPMArchiveOrder>"]
@@ -144,7 +132,7 @@ class Nairn(Code):
         lines += [f"{contact}</MultiMaterialMode>", f'<GIMP type="{self.options.shape}"/>', "</MPMHeader>"]
         lines += [*_grid(scene, cell), "<MaterialPoints>", "<PointList>"]
         for k, name in enumerate(scene.bodies):
-            lines += self._points(scene, name, k + 1, cell)
+            lines += self._points(scene, name, k + 1)
         lines += ["</PointList>", "</MaterialPoints>"]
         for k, name in enumerate(scene.bodies):
             lines += _material(scene, name, k + 1)
@@ -155,57 +143,52 @@ class Nairn(Code):
             lines += ['<Parameter name="periodicSteps">1</Parameter></Schedule></CustomTasks>']
         (folder / "scene.fmcmd").write_text("\n".join([*lines, "</JANFEAInput>", ""]), encoding="ascii")
 
-    def _points(self, scene: Scene, name: str, number: int, cell: float) -> Iterator[str]:
+    def _points(self, scene: Scene, name: str, number: int) -> Iterator[str]:
         """Yield the points of a body; of a rigid one, two in a cell along each axis."""
-        body: Any = scene.bodies[name]
-        if body.prescribed:
-            layout = body.geometry.lattice(0.5 * cell, (0.0,) * scene.dim)
-        elif self.options.points == "lattice":
-            layout = body.geometry.lattice(float(body.particles.size), (0.0,) * scene.dim)
-        else:
+        body, cell = cast(Any, scene.bodies[name]), scene.grid.cell_size
+        if self.options.points == "scene" and not body.prescribed:
             layout = points_of_body(scene, name)
-        known = surface_velocity(body) if body.prescribed else starting_velocity(scene, name, layout)
-        velocity = np.broadcast_to(np.zeros(scene.dim) if known is None else known, layout.position.shape)
+        else:
+            size = 0.5 * cell if body.prescribed else body.particles.size
+            layout = body.geometry.lattice(size, (0.0,) * scene.dim)
         size = layout.volume ** (1.0 / scene.dim) / cell
+        known: Any = surface_velocity(body) if body.prescribed else starting_velocity(scene, name, layout)
+        velocity = np.broadcast_to(known, layout.position.shape)
         for x, v, s in zip(layout.position, velocity, size, strict=True):
             sizes = " ".join(f'lp{axis}="{s:.12g}"' for axis in "xyz"[: scene.dim])
             yield f'<mp mat="{number}" thick="1" {sizes}>{_vector("pt", x)}{_vector("vel", v)}</mp>'
 
     def command(self, program: str, folder: Path) -> Sequence[str]:  # noqa: ARG002
-        """Return the arguments: one processor, and paths from the folder of the input."""
-        return [program, "-np", "1", "scene.fmcmd"]
+        return [program, "-np", "1", "scene.fmcmd"]  # one processor
 
     def outputs(self, scene: Scene, folder: Path) -> MotionOutputs:
         """Read the archives that the log lists, ``motion.STEP``."""
         log = read_log(folder / "log.txt")
-        named = re.search(r"^MPM ANALYSIS BY NairnMPM ([0-9.]+)", log)
+        named = re.search(r"\AMPM ANALYSIS BY NairnMPM ([0-9.]+).*NairnMPM RUN COMPLETED", log, re.S)
         spent = re.search(r"^CPU Time: ([0-9.e+-]+) secs$", log, re.M)
-        if named is None or spent is None or "***** NairnMPM RUN COMPLETED" not in log:
+        if named is None or spent is None:
             raise ValueError("its log is not whole")
-        version, cpu = named.group(1), float(spent.group(1))
-        step, interval = _step(scene, self.options.safety), float(scene.time.output_interval)
-        before, every = round(_settling(scene, step) / step), round(interval / step)
-        steps = math.ceil(float(scene.time.end) / step - 1e-6)
+        version, cpu, interval = named[1], float(spent[1]), scene.time.output_interval
+        step, wait = self._times(scene)
+        before, every = round(wait / step), round(interval / step)
+        steps = math.ceil(scene.time.end / step - 1e-6)
         counts = [*range(0, steps, every), steps]
-        time, bodies = interval / every * np.array(counts, dtype=float), {}
-        paths = [folder / f"motion.{before + count}" for count in counts]
-        frames = [_archive(path, scene.dim) for path in paths]
-        for k, name in enumerate(scene.bodies):
-            if not scene.bodies[name].prescribed:
-                own = [frame[frame["material"] == k + 1] for frame in frames]
-                own = [each[np.lexsort(each["origin"].T)] for each in own]
-                moved, fast = (np.array([each[key] for each in own]) for key in ("position", "velocity"))
-                bodies[name] = MovingPoints(own[0]["mass"].astype(float), moved, fast)
+        frames = [_archive(folder / f"motion.{before + count}", scene.dim) for count in counts]
+        bodies = {}
+        for k, name in enumerate(deformable(scene)):  # the first bodies
+            own = [frame[frame["material"] == k + 1] for frame in frames]
+            own = [each[np.lexsort(each["origin"].T)] for each in own]
+            moved, fast = (np.array([each[key] for each in own]) for key in ("position", "velocity"))
+            bodies[name] = MovingPoints(own[0]["mass"].astype(float), moved, fast)
         settling = before / max(before + steps, 1)
-        status = self.judged(version)
-        notes = self._notes(scene, step, before)
+        status, notes = self.judged(version), self._notes(scene, step, before)
         for warning, times in re.findall(r"^The warning '(.*)' occurred on ([0-9]+) time steps", log, re.M):
             if warning.startswith("Logistic regression did not converge"):
                 notes += (f"logistic regression did not converge in {times} of {before + steps} steps",)
             else:
                 status = f"suspect: it warns on {times} steps: {warning}"
         return MotionOutputs(
-            time=time,
+            time=interval / every * np.array(counts, dtype=float),
             bodies=bodies,
             code=f"NairnMPM {version}, float64, CPU",
             steps=steps,
@@ -215,8 +198,17 @@ class Nairn(Code):
             versions={"nairn-mpm-fea": version},
         )
 
+    def _times(self, scene: Scene) -> tuple[float, float]:
+        """Return the step, a part of the interval of outputs, and the time of settling, of steps [s]."""
+        soft, interval = deformable(scene), scene.time.output_interval
+        speed = {name: elasticity(scene, name).speed for name in soft}
+        longest = self.options.safety * scene.grid.cell_size / max(speed.values())
+        step = interval / math.ceil(interval / longest * (1.0 + 1e-6))
+        through = [np.ptp(soft[name].geometry.bounds, axis=0).min() / speed[name] for name in soft]
+        return step, step * math.ceil(SETTLE * max(through) / step) if scene.settle else 0.0
+
     def _notes(self, scene: Scene, step: float, before: int) -> tuple[str, ...]:
-        models = {scene.materials[one.material].model for one in scene.bodies.values() if not one.prescribed}
+        models = {scene.materials[body.material].model for body in deformable(scene).values()}
         notes = [f"steps of {step:.3g} s; strains at the mean of the times before and after (USAVG)"]
         if self.options.points == "lattice":
             notes.append("points are squares in rows, cut by the outline, whatever layout the scene names")
@@ -225,27 +217,6 @@ class Nairn(Code):
         if before:
             notes.append(f"settled in {before} damped steps; their share of the CPU time is that of settling")
         return tuple(notes)
-
-
-def _step(scene: Scene, safety: float) -> float:
-    """Return the step [s]: a whole part of the interval of outputs, below the fastest wave's limit."""
-    fastest = max(elasticity(scene, name).speed for name in _soft(scene))
-    longest = safety * float(scene.grid.cell_size) / fastest
-    interval = float(scene.time.output_interval)
-    return interval / math.ceil(interval / longest * (1.0 + 1e-6))
-
-
-def _settling(scene: Scene, step: float) -> float:
-    """Return the time before the motion [s], in whole steps."""
-    if scene.settle is None:
-        return 0.0
-    width = {name: float(np.ptp(scene.bodies[name].geometry.bounds, axis=0).min()) for name in _soft(scene)}
-    through = max(width[name] / elasticity(scene, name).speed for name in width)
-    return step * math.ceil(SETTLE * through / step)
-
-
-def _soft(scene: Scene) -> list[str]:
-    return [name for name, body in scene.bodies.items() if not body.prescribed]
 
 
 def _text(number: float) -> str:
@@ -287,7 +258,7 @@ def _material(scene: Scene, name: str, number: int) -> list[str]:
 def _supports(scene: Scene, cell: float) -> Iterator[str]:
     """Yield the nodes on and beyond fixed sides."""
     for body in scene.bodies.values():
-        for side in () if body.prescribed else body.sides:
+        for side in body.sides:
             axis, upper = SIDES[side.side]
             low, high = np.array(body.geometry.bounds, dtype=float)
             low, high = low - (BORDER + 1) * cell, high + (BORDER + 1) * cell
@@ -305,16 +276,14 @@ def _supports(scene: Scene, cell: float) -> Iterator[str]:
 
 def _gravity(scene: Scene, wait: float) -> list[str]:
     """Return gravity, that of rest until the motion starts."""
-    if scene.gravity is None:
-        return []
     lines = []
-    for axis, (level, g) in enumerate(zip(gravity_of(scene, settling=True), gravity_of(scene), strict=True)):
+    for axis, level, g in zip("XYZ", gravity_of(scene, settling=True), gravity_of(scene), strict=False):
         text = _text(g)
         if level != g:
             sign = "+" if g > level else "-"
             text = f"{_text(0.5 * (level + g))}{sign}{_text(0.5 * abs(g - level))}*sgn(t-{_text(wait)})"
-        lines.append(f"<GridBody{'XYZ'[axis]}Force>{text}</GridBody{'XYZ'[axis]}Force>")
-    return ["<Gravity>", *lines, "</Gravity>"]
+        lines.append(f"<GridBody{axis}Force>{text}</GridBody{axis}Force>")
+    return ["<Gravity>", *lines, "</Gravity>"] if scene.gravity else []
 
 
 def _archive(path: Path, dim: int) -> Any:
@@ -327,4 +296,4 @@ def _archive(path: Path, dim: int) -> Any:
     order = b"iYY".ljust(content[4], b"N")
     if content[:4] != b"ver6" or content[5 : 5 + len(order)] != order:
         raise ValueError(f"{path.name} is not an archive of positions and velocities")
-    return np.frombuffer(content[_HEADER:], np.dtype(kinds))
+    return np.frombuffer(content, np.dtype(kinds), offset=64)  # behind the header

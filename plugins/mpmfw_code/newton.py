@@ -10,19 +10,21 @@ import subprocess
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
 
-from mpmfw.api import FloatArray, MpmfwError, OptionsModel, SceneError, Time
+from mpmfw.api import OptionsModel, SceneError, Time
 from mpmfw.api.code import (
     Code,
     MotionOutputs,
     MovingPoints,
     Scene,
+    deformable,
     elasticity,
     gravity_of,
+    is_turned,
     points_of_body,
     read_arrays,
     spin_of,
@@ -61,38 +63,30 @@ class Newton(Code):
     install = "pip install 'mpmfw[newton]'"
     best: ClassVar = {"collider_basis": "pic27"}
     versions = ("1.8",)
-    reads = frozenset({"gravity", "settle"})
+    reads = frozenset({"gravity", "settle", "spin", "start"})
     Options = NewtonOptions
     options: NewtonOptions
 
     def refusals(self, scene: Scene) -> Iterator[tuple[str, str]]:
-        """Yield what Newton cannot do."""
-        soft = [name for name, body in scene.bodies.items() if not body.prescribed]
-        rigid = [name for name, body in scene.bodies.items() if body.prescribed]
+        soft, count = deformable(scene), len(scene.bodies)
+        lowest = min((body.geometry.bounds[0][1] for body in soft.values()), default=math.inf)
         if len(soft) != 1:
             yield "bodies", "has no contact between bodies of material points; expected one and rigid = true"
-        if len(rigid) != 1:
-            yield "bodies", f"is run with one rigid body; the scene has {len(rigid)}"
-        for name in soft:
-            body: Any = scene.bodies[name]
+        if count != len(soft) + 1:
+            yield "bodies", f"is run with one rigid body; the scene has {count - len(soft)}"
+        for name, body in scene.bodies.items():
+            shape, key = body.geometry, f"bodies.{name}.geometry"
             if body.sides:
                 yield f"bodies.{name}.sides", "conditions on sides are not written"
-        for name in rigid:
-            shape = scene.bodies[name].geometry
-            upright = not np.any(getattr(shape, "angle", 0.0)) and not np.any(getattr(shape, "angles", 0.0))
-            if type(shape).__name__ not in ("Rectangle", "Box") or not upright:
-                yield (
-                    f"bodies.{name}.geometry",
-                    "stands as a level plane; expected an upright rectangle or box",
-                )
-            elif any(scene.bodies[s].geometry.bounds[0][1] < shape.bounds[1][1] - 1e-9 for s in soft):
-                yield f"bodies.{name}.geometry", "stands as a level plane; expected the other body above it"
+            if name not in soft and (shape.type not in ("rectangle", "box") or is_turned(shape)):
+                yield key, "stands as a level plane; expected an upright rectangle or box"
+            elif name not in soft and lowest < shape.bounds[1][1] - 1e-9:
+                yield key, "stands as a level plane; expected the other body above it"
 
     def write(self, scene: Scene, folder: Path) -> None:
         """Write ``newton.json`` and the points, ``points.npz``, in three dimensions, y upwards."""
-        (name,) = (name for name, body in scene.bodies.items() if not body.prescribed)
-        (plane,) = (body for body in scene.bodies.values() if body.prescribed)
-        body, cell = scene.bodies[name], float(scene.grid.cell_size)
+        (name, body), (_, plane) = scene.bodies.items()  # a rigid body is the last
+        cell = scene.grid.cell_size
         layout = points_of_body(scene, name)
         position, volume, velocity = layout.position, layout.volume, starting_velocity(scene, name, layout)
         if scene.dim == 2:
@@ -101,24 +95,23 @@ class Newton(Code):
             position = np.column_stack([np.repeat(position, layers, axis=0), np.tile(depth, len(volume))])
             volume = np.repeat(volume * SLAB * cell / layers, layers)
             velocity = np.pad(np.repeat(velocity, layers, axis=0), ((0, 0), (0, 1)))
-        shift = np.where(
-            np.abs(position / cell - np.round(position / cell)).min(axis=0) < ON_FACE, OFF_FACE, 0.0
-        )
-        position = position + cell * shift
+        near = np.abs(position / cell - np.round(position / cell)).min(axis=0) < ON_FACE
+        shift = cell * np.where(near, OFF_FACE, 0.0)
+        position = position + shift
         gradient = np.cross(spin_of(scene, name), np.eye(3)).T  # of v = ω × r
         solid, settle = elasticity(scene, name), scene.settle
-        interval, end = float(scene.time.output_interval), float(scene.time.end)
+        interval, end = scene.time.output_interval, scene.time.end
         times = np.append(interval * np.arange(math.ceil(end / interval - 1e-9)), end)
         facts = {
             "cell_size": cell,
             "density": solid.density,
             "young_modulus": solid.young,
             "poisson_ratio": solid.poisson,
-            "height": float(plane.geometry.bounds[1][1] + cell * shift[1]),
-            "shift": (cell * shift).tolist(),
+            "height": float(plane.geometry.bounds[1][1] + shift[1]),
+            "shift": shift.tolist(),
             "friction": scene.pairs[0][2],
-            "gravity": _upright(gravity_of(scene)),
-            "settle_gravity": settle and _upright(gravity_of(scene, settling=True)),
+            "gravity": [*gravity_of(scene).tolist(), 0.0][:3],
+            "settle_gravity": settle and [*gravity_of(scene, settling=True).tolist(), 0.0][:3],
             "settle_tolerance": settle and settle.tolerance,
             "times": times.tolist(),
             **self.options.model_dump(),
@@ -128,12 +121,10 @@ class Newton(Code):
         np.savez(path, position=position, volume=volume, velocity=velocity, gradient=gradient)
 
     def program(self) -> str | None:
-        """Return this interpreter, if it has Newton."""
         found = all(importlib.util.find_spec(name) for name in ("newton", "warp"))
         return sys.executable if found else None
 
     def version(self, program: str) -> str:
-        """Return the versions of Newton and Warp that an interpreter has."""
         text = "from importlib.metadata import version as v; print(v('newton'), v('warp-lang'))"
         try:
             done = subprocess.run([program, "-I", "-c", text], capture_output=True, text=True, timeout=60)
@@ -145,7 +136,7 @@ class Newton(Code):
         return found.group()
 
     def command(self, program: str, folder: Path) -> Sequence[str]:
-        """Return the arguments: the driver beside this file, isolated from names of this package."""
+        # without names of this package
         return [program, "-I", str(Path(__file__).with_name("newton_driver.py")), str(folder)]
 
     def outputs(self, scene: Scene, folder: Path) -> MotionOutputs:
@@ -156,10 +147,6 @@ class Newton(Code):
         time, position, velocity = (motion[key].astype(float) for key in ("time", "position", "velocity"))
         position -= np.array(asked["shift"])
         mass = asked["density"] * read_arrays(folder / "points.npz")["volume"]
-        if not isinstance(facts["error"], str) or len(facts["error"].splitlines()) > 1:
-            raise ValueError("its error is not a line")
-        if facts["error"]:
-            raise MpmfwError(f"{self.title}: {facts['error']}")
         notes = [
             "Newton's elastic law is Hooke's in logarithmic strain, with the scene's moduli at small strain",
             f"implicit steps of {facts['step']:.3g} s; its time step has no limit of stability",
@@ -179,7 +166,7 @@ class Newton(Code):
         if asked["device"] == "cuda":
             notes.append("costs are those of a graphics processor and one core beside it")
         version = str(facts["versions"]["newton"])
-        (name,) = (name for name, body in scene.bodies.items() if not body.prescribed)
+        (name,) = deformable(scene)
         points = MovingPoints(mass, position[..., : scene.dim], velocity[..., : scene.dim])
         return MotionOutputs(
             time=time,
@@ -191,8 +178,3 @@ class Newton(Code):
             notes=tuple(notes),
             versions={str(key): str(value) for key, value in facts["versions"].items()},
         )
-
-
-def _upright(gravity: FloatArray) -> list[float]:
-    """Return gravity in three dimensions [m/s²]."""
-    return [*map(float, gravity), 0.0][:3]

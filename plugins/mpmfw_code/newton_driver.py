@@ -55,51 +55,32 @@ def make_solver(model: Any, facts: dict[str, Any]) -> Any:
     return SolverImplicitMPM(model, config=config)
 
 
-# numpy() of a state on the CPU is a view, which later steps overwrite
-
-
-def advance(solver: Any, states: list[Any], step: float) -> None:
-    """Take a step from the first state to the second and exchange them, which must be finite."""
+def advance(solver: Any, states: list[Any], step: float, when: str) -> None:
+    """Take a step from the first state to the second and exchange them; end unless the motion is finite."""
     solver.step(*states, None, None, step)
     states.reverse()
     if not np.isfinite(states[0].particle_q.numpy()).all():  # the next step would end with another error
-        raise FloatingPointError("the motion is not finite")
+        sys.exit(f"the motion is not finite {when}")
+
+
+def position_of(state: Any) -> Any:
+    """Return a copy: numpy() of a state on the CPU is a view, which later steps overwrite."""
+    return state.particle_q.numpy().copy()
 
 
 def settle(model: Any, states: list[Any], facts: dict[str, Any], step: float) -> tuple[int, bool]:
     """Take long steps under the gravity of rest, each from rest; return steps and success."""
     model.set_gravity(tuple(facts["settle_gravity"]))
-    solver, first = make_solver(model, facts), states[0].particle_q.numpy().copy()
+    solver, first = make_solver(model, facts), position_of(states[0])
     for steps in range(1, MOST + 1):
-        before = states[0].particle_q.numpy().copy()
+        before = position_of(states[0])
         states[0].particle_qd.zero_()
         states[0].mpm.particle_qd_grad.zero_()
-        advance(solver, states, LONGER * step)
-        now = states[0].particle_q.numpy().copy()
+        advance(solver, states, LONGER * step, "in settling")
+        now = position_of(states[0])
         if np.abs(now - before).max() <= facts["settle_tolerance"] * np.abs(now - first).max():
             return steps, True
     return MOST, False
-
-
-def move(
-    solver: Any, states: list[Any], times: list[float], substeps: list[int]
-) -> tuple[list[Any], list[Any], dict[str, float], str]:
-    """Step through the outputs; return positions, velocities, costs [s] and the error, if there was one."""
-    position, velocity = [states[0].particle_q.numpy().copy()], [states[0].particle_qd.numpy().copy()]
-    spent, error = {"cpu_time": 0.0, "wall_time": 0.0}, ""
-    for k, count in enumerate(substeps):
-        begin, begun = time.process_time(), time.perf_counter()
-        try:
-            for _ in range(count):
-                advance(solver, states, (times[k + 1] - times[k]) / count)
-        except FloatingPointError as failure:
-            error = f"{failure} at {times[k + 1]:.6g} s"
-            break
-        position.append(states[0].particle_q.numpy().copy())
-        velocity.append(states[0].particle_qd.numpy().copy())
-        spent["cpu_time"] += time.process_time() - begin
-        spent["wall_time"] += time.perf_counter() - begun
-    return position, velocity, spent, error
 
 
 def main(folder: Path) -> None:
@@ -116,32 +97,32 @@ def main(folder: Path) -> None:
     model.set_gravity(tuple(facts["gravity"]))
     make_solver(model, facts).step(*states, None, None, 0.1 * step)  # compiles; the result is not used
     costs = {"compile_time": time.perf_counter() - start, "settle_time": 0.0}
-    settle_steps, settled, error = 0, True, ""
+    settle_steps, settled = 0, True
     if facts["settle_gravity"] is not None:
         begin = time.process_time()
-        try:
-            settle_steps, settled = settle(model, states, facts, step)
-        except FloatingPointError as failure:
-            substeps, error = [], f"{failure} in settling"
+        settle_steps, settled = settle(model, states, facts, step)
         costs["settle_time"] = time.process_time() - begin
         model.set_gravity(tuple(facts["gravity"]))
     states[0].particle_qd.assign(points["velocity"].astype(np.float32))
     gradient = np.broadcast_to(points["gradient"].astype(np.float32), (len(points["volume"]), 3, 3))
     states[0].mpm.particle_qd_grad.assign(np.ascontiguousarray(gradient))
-    position, velocity, spent, failed = move(make_solver(model, facts), states, times, substeps)
-    error = error or failed
-    kept = times[: len(position)]
-    np.savez_compressed(folder / "motion.npz", time=kept, position=position, velocity=velocity)
+    position, velocity = [position_of(states[0])], [states[0].particle_qd.numpy().copy()]
+    solver, begin, start = make_solver(model, facts), time.process_time(), time.perf_counter()
+    for end, interval, count in zip(times[1:], intervals, substeps, strict=True):
+        for _ in range(count):
+            advance(solver, states, interval / count, f"at {end:.6g} s")
+        position.append(position_of(states[0]))
+        velocity.append(states[0].particle_qd.numpy().copy())
+    costs |= {"cpu_time": time.process_time() - begin, "wall_time": time.perf_counter() - start}
+    np.savez_compressed(folder / "motion.npz", time=times, position=position, velocity=velocity)
     result = {
-        "error": error,
         "versions": {name: version(name) for name in ("newton", "warp-lang", "numpy")},
         "device": model.device.name if facts["device"] == "cuda" else "CPU",
         "step": step,
-        "steps": sum(substeps[: len(kept) - 1]),
+        "steps": sum(substeps),
         "settle_steps": settle_steps,
         "settled": settled,
         **costs,
-        **spent,
     }
     (folder / "motion.json").write_text(json.dumps(result, indent=1), encoding="utf-8")
 

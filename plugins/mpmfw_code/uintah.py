@@ -19,8 +19,11 @@ from mpmfw.api.code import (
     ProcessLimits,
     Scene,
     at_times,
+    deformable,
     elasticity,
     gravity_of,
+    is_turned,
+    output_times,
 )
 from mpmfw.api.units import TimeTable
 
@@ -46,8 +49,6 @@ class UintahOptions(OptionsModel):
 class Uintah(Code):
     """Uintah's MPM (github.com/Uintah/Uintah), which runs elsewhere.
 
-    ``mpmfw export SCENE --to uintah`` writes its input; ``Uintah().read(folder)`` reads its output.
-
     Each body is a material, with the scene's number of points in a cell, in rows. A plane scene is one cell
     deep between planes of symmetry. A rigid body is the master of a contact with friction. The grid ends at
     the sides of bodies that are fixed, divided into whole cells; its ends hold all that reaches them."""
@@ -62,13 +63,10 @@ class Uintah(Code):
     options: UintahOptions
 
     def refusals(self, scene: Scene) -> Iterator[tuple[str, str]]:
-        """Yield what is not written."""
         for name, body in scene.bodies.items():
             shape: Any = body.geometry
             if shape.type not in _SHAPES or any(getattr(shape, "angles", ())):
                 yield f"bodies.{name}.geometry", f"expected {', '.join(_SHAPES)}, in space not turned"
-            if np.any(getattr(body, "angular_velocity", None) or 0.0):
-                yield f"bodies.{name}.angular_velocity", "a spin at the start is not written"
             options = scene.materials[body.material].options if body.material else None
             for key in (key for key, value in _PLAIN.items() if getattr(options, key, value) != value):
                 yield f"materials.{body.material}.{key}", f"its law has {_PLAIN[key]}"
@@ -81,22 +79,21 @@ class Uintah(Code):
             bounds = [body.geometry.bounds[end][axis] for body in scene.bodies.values()]
             if fixed is not True and tuple(fixed or ()) != ("xyz"[axis],):
                 yield f"bodies.{name}.sides", "are written if they are fixed, in all directions or across"
-            elif ends.setdefault(side.side, fixed) != fixed or getattr(shape, "angle", 0.0):
+            elif ends.setdefault(side.side, fixed) != fixed or is_turned(shape):
                 yield f"bodies.{name}.sides", f"expected upright ones, alike at every '{side.side}'"
             elif shape.bounds[end][axis] != (max if end else min)(bounds):
                 yield f"bodies.{name}.sides", f"end the grid; expected nothing beyond '{side.side}'"
 
     def write(self, scene: Scene, folder: Path) -> None:
         """Write ``scene.ups``, and ``motion-N.txt`` for the material N where a rigid body moves."""
-        interval, end = float(scene.time.output_interval), float(scene.time.end)
-        time: dict[str, Any] = {"initTime": 0, "maxTime": end, "delt_min": 0, "delt_max": interval}
-        time |= {"timestep_multiplier": 0.4, "end_at_max_time_exactly": "true"}
+        interval, exactly = scene.time.output_interval, ("end_at_max_time_exactly", "clamp_time_to_output")
+        time = {"initTime": 0, "maxTime": scene.time.end, "delt_min": 0, "delt_max": interval}
         saved = [_tag("save", label=label) for label in SAVED]
         bodies = _tag("MPM", {}, [*self._materials(scene), *self._contacts(scene, folder)])
         parts = [
             _tag("Meta", {"title": scene.title or scene.name}),
             _tag("SimulationComponent", type="mpm"),
-            _tag("Time", {**time, "clamp_time_to_output": "true"}),
+            _tag("Time", {**time, "timestep_multiplier": 0.4, **dict.fromkeys(exactly, "true")}),
             _tag("DataArchiver", {"filebase": "scene.uda", "outputInterval": interval}, saved),
             _tag("MPM", {"time_integrator": "explicit", "interpolator": self.options.interpolator}),
             _tag("PhysicalConstants", {"gravity": (*gravity_of(scene), 0.0)[:3]}),
@@ -108,7 +105,7 @@ class Uintah(Code):
 
     def _materials(self, scene: Scene) -> Iterator[Element]:
         """Yield a material for each body; the moduli of a rigid one have no part."""
-        cell = float(scene.grid.cell_size)
+        cell = scene.grid.cell_size
         for name, body in scene.bodies.items():
             kind, law = "rigid", {"bulk_modulus": 1e9, "shear_modulus": 1e9}
             density, velocity, count = 1.0, (0.0,) * scene.dim, 2
@@ -129,7 +126,7 @@ class Uintah(Code):
         """Yield a contact for each pair, and write the motion of rigid bodies."""
         names = list(scene.bodies)
         for one, other, friction in scene.pairs:
-            pair = sorted((names.index(one), names.index(other)))
+            pair = [names.index(one), names.index(other)]
             facts: dict[str, Any] = {"type": self.options.contact, "materials": pair, "mu": friction}
             for k in pair:
                 rigid = getattr(scene.bodies[names[k]], "rigid", None)
@@ -149,22 +146,17 @@ class Uintah(Code):
         if not known.size or (np.diff(known) <= 0.0).any():
             raise ValueError("expected timesteps in the order of time")
         frames = [_points(_within(archive, step.attrib["href"])) for step in steps]
-        interval, depth = float(scene.time.output_interval), 1.0 if scene.dim == 3 else scene.grid.cell_size
-        reached = min(float(scene.time.end), (1.0 + 1e-6) * known[-1])
-        time, bodies = interval * np.arange(int(reached / interval + 1e-6) + 1.0), {}
-        for k, name in enumerate(scene.bodies):
-            if not scene.bodies[name].prescribed:
-                _check_points(frames, k)
-                place, fast = (
-                    np.array([frame[k, key] for frame in frames])[:, :, : scene.dim]
-                    for key in ("p.x", "p.velocity")
-                )
-                times = known
-                if known[0] > 0.0:  # the start is not in it
-                    place = np.concatenate([place[:1] - known[0] * fast[:1], place])
-                    times, fast = np.append(0.0, known), np.concatenate([fast[:1], fast])
-                moved = at_times(time, times, place), at_times(time, times, fast)
-                bodies[name] = MovingPoints(frames[0][k, "p.mass"][:, 0] / depth, *moved)
+        time, bodies = output_times(scene, known[-1]), {}
+        depth = 1.0 if scene.dim == 3 else scene.grid.cell_size
+        for k, name in enumerate(deformable(scene)):  # the first bodies
+            _check_points(frames, k)
+            place, fast = (np.array([frame[k, key] for frame in frames]) for key in ("p.x", "p.velocity"))
+            times = known
+            if known[0] > 0.0:  # the start is not in it
+                place = np.concatenate([place[:1] - known[0] * fast[:1], place])
+                times, fast = np.append(0.0, known), np.concatenate([fast[:1], fast])
+            moved = (at_times(time, times, each)[:, :, : scene.dim] for each in (place, fast))
+            bodies[name] = MovingPoints(frames[0][k, "p.mass"][:, 0] / depth, *moved)
         return MotionOutputs(
             time=time,
             bodies=bodies,
@@ -194,8 +186,7 @@ def _points(path: Path) -> dict[tuple[int, str], AnyArray]:
     for (k, name), values in points.items():
         if len(values) != len(points.get((k, "p.particleID"), ())):
             raise ValueError(f"{name} of material {k} has not as many points as p.particleID")
-    sorted_by = {k: np.argsort(ids[:, 0]) for (k, name), ids in points.items() if name == "p.particleID"}
-    return {(k, name): values[sorted_by[k]] for (k, name), values in points.items()}
+    return {key: values[np.argsort(points[key[0], "p.particleID"][:, 0])] for key, values in points.items()}
 
 
 def _content(path: Path, variable: Element) -> bytes:
@@ -204,9 +195,7 @@ def _content(path: Path, variable: Element) -> bytes:
     size = path.stat().st_size if path.is_file() else -1
     if not 0 <= start <= end <= size <= ProcessLimits.file:
         raise ValueError(f"{path.name}: expected a file of bounded size with bytes {start} to {end}")
-    with path.open("rb") as data:
-        data.seek(start)
-        return data.read(end - start)
+    return np.fromfile(path, np.uint8, end - start, offset=start).tobytes()
 
 
 def _check_points(frames: list[dict[tuple[int, str], AnyArray]], k: int) -> None:
@@ -234,7 +223,7 @@ def _held(scene: Scene) -> list[tuple[str, Any, int, int]]:
 
 def _grid(scene: Scene, extra: int) -> Element:
     """Return the grid, and conditions at its six faces."""
-    cell, ends = float(scene.grid.cell_size), np.array([scene.grid.lower, scene.grid.upper])
+    cell, ends = scene.grid.cell_size, np.array([scene.grid.lower, scene.grid.upper])
     kinds, faces = dict.fromkeys(SIDES, "Velocity"), []
     kinds |= dict.fromkeys(("back", "front"), "Symmetric") if scene.dim == 2 else {}
     for name, side, axis, end in _held(scene):
@@ -260,7 +249,7 @@ def _shape(shape: Any, depth: float) -> Element:
         return cylinders[0] if len(radii) == 1 else _tag("difference", {}, cylinders)
     if shape.type == "ball":
         return _tag("sphere", {"origin": shape.centre, "radius": shape.radius})
-    if getattr(shape, "angle", 0.0):
+    if is_turned(shape):
         first, second, _, last = (np.array([*corner, 0.0]) for corner in shape.corners)
         corners = (first, second, last, first + np.array([0.0, 0.0, depth]))
         return _tag("parallelepiped", {f"p{k + 1}": corner for k, corner in enumerate(corners)})

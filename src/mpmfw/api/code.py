@@ -7,7 +7,7 @@ from mpmfw.codes.code import (
     Code,
     Elasticity,
     elasticity,
-    gravity_of,
+    is_turned,
     points_of_body,
     read_arrays,
     spin_of,
@@ -15,7 +15,7 @@ from mpmfw.codes.code import (
     surface_velocity,
 )
 from mpmfw.codes.hexahedra import HexMesh, mesh_of_body
-from mpmfw.codes.outputs import MotionOutputs, MovingPoints, at_times
+from mpmfw.codes.outputs import MotionOutputs, MovingPoints, at_times, deformable, gravity_of, output_times
 from mpmfw.codes.process import ProcessLimits, read_log
 from mpmfw.scene import Scene
 
@@ -29,9 +29,12 @@ __all__ = [
     "ProcessLimits",
     "Scene",
     "at_times",
+    "deformable",
     "elasticity",
     "gravity_of",
+    "is_turned",
     "mesh_of_body",
+    "output_times",
     "points_of_body",
     "read_arrays",
     "read_log",

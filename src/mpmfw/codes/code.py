@@ -21,6 +21,7 @@ from mpmfw.errors import MpmfwError, SceneError, SceneProblem
 from mpmfw.geometry import Layout, Particles, discretise
 from mpmfw.plugin.base import PlugIn
 from mpmfw.plugin.discovery import load
+from mpmfw.results.references import at_rest
 from mpmfw.scene import load_scene
 from mpmfw.scene.specification import checked_specification
 from mpmfw.scene.tables import RigidBody
@@ -59,7 +60,8 @@ class Code(PlugIn):
     executable: ClassVar[str] = ""  #: name of its program on the path
     #: options of its best settings, which run beside the plainest where no options are named
     best: ClassVar[Mapping[str, Any]] = {}
-    #: what it reads of gravity, loads, boundaries, settle, sleep and outputs, and "motion" of rigid bodies
+    #: what it reads of gravity, loads, boundaries, settle, sleep and outputs, "motion" of rigid bodies,
+    #: "spin" at the start, and "start" for one that is not at rest after settling
     reads: ClassVar[frozenset[str]] = frozenset()
     models: ClassVar[tuple[str, ...]] = ("neo_hookean", "linear_elastic")  #: materials that it writes
     versions: ClassVar[tuple[str, ...]] = ()  #: with which the adapter was measured
@@ -72,8 +74,6 @@ class Code(PlugIn):
     def label(self) -> str:
         """Title and the options that were set."""
         return self.title + super().label.removeprefix(self.name)
-
-    # -- to implement
 
     def refusals(self, scene: Scene) -> Iterator[tuple[str, str]]:
         """Yield key and reason of everything in a scene that the code cannot do."""
@@ -106,8 +106,6 @@ class Code(PlugIn):
             return "ok"
         return f"suspect: measured with {', '.join(self.versions)}, not {version}"
 
-    # -- what campaigns call
-
     def problems(self, scene: Scene) -> tuple[SceneProblem, ...]:
         """Return everything in a scene that the code cannot do."""
         found = [*self._unread(scene), *self.refusals(scene)]
@@ -130,10 +128,8 @@ class Code(PlugIn):
             if material.damping is not None:
                 yield f"materials.{name}.damping", "viscous damping cannot be expressed"
             if material.model not in self.models:
-                yield (
-                    f"materials.{name}.model",
-                    f"'{material.model}' is not one of {' and '.join(self.models)}",
-                )
+                reason = f"'{material.model}' is not one of {' and '.join(self.models)}"
+                yield f"materials.{name}.model", reason
         for name, body in scene.bodies.items():
             for key in ("initial_stress", "thickness", "self_contact"):
                 if getattr(body, key) not in (None, False):
@@ -141,6 +137,10 @@ class Code(PlugIn):
             moves = isinstance(body, RigidBody) and body.rigid is not True
             if moves and not ("motion" in self.reads and body.prescribed):
                 yield f"bodies.{name}.rigid", "a rigid body that moves cannot be expressed"
+            if np.any(body.angular_velocity or 0.0) and "spin" not in self.reads:
+                yield f"bodies.{name}.angular_velocity", "a spin at the start is not written"
+            if scene.settle and not at_rest(body) and self.reads & {"settle", "start"} == {"settle"}:
+                yield f"bodies.{name}.velocity", "a velocity after settling is not written"
 
     def find(self) -> str:
         """Return the absolute path of the program; a SceneError has the command that installs the code."""
@@ -208,9 +208,7 @@ def codes_of(given: Iterable[Any]) -> list[Any]:
         codes += Code.named(one) if isinstance(one, str) else [one]
     for code in codes:
         if not isinstance(code, Code):
-            raise SceneError(
-                f"code: {code!r} is not an adapter; expected a name or an object of mpmfw.api.Code"
-            )
+            raise SceneError(f"code: {code!r} is neither a name nor an object of mpmfw.api.code.Code")
         code.identify()
     return list({code.label: code for code in codes}.values())
 
@@ -253,36 +251,23 @@ def points_of_body(scene: Scene, name: str, size: float | None = None) -> Layout
 class Elasticity:
     """Isotropic elasticity of a body at small strain."""
 
+    density: float  #: [kg/m³]
     bulk: float  #: modulus [Pa]
     shear: float  #: modulus [Pa]
-    density: float  #: [kg/m³]
-
-    @property
-    def young(self) -> float:
-        """Young's modulus [Pa]."""
-        return 9.0 * self.bulk * self.shear / (3.0 * self.bulk + self.shear)
-
-    @property
-    def poisson(self) -> float:
-        """Poisson's ratio."""
-        return (3.0 * self.bulk - 2.0 * self.shear) / (6.0 * self.bulk + 2.0 * self.shear)
-
-    @property
-    def uniaxial(self) -> float:
-        """Modulus of uniaxial strain, K + 4G/3 [Pa]."""
-        return self.bulk + 4.0 / 3.0 * self.shear
-
-    @property
-    def speed(self) -> float:
-        """Speed of pressure waves [m/s]."""
-        return math.sqrt(self.uniaxial / self.density)
+    young: float  #: Young's modulus [Pa]
+    poisson: float  #: Poisson's ratio
+    uniaxial: float  #: modulus of uniaxial strain, K + 4G/3 [Pa]
+    speed: float  #: of pressure waves [m/s]
 
 
 def elasticity(scene: Scene, name: str) -> Elasticity:
     """Return the elasticity of a body's material."""
     table = scene.materials[scene.bodies[name].material]
     material: Any = load("material", table.model).from_options(table.options)
-    return Elasticity(material.bulk_modulus, material.shear_modulus, table.density)
+    k, g, density = material.bulk_modulus, material.shear_modulus, table.density
+    young, poisson = 9.0 * k * g / (3.0 * k + g), (3.0 * k - 2.0 * g) / (6.0 * k + 2.0 * g)
+    uniaxial = k + 4.0 / 3.0 * g
+    return Elasticity(density, k, g, young, poisson, uniaxial, math.sqrt(uniaxial / density))
 
 
 def starting_velocity(scene: Scene, name: str, layout: Layout) -> FloatArray:
@@ -304,15 +289,11 @@ def surface_velocity(body: Any) -> FloatArray | None:
     """Return the constant velocity of a rigid body, or of its surface as a belt (dim,) [m/s]; else None."""
     if body.rigid is True:
         return np.zeros(body.geometry.dim)
-    moved = [] if body.rigid.motion is None else list(body.rigid.motion.model_dump(exclude_none=True).items())
-    constant = (
-        len(moved) == 1 and moved[0][0] in ("velocity", "surface_velocity") and np.ndim(moved[0][1]) == 1
-    )
-    return np.array(moved[0][1]) if constant else None
+    moved = body.rigid.motion.model_dump(exclude_none=True) if body.rigid.motion else {}
+    known: Any = moved.get("velocity", moved.get("surface_velocity"))
+    return np.array(known) if len(moved) == 1 and np.ndim(known) == 1 else None
 
 
-def gravity_of(scene: Scene, *, settling: bool = False) -> FloatArray:
-    """Return gravity of the motion, or that of ``settling`` before it (dim,) [m/s²]."""
-    given = scene.settle.gravity if settling and scene.settle is not None else None
-    table = given or scene.gravity
-    return np.zeros(scene.dim) if table is None else np.array(table.at(0.0))
+def is_turned(shape: Any) -> bool:
+    """Return True if a rectangle or box is turned against the axes."""
+    return bool(np.any(getattr(shape, "angle", 0.0)) or np.any(getattr(shape, "angles", 0.0)))

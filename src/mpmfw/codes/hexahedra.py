@@ -73,15 +73,14 @@ def _hexahedra(scene: Scene, name: str, size: float, depth: float) -> FloatArray
         half = np.einsum("pda,ka->pkd", layout.half_edges, _CORNERS)
         return np.asarray(layout.position[:, None] + half)
     corners = layout.corners
-    bodies = scene.bodies
-    others = [one for one in bodies if one != name and bodies[one].geometry.type in ("disc", "ring")]
-    if len(others) == 1 and shape.type in ("disc", "ring"):
-        centre = shape.centroid
+    discs = [one.geometry for one in scene.bodies.values() if one.geometry.type in ("disc", "ring")]
+    if len(discs) == 2 and shape in discs:
+        centre, is_first = shape.centroid, shape is discs[0]
         place = (corners - centre).reshape(-1, 2)
         far = place[np.hypot(*place.T) > np.hypot(*place.T).max() * (1 - 1e-6)]
         rim = np.unique(np.round(np.arctan2(far[:, 1], far[:, 0]), 9))
-        towards = np.subtract(bodies[others[0]].geometry.centroid, centre)
-        middle = rim[0] if name == next(iter(bodies)) else 0.5 * (rim[0] + rim[1])
+        towards = np.subtract(discs[int(is_first)].centroid, centre)
+        middle = rim[0] if is_first else 0.5 * (rim[0] + rim[1])
         angle = math.atan2(towards[1], towards[0]) - middle
         turn = [[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]]
         corners = centre + (corners - centre) @ np.array(turn)

@@ -60,8 +60,7 @@ class MotionOutputs:
 
     def check(self, scene: Scene, cost: RunCost | None) -> None:
         """Refuse a cost and outputs that are not those of a scene; a ValueError says why."""
-        soft = {name for name, body in scene.bodies.items() if not body.prescribed}
-        if self.bodies.keys() != soft:
+        if self.bodies.keys() != (soft := deformable(scene)).keys():
             raise ValueError(f"it has the bodies {sorted(self.bodies)}; expected {sorted(soft)}")
         frames = self.time.size
         if self.time.shape != (frames,) or self.time.dtype.kind != "f" or not np.isfinite(self.time).all():
@@ -84,6 +83,24 @@ class MotionOutputs:
                 raise ValueError(f"'{name}' has points without mass")
             if not (np.abs(points.position) < _HUGE).all() or not (np.abs(points.velocity) < _HUGE).all():
                 raise ValueError(f"'{name}' has a motion that is not finite")
+
+
+def deformable(scene: Scene) -> dict[str, Any]:
+    """Return the bodies that are not rigid, or that forces move, by name."""
+    return {name: body for name, body in scene.bodies.items() if not body.prescribed}
+
+
+def gravity_of(scene: Scene, *, settling: bool = False) -> FloatArray:
+    """Return gravity of the motion, or that of ``settling`` before it (dim,) [m/s²]."""
+    given = scene.settle.gravity if settling and scene.settle is not None else None
+    table = given or scene.gravity
+    return np.zeros(scene.dim) if table is None else np.array(table.at(0.0))
+
+
+def output_times(scene: Scene, last: float) -> FloatArray:
+    """Return the times of the outputs up to that of a code's last state [s]."""
+    interval, reached = scene.time.output_interval, min(scene.time.end, (1.0 + 1e-6) * last)
+    return np.asarray(interval * np.arange(int(reached / interval + 1e-6) + 1.0))
 
 
 def at_times(time: FloatArray, known: Any, values: Any) -> FloatArray:
@@ -138,7 +155,6 @@ def results_of(
         },
     )
     moments = {name: _moments(points) for name, points in outputs.bodies.items()}
-    gravity = np.array(scene.gravity.at(0.0) if scene.gravity is not None else (0.0,) * scene.dim)
     with RunWriter(path, header) as writer:
         for k, time in enumerate(outputs.time):
             series = _series(scene, moments, k)
@@ -147,7 +163,7 @@ def results_of(
                 if k:
                     mass, momentum = moments[alone[0]]["mass"], moments[alone[0]]["linear_momentum"]
                     rate = (momentum[k] - momentum[k - 1]) / (time - outputs.time[k - 1])
-                    force[0] = (rate - mass * gravity) * (1.0 if alone[0] == first else -1.0)
+                    force[0] = (rate - mass * gravity_of(scene)) * (1.0 if alone[0] == first else -1.0)
                 series["contact_force"] = force
             points = outputs.bodies.values() if scene.output.particles else ()
             arrays = {
