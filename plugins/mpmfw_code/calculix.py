@@ -80,7 +80,8 @@ class Calculix(Code):
             if name not in soft and shape.type not in ("rectangle", "box"):
                 yield f"bodies.{name}.geometry", "only rectangles and boxes are rigid"
             if scene.dim == 2 and body.particles and body.particles.layout != "fitted":
-                yield f"bodies.{name}.particles.layout", "needs 'fitted': quadrilaterals are its elements"
+                key = f"bodies.{name}.particles.layout"
+                yield key, "needs 'fitted', whose quadrilaterals are its elements"
             if body.sides and (is_turned(shape) or any(side.fixed is not True for side in body.sides)):
                 yield f"bodies.{name}.sides", "only upright sides fixed in all directions are written"
         if scene.settle and len(soft) > 1 and not any(body.sides for body in soft.values()):
