@@ -11,13 +11,13 @@ from mpmfw.contact.surfaces.detection import SurfaceRows
 from mpmfw.contact.surfaces.near_facets import VerletList
 from mpmfw.contact.surfaces.outline import Candidates
 from mpmfw.geometry.layout import neighbours_of, stars_of, tributaries_of
-from mpmfw.kernels import struct
 from mpmfw.kernels.contact import Records, match_rows
 from mpmfw.kernels.contact import pair_table as pair_of_bodies
 from mpmfw.kernels.surfaces import signed_distance
 from mpmfw.state.structs import Surface
 from mpmfw_contact.hamad2017 import find_penetrated
 from mpmfw_contact.penalty import spring_forces
+from support import as_table
 
 #: Tells kernels that they work in the plane.
 PLANE = (1.0, 1.0)
@@ -168,7 +168,7 @@ def rows_of(loops, found, *, across=False, ties=True, friction=True, tilts=False
     rows.allocate_friction(cohesion=False)
     rows.make_room(2 * found.facet.size, 400 * n)
     table = (np.arange(n + 1), np.arange(n, dtype=np.int32), np.ones(n)) if table is None else table
-    table = struct(**dict(zip(("row", "nodes", "weight"), table, strict=True)))
+    table = as_table(*table)
     rows.count = assemble(
         np.arange(loops.n_bodies) if passes == 1.0 else np.zeros(loops.n_bodies, dtype=np.int64),
         across,

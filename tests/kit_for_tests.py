@@ -12,6 +12,7 @@ from mpmfw_testing.contact import impact, symmetry
 from mpmfw_testing.examination import examine_one
 from mpmfw_testing.parametrised import checks_of
 from mpmfw_testing.searching import search, try_all
+from mpmfw_testing.shape import cases as placements
 
 #: ``MPMFW_EXAMPLES=all`` tries all examples of the kit, each of which is a simulation.
 ALL = os.environ.get("MPMFW_EXAMPLES") == "all"
@@ -35,6 +36,7 @@ def quickly():
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(impact, "search", fewer)
+        patch.setattr(placements, "search", fewer)
         patch.setattr(symmetry, "try_all", every_other)
         yield
 

@@ -3,6 +3,7 @@
 import numpy as np
 
 from mpmfw.api import Particles, Setup, State
+from mpmfw.kernels import Struct, struct
 from mpmfw.plugin.discovery import load
 from mpmfw.state.windows import make_grid
 from mpmfw_material._plastic import Flow
@@ -40,6 +41,22 @@ def make_particles(position, first=None, *, deformation_gradient=None, volume=0.
         moment=None,
         first=np.array([0, n] if first is None else first, dtype=np.int64),
     )
+
+
+def as_points(**arrays) -> Struct:
+    """Arrays of points, of the type that runs give to kernels: another one would be compiled anew."""
+    return struct(**make_particles(np.zeros((0, 2))).members() | arrays)
+
+
+def as_grid(**arrays) -> Struct:
+    """Arrays of nodes, of the type that runs give to kernels."""
+    return struct(**make_grid(1.0, np.zeros(2), np.ones(2), 1).members() | arrays)
+
+
+def as_table(row, nodes, weight, gradient=None) -> Struct:
+    """A table, of the type that runs give to kernels."""
+    gradient = np.zeros((0, 2)) if gradient is None else gradient
+    return struct(row=row, nodes=nodes, weight=weight, gradient=gradient)
 
 
 #: Shape functions whose table comes from a fill kernel on points.

@@ -153,9 +153,11 @@ def outcome(plugin, name, kind="contact", pictures=None, **options):
     return examine_one(subject_of(plugin, kind, options), check_of(kind, name), pictures=pictures)
 
 
-#: Laws of springs, of shared nodes and of all rows at once: they are asked everything. The other laws are
-#: asked these checks, and the rest in the long form; that runs repeat is in test_threads.
+#: Laws of springs, of shared nodes and of all rows at once: they are asked everything but what takes seconds
+#: of the last. The other laws are asked these checks, and the rest in the long form; that runs repeat is in
+#: test_threads.
 ASKED_EVERYTHING = ("penalty", "bardenhagen", "lcp")
+LONG = {"lcp": ("time-step", "step-length", "no-growth", "shapes", "three-dimensions")}
 ASKED_OF_ALL = {
     *("runs", "saved", "restart", "sent", "options", "reports", "equal-and-opposite"),
     *("moment-balance", "pushes-apart", "no-adhesion", "coulomb-cone", "frictionless", "sticking"),
@@ -166,7 +168,9 @@ def cases():
     """Yield kind, plug-in and check; those of the long form are marked."""
     for kind, plugin in SOUND:
         for name in (check.name for check in checks_of(kind)):
-            asked = kind != "contact" or plugin in ASKED_EVERYTHING or name in ASKED_OF_ALL
+            long = "repeatable", *LONG.get(plugin, ())
+            asked = kind != "contact" or name in ASKED_OF_ALL
+            asked |= plugin in ASKED_EVERYTHING and name not in long
             yield pytest.param(kind, plugin, name, marks=() if asked else pytest.mark.long)
 
 

@@ -8,7 +8,6 @@ from contact_kernels import PLANE, flat, join
 from interpreted import interpreted
 from mpmfw.contact.rows import ContactRows
 from mpmfw.contact.springs import SpringArrays
-from mpmfw.kernels import struct
 from mpmfw_contact._barriers import (
     LEAST_SHARE,
     LEFT,
@@ -20,6 +19,7 @@ from mpmfw_contact._barriers import (
     time_to_reach,
 )
 from mpmfw_contact.barrier import FIRST
+from support import as_table
 
 REACH = 0.01
 
@@ -40,7 +40,7 @@ def part_used(distance, **constants):
     """Part of the distance [reach] from a wall that a node uses up in the longest step, at unit speed."""
     loops = join([flat(-1.0, 1.0, -1.0, 0.0, 1), [[0.0, distance * REACH], [0.5, 1.0], [-0.5, 1.0]]])
     n, top = len(loops.body), 2  # the facet from (1, 0) to (−1, 0)
-    table = struct(row=np.arange(n + 1), nodes=np.arange(n, dtype=np.int32), weight=np.ones(n))
+    table = as_table(np.arange(n + 1), np.arange(n, dtype=np.int32), np.ones(n))
     velocity = np.where(loops.body[:, None] == 1, [0.0, -1.0], 0.0)
     step = interpreted(time_to_reach, **constants)(
         4, top, np.array([0.5, 0.5]), np.array([0.0, 1.0]), 0.0, REACH, loops.outline, table, np.ones(n),

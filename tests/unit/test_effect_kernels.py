@@ -8,8 +8,8 @@ import pytest
 
 from mpmfw.api import Stencil
 from mpmfw.effects.side_rows import TABULATED, SideTable, basis_at_places, meet, tabulate
-from mpmfw.kernels import struct
 from mpmfw_shape.cpdi2 import fill_cpdi2, move_corners
+from support import as_grid
 
 RNG = np.random.default_rng(7)
 NODES, POINTS = 40, 25
@@ -96,7 +96,9 @@ def test_cpdi2_averages_over_the_quadrilateral_and_follows_the_grid():
     weight, gradient = np.zeros(16 * POINTS), np.zeros((16 * POINTS, 2))
     velocity = RNG.normal(size=(n * n, 2))
     offset = np.array([0, n * n])
-    grid = struct(lower=np.zeros(2), window_lower=zeros, window_shape=shape, offset=offset, velocity=velocity)
+    grid = as_grid(
+        lower=np.zeros(2), window_lower=zeros, window_shape=shape, offset=offset, velocity=velocity
+    )
     table = Stencil(row, nodes, weight, gradient)
     assert fill_cpdi2(first, corners, grid, 0, len(nodes), table, (1.0, 1.0)) == -1
     x = np.stack(np.meshgrid(np.arange(n), np.arange(n), indexing="ij"), -1).reshape(-1, 2)

@@ -10,6 +10,7 @@ from mpmfw.api import Stencil
 from mpmfw.kernels import arithmetic, kernel, particle_grid, struct
 from mpmfw.kernels.stencil import WIDEST, fill_tensor_product
 from mpmfw.step.transfer import make_transfer
+from support import as_grid, as_points
 
 N_POINTS, N_NODES = 23, 41
 
@@ -34,7 +35,7 @@ def problem(request):
         rng.normal(size=(row[-1], dim)),
     )
     tensor = (N_POINTS, dim, dim)
-    points = struct(
+    points = as_points(
         mass=rng.random(N_POINTS) + 0.5,
         volume=rng.random(N_POINTS) + 0.5,
         initial_volume=rng.random(N_POINTS) + 0.5,
@@ -44,7 +45,7 @@ def problem(request):
         velocity_gradient=rng.normal(size=tensor),
         deformation_gradient=np.eye(dim) + 0.2 * rng.normal(size=tensor),
     )
-    grid = struct(
+    grid = as_grid(
         position=rng.normal(size=(N_NODES, dim)),
         velocity=rng.normal(size=(N_NODES, dim)),
         start_velocity=rng.normal(size=(N_NODES, dim)),

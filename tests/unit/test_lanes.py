@@ -5,8 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from mpmfw.kernels import kernel, lanes, motion, struct
+from mpmfw.kernels import kernel, lanes, motion
 from mpmfw_material.neo_hookean import SMALL, inverse_five_thirds, neo_hookean_split
+from support import as_points
 
 COUNTS = range(1, 2 * lanes.WIDTH + 2)
 
@@ -109,7 +110,7 @@ def test_deformation_and_affine_transport(dim, count):
     rng, spacing, dt = np.random.default_rng(count), (1.0,) * dim, 0.1
     arrays = {name: np.eye(dim) + 0.2 * rng.random((count, dim, dim)) for name in "FL"}
     initial, affine = 1.0 + rng.random(count), rng.random((count, dim, dim))
-    points = struct(
+    points = as_points(
         mass=np.ones(count),
         initial_volume=initial,
         volume=np.zeros(count),

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from interpreted import interpreted
 from mpmfw.effects.local_spin import LEAST_SHARE, correct_spin, find_excess
-from mpmfw.kernels import struct
 from mpmfw.state.fields import FloatArray
+from support import as_grid, as_points
 
 H, FIRST = 0.3, 5  #: cell size, and nodes of another window before this one
 EXTENT = {2: (6, 5), 3: (4, 3, 5)}
@@ -39,8 +39,8 @@ class Window:
         out = momentum.copy()
         change, common = np.zeros_like(out), np.zeros(len(out))
         excess, spacing = np.zeros((3, 3)), (H,) * self.dim
-        points = struct(mass=self.mass, position=self.position, deformation_gradient=self.deformation)
-        grid = struct(mass=self.node_mass, position=self.node, start_velocity=start, momentum=out)
+        points = as_points(mass=self.mass, position=self.position, deformation_gradient=self.deformation)
+        grid = as_grid(mass=self.node_mass, position=self.node, start_velocity=start, momentum=out)
         total = find_excess(0, len(self.mass), points, self.edges, FIRST, len(out), grid, excess, spacing)
         if total > 0.0:
             correct_spin(

@@ -12,10 +12,10 @@ from scipy.optimize import least_squares
 from interpreted import interpreted
 from mpmfw.contact import shared_nodes as shared
 from mpmfw.contact.rows import ContactRows
-from mpmfw.kernels import struct
 from mpmfw_contact import logistic as regression
 from mpmfw_contact.logistic import write_regressed_rows
 from mpmfw_contact.surface_impulse import SurfaceImpulse
+from support import as_points, as_table
 
 H = 0.5
 HALF = 0.25 * H  # half of the edge of a point's domain
@@ -74,7 +74,7 @@ def clouds_of(split, count):
     """Points 0 to ``split`` at node 0, and those up to ``count`` at node 1."""
     clouds = empty_clouds(2, count)
     nodes = np.repeat([0, 1], [split, count - split]).astype(np.int32)
-    table = struct(row=np.arange(count + 1), nodes=nodes, weight=np.ones(count))
+    table = as_table(np.arange(count + 1), nodes, np.ones(count))
     regression.list_points(table, np.ones(2, dtype=bool), clouds)
     return clouds
 
@@ -101,9 +101,9 @@ def detected(normal, gap=0.0, *, seed=0, turn=1e-5, strain=None):
     n = shared.find_shared_nodes(pairs, grid, listed)
     shared.mark_nodes(n, listed, grid)
     clouds = empty_clouds(2 * size, len(nodes))
-    regression.list_points(struct(row=row, nodes=nodes, weight=weight), grid.shared, clouds)
+    regression.list_points(as_table(row, nodes, weight), grid.shared, clouds)
     deformation = np.broadcast_to(np.eye(dim) if strain is None else strain, edges.shape).copy()
-    points = struct(position=position, deformation_gradient=deformation)
+    points = as_points(position=position, deformation_gradient=deformation)
     rows = ContactRows(dim, couples=False, own=SurfaceImpulse().row_arrays(friction=False))
     rows.make_room(n + 1, 2 * n)
     rows.count = write_regressed_rows(

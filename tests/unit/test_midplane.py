@@ -9,8 +9,8 @@ from contact_kernels import PLANE, join, pair_table, turned
 from interpreted import interpreted
 from mpmfw.contact.rows import ContactRows
 from mpmfw.contact.surfaces.near_facets import NearFacets
-from mpmfw.kernels import struct
 from mpmfw_contact.midplane import DEEPEST, LEAST_COSINE, LEAST_OVERLAP, write_midlines
+from support import as_table
 
 
 def cut(x, y0, y1):
@@ -34,7 +34,7 @@ def rows_between(loops, *, friction=True, reach=0.5, **constants):
     )
     rows = ContactRows(2, couples=friction)
     rows.make_room(4 * len(near.facet), 64 * len(near.facet))
-    table = struct(row=np.arange(n + 1), nodes=np.arange(n, dtype=np.int32), weight=np.ones(n))
+    table = as_table(np.arange(n + 1), np.arange(n, dtype=np.int32), np.ones(n))
     rows.count = write(near, reach, loops.outline, *pair_table(2), table, rows, PLANE)
     assert constants or rows.count > 0
     return rows

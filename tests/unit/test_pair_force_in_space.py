@@ -8,10 +8,11 @@ from mpmfw.contact.surfaces.detection import SurfaceRows
 from mpmfw.contact.surfaces.outline import Candidates
 from mpmfw.contact.surfaces.turning import write_spins
 from mpmfw.geometry.layout import neighbours_of, stars_of
-from mpmfw.kernels import kernel, signed_distance, struct
+from mpmfw.kernels import kernel, signed_distance
 from mpmfw.kernels.contact import add_turned, pair_table
 from mpmfw.kernels.facets import project
 from mpmfw.state.structs import Surface
+from support import as_table
 
 SPACE = (1.0, 1.0, 1.0)
 #: Where the foot lies on facet (1, 2, 3) of the master, a tetrahedron of nodes 1 to 4: node 0 is the slave.
@@ -62,7 +63,7 @@ def row_of(position, displacement=None, *, tilts=False):
     moved = np.zeros_like(position) if displacement is None else displacement
     outline = outline_of(position, moved)
     rows = SurfaceRows(3, couples=True, tilts=tilts, spins=True, own={})
-    table = struct(row=np.arange(6), nodes=np.arange(5, dtype=np.int32), weight=np.ones(5))
+    table = as_table(np.arange(6), np.arange(5, dtype=np.int32), np.ones(5))
     pairs = pair_table(np.array([0]), np.array([1]))
     rows.count = assemble(
         np.arange(2), False, False, candidates, outline, pairs, np.array([0]), table,

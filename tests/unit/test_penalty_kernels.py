@@ -9,9 +9,9 @@ import shapely
 
 from contact_kernels import PLANE, Law, empty_candidates, find, flat, forces, join, rows_of, star
 from mpmfw.contact.surfaces.layer import gather_layer
-from mpmfw.kernels import struct
 from mpmfw.kernels.contact import couplings
 from mpmfw.kernels.surfaces import minimum_gap
+from support import as_table
 
 H = 0.25
 
@@ -189,7 +189,7 @@ def test_a_candidate_ahead_of_a_segment_s_end_has_finite_rows():
 def test_the_velocity_of_the_interface_is_gathered_by_the_table():
     rng = np.random.default_rng(3)
     t = twin.random_table(rng, 17, 30)
-    matrix, of_surface = twin.matrix_of(*t, 30), struct(row=t[0], nodes=t[1], weight=t[2])
+    matrix, of_surface = twin.matrix_of(*t, 30), as_table(*t)
     velocity, mapped, start = (rng.normal(size=(n, 2)) for n in (17, 30, 30))
     gathered = velocity.copy()
     gather_layer(of_surface, mapped, start, gathered, 0.75)

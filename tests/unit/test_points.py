@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from contact_scenes import impact, run
 from measures_for_tests import detect
 from mpmfw.contact.rows import ContactRows
-from mpmfw.kernels import struct
 from mpmfw.kernels.boxes import Boxes, bounding_boxes
 from mpmfw.runs.simulation import Simulation
 from mpmfw_contact.points import NEAR, find_near
 from scenes_for_tests import block, box, solid
+from support import as_points
 
 Bodies = list[tuple[np.ndarray, np.ndarray]]
 OVERLAP, MU = 0.01, 0.3
@@ -34,7 +34,7 @@ def listed(bodies: Bodies, dim: int, buckets: int = 16) -> list[tuple[int, int]]
     head, after = np.full(buckets, -1, dtype=np.int64), np.zeros(end[-1], dtype=np.int64)
     rows = ContactRows(dim, couples=False)
     rows.make_room(400, 1)
-    points = struct(position=position, volume=volume)
+    points = as_points(position=position, volume=volume)
     count = find_near(np.array([[0, 1]]), first, points, reach, boxes, head, after, rows)
     assert (head == -1).all()  # as the next pair of bodies must find it
     return [divmod(int(identity), end[-1]) for identity in rows.identity[:count]]

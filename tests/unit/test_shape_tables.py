@@ -96,14 +96,14 @@ def test_sums_from_factors_are_those_from_the_table(dim, with_affine):
     found = []
     middle = len(grid.mass) // 3
     for kernels, rows, ranges in (
-        (particle_grid, table, ()),
-        (products, table.factors, ()),
-        (products, table.factors, ((0, middle), (middle, len(grid.mass)))),
+        (particle_grid, table, [()]),
+        (products, table.factors, [()]),
+        (products, table.factors, [((0, middle),), ((middle, len(grid.mass)),)]),
     ):
         for array in sums:
             array.fill(0.0)
-        for own_nodes in ranges or (None,):
-            kernels.project_with_force(particles, affine, None, rows, grid, grid.spacing, own_nodes)
+        for own_nodes in ranges:
+            kernels.project_with_force(particles, affine, None, rows, grid, grid.spacing, *own_nodes)
         found.append([array.copy() for array in sums])
     for by_table, by_factors, in_parts in zip(*found, strict=True):
         np.testing.assert_allclose(by_factors, by_table, atol=1e-12 * np.abs(by_table).max())

@@ -11,9 +11,9 @@ import pytest
 from contact_kernels import no_records
 from mpmfw.contact import shared_nodes as shared
 from mpmfw.contact.rows import ContactRows
-from mpmfw.kernels import struct
 from mpmfw.kernels.contact import add_records
 from mpmfw_contact.surface_impulse import SurfaceImpulse
+from support import as_points, as_table
 
 
 @pytest.fixture(params=[2, 3], ids=["2D", "3D"])
@@ -220,8 +220,8 @@ def test_projections_agree_with_numpy_at_shared_nodes_and_are_zero_elsewhere(fie
         np.zeros((n_nodes, dim)),
         np.zeros((n_nodes, dim)),
     )
-    table = struct(row=row, nodes=index, weight=weight, gradient=gradient)
-    of_points = struct(mass=mass, volume=volume, position=position)
+    table = as_table(row, index, weight, gradient)
+    of_points = as_points(mass=mass, volume=volume, position=position)
     shared.project_volume_gradient(table, of_points, nodes, f.spacing)
     np.add.at(expected, index, volume[of, None] * gradient)
     np.testing.assert_allclose(nodes.gradient, np.where(at_both[:, None], expected, 0.0), atol=1e-13)

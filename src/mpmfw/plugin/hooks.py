@@ -28,9 +28,24 @@ Clock: TypeAlias = Callable[[str], str]  #: begins a stage, and returns the one 
 BEFORE_THE_RUN = ("declare_fields", "setup")
 
 
+@functools.lru_cache(maxsize=4096)
+def _mark_of(kind: type, name: str) -> Any:
+    """Return the options of ``@hookimpl`` on a member of a class; looking them up takes 20 µs."""
+    return pluggy.PluginManager("mpmfw").parse_hookimpl_opts(kind, name)
+
+
+class _Manager(pluggy.PluginManager):
+    """A plug-in manager that looks up the marks of each class once in a process."""
+
+    def parse_hookimpl_opts(self, plugin: object, name: str) -> Any:
+        """Return the options of a hook's implementation, None of what is none."""
+        own = name in getattr(plugin, "__dict__", ())
+        return super().parse_hookimpl_opts(plugin, name) if own else _mark_of(type(plugin), name)
+
+
 def make_manager() -> pluggy.PluginManager:
     """Return the plug-in manager of one simulation."""
-    manager = pluggy.PluginManager("mpmfw")
+    manager = _Manager("mpmfw")
     manager.add_hookspecs(HookSpecs)
     return manager
 
