@@ -22,10 +22,10 @@ def choosing():
         ("press-fit", "penalty", 0.983),
         ("press-fit", "lcp(recovery=0.1)", 1.0),
         ("press-fit", "lcp", 0.0),
-        # test_rigid_control runs its scene
+        # The case of validation runs its scene
         pytest.param("footing", "penalty", 1.0945, marks=pytest.mark.long),
         ("column", "bardenhagen(criterion=position,normal=master)", 2.50),
-        ("column", "penalty", math.nan),
+        pytest.param("column", "penalty", math.nan, marks=pytest.mark.long),
     ],
 )
 def test_a_problem_has_the_result_of_the_page(choosing, scene, contact, expected):

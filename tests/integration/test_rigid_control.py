@@ -170,7 +170,8 @@ def test_impulses_do_not_turn_a_body_about_an_axis_that_is_held():
 @pytest.mark.parametrize(
     ("method", "rotation"),
     [
-        *((method, ["rotation"]) for method in ("penalty", "lcp", "impulse", "midplane", "bardenhagen")),
+        *((method, ["rotation"]) for method in ("penalty", "lcp", "midplane", "bardenhagen")),
+        pytest.param("impulse", ["rotation"], marks=pytest.mark.long),
         *((method, []) for method in ("penalty", "lcp")),
     ],
 )
@@ -270,13 +271,6 @@ def test_the_roller_is_pressed_as_johnson_says_and_rolls_with_half_of_the_floors
         0.5, rel=0.05
     )
     assert "warnings" not in tree.attrs  # what presses does the work
-
-
-def test_the_limit_load_of_a_footing_is_above_that_of_prandtl():
-    """By up to 20 % with cells of a quarter of its width."""
-    series = mpmfw.run("footing", set={"grid.cell_size": 0.25, "output.particles": False})["series"]
-    load = series["reaction"].values[-5:, 1, 1].mean() / 1e4
-    assert 1.0 < load / (2.0 + np.pi) < 1.2
 
 
 @pytest.mark.parametrize(("method", "within"), [("lcp", 1e-6), ("impulse", 1e-5), ("hybrid", 2e-5)])

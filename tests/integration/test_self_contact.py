@@ -145,6 +145,7 @@ def test_a_slit_closes_under_pressure():
     assert np.abs(own["contact_force"].values[-1, 1]) > 100.0
 
 
+@pytest.mark.long
 def test_a_ring_folds_flat():
     plate = {"type": "rectangle", "lower": [-2.0, -1.3], "upper": [2.0, -1.0]}
     ring = {

@@ -155,15 +155,16 @@ Row = tuple[str, str, str, tuple[float, ...], Any]
 def rows() -> Iterator[Row]:
     """Yield case, contact, shape, shift [cells] and turn [°] of all runs.
 
-    In the plane a case meets three methods, one at each shift, in space two; in full all methods at all
+    A case meets two methods, each at another shift, and one that is known to fail; in full all methods at all
     places. Those in space come first: the other worker of the tests compiles the kernels of the plane."""
-    for cases, methods, places, few in (
-        (IN_SPACE, METHODS_IN_SPACE, plane.PLACES_IN_SPACE, 2),
-        (CASES, METHODS, plane.PLACES, 3),
+    for cases, methods, places in (
+        (IN_SPACE, METHODS_IN_SPACE, plane.PLACES_IN_SPACE),
+        (CASES, METHODS, plane.PLACES),
     ):
         for i, (name, case) in enumerate(cases.items()):
             able = [method for method in methods if not case.springs or method[0] == "penalty"]
-            some = [(able[(i + k) % len(able)], places[(i + 2 * k) % len(places)]) for k in range(few)]
+            some = [(able[(i + k) % len(able)], places[(i + 2 * k) % len(places)]) for k in range(3)]
+            some = [row for k, row in enumerate(some) if k < 2 or (name, *row[0]) in KNOWN]
             some = [row for row in some if not case.drawn and not (case.costly and any(np.ravel(row[1][1])))]
             for method, place in itertools.product(able, places) if FULL else some:
                 yield (name, *method, *place)

@@ -32,7 +32,7 @@ shown = Runs(
     scene=collapse.scene,
     methods=methods([CLASSICAL[1]], ["gimp"]),
     places=[
-        *places((0.5, 10, ""), (0.5, 20, "full")),
+        *places((0.5, 10, "full"), (0.5, 20, "full")),
         *places((1.2, 10, "full"), (1.2, 20, "full"), angle=31.0),
         *places((1.2, 20, "full"), angle=31.0, volumetric="pointwise"),
     ],

@@ -39,7 +39,7 @@ def scene(count, cell):
 cradle = Runs(
     "cradle",
     scene,
-    methods(["lcp"], bound=True) + methods(["impulse"]),
+    methods(["lcp"], bound=True) + methods(["impulse"], when="full"),
     [
         Place(f"{count} discs, h = {cell:g} m", make={"count": count, "cell": cell})
         for count, cell in ((2, 0.1), (4, 0.1), (4, 0.05))

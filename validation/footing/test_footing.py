@@ -7,7 +7,7 @@ from mpmfw.validation import CLASSICAL, Place, Runs, methods
 
 #: (2 + π) c_u B of the shipped scene [N/m]: c_u = 10 kPa, B = 1 m.
 PRANDTL = (2.0 + np.pi) * 1e4
-FRICTION = {"rough": {}, "smooth": {"contact.friction": 0.0}}
+SMOOTH = {"contact.friction": 0.0}
 
 
 def places(*parts):
@@ -21,7 +21,11 @@ def places(*parts):
 coarse = Runs(
     "footing",
     "footing",
-    methods(["penalty", CLASSICAL[1]], settings=FRICTION, bound=True),
+    [
+        *methods(settings={"rough": {}}, bound=True),
+        *methods(settings={"smooth": SMOOTH}, bound=True, when="full"),
+        *methods([CLASSICAL[1]], settings={"rough": {}, "smooth": SMOOTH}, bound=True, when="full"),
+    ],
     places((8, 0.0, 12.0, ""), (16, 0.0, 6.0, "full")),
     set={"output.particles": False},
 )

@@ -41,7 +41,7 @@ springs = Runs(
             },
             when="full",
         ),
-        *methods(settings={"": {}, "damping 1": DAMPED, "apic": {"stepping.transfer": "apic"}}, when="quick"),
+        *methods(settings={"": {}, "damping 1": DAMPED}, when="quick"),
     ],
     set={
         "output.particles": False,

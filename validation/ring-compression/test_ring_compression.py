@@ -8,8 +8,9 @@ from mpmfw.validation import Place, Runs, methods
 smooth = Runs(
     "smooth",
     scene=compressed.scene,
-    methods=[*methods(), *methods(["lcp"], bound=True), *methods(shape=["gimp"], when="full")],
+    methods=[*methods(), *methods(["lcp"], bound=True), *methods(shape=["gimp"])],
     places=[Place("m = 0", make={"cells": 4, "factor": 0.0}, within={"mean": (-1.0, 1.0)})],
+    when="full",
 )
 rough = Runs(
     "rough",
