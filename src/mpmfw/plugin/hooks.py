@@ -37,7 +37,7 @@ def _mark_of(kind: type, name: str) -> Any:
 class _Manager(pluggy.PluginManager):
     """A plug-in manager that looks up the marks of each class once in a process."""
 
-    def parse_hookimpl_opts(self, plugin: object, name: str) -> Any:
+    def parse_hookimpl_opts(self, plugin: Any, name: str) -> Any:
         """Return the options of a hook's implementation, None of what is none."""
         own = name in getattr(plugin, "__dict__", ())
         return super().parse_hookimpl_opts(plugin, name) if own else _mark_of(type(plugin), name)
