@@ -198,6 +198,17 @@ def next_slot(s: int, last: int, facet: Ints) -> int:
     return slot
 
 
+@device
+def points_up(normal: Floats) -> bool:
+    """Return True if the largest component of a vector is positive: of a body with itself, the force counts
+    that acts on the lower part."""
+    largest = 0.0
+    for d in range(len(normal)):
+        if abs(normal[d]) > abs(largest):
+            largest = normal[d]
+    return largest > 0.0
+
+
 @kernel
 def assemble(
     rank: Ints, across: bool, ties: bool, candidates: Candidates, outline: Surface, pair_of: Ints,
@@ -238,8 +249,9 @@ def assemble(
                     return -1
                 p = pair_index(pair_of, body[s], master)
                 rows.pair[c], rows.identity[c], rows.gap[c] = p, s * n_bodies + master, g
-                earlier = s < outline.facets[m, 0]  # of a body with itself the part that comes first
-                rows.sign[c] = 1.0 if pair_first[p] == body[s] and (master != body[s] or earlier) else -1.0
+                rows.sign[c] = 1.0 if pair_first[p] == body[s] else -1.0
+                if master == body[s] and points_up(normal):
+                    rows.sign[c] = -1.0
                 passes = 0.5 if rank[body[s]] == rank[master] else 1.0
                 rows.tributary_area[c] = taken * passes * outline.tributary[s]
                 rows.area[c] = rows.tributary_area[c]

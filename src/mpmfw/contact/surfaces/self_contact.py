@@ -15,7 +15,7 @@ from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
 from mpmfw.contact.surfaces.near_facets import NearFacets
-from mpmfw.contact.surfaces.outline import body_of, distance_to
+from mpmfw.contact.surfaces.outline import distance_to
 from mpmfw.errors import SceneError
 from mpmfw.kernels import Struct, device, kernel, scratch
 from mpmfw.kernels.sides import node_normals
@@ -100,7 +100,7 @@ def mark_nodes(
 
 
 class OnePart(Struct):
-    """Which surface nodes are of one part: those of node s are ``node[first[s]:first[s + 1]]``."""
+    """Which surface nodes are of one part: those of node s are ``node[first[s]:first[s + 1]]``, ascending."""
 
     first: Ints  #: (n_s + 1,)
     node: Ints  #: (n,)
@@ -109,10 +109,21 @@ class OnePart(Struct):
 @device
 def are_joined(s: int, t: int, one_part: OnePart) -> bool:
     """Return True if surface nodes s and t are of one part."""
-    joined = False
-    for j in range(one_part.first[s], one_part.first[s + 1]):
-        joined = joined or one_part.node[j] == t
-    return joined
+    low, high = one_part.first[s], one_part.first[s + 1]
+    while low < high:
+        middle = (low + high) // 2
+        if one_part.node[middle] < t:
+            low = middle + 1
+        else:
+            high = middle
+    return low < one_part.first[s + 1] and one_part.node[low] == t
+
+
+@kernel
+def mark_apart(pairs: Ints, one_part: OnePart, apart: Any) -> None:
+    """Write which ``pairs`` of surface nodes (n, 2) are of two parts."""
+    for c in range(len(pairs)):
+        apart[c] = not are_joined(pairs[c, 0], pairs[c, 1], one_part)
 
 
 @kernel
@@ -169,16 +180,20 @@ def least_gap(
 
 
 @kernel
-def remove_joined(near: NearFacets, outline: Surface, one_part: OnePart) -> None:
-    """Remove facets of a node's own body that have a node of one part with it."""
+def remove_joined(near: NearFacets, outline: Surface, one_part: OnePart, last: Ints) -> None:
+    """Remove facets of a node's own body that have a node of one part with it.
+
+    ``last`` (n_s,) is scratch: the last node that was of one part with each."""
     count, end = 0, 0
+    last[:] = -1
     for s in range(len(near.first) - 1):
         begin, end = end, near.first[s + 1]
+        for j in range(one_part.first[s], one_part.first[s + 1]):
+            last[one_part.node[j]] = s
         for k in range(begin, end):
             m, kept = near.facet[k], True
-            if body_of(m, outline) == outline.body[s]:
-                for a in range(outline.facets.shape[1]):
-                    kept = kept and not are_joined(s, outline.facets[m, a], one_part)
+            for a in range(outline.facets.shape[1]):
+                kept = kept and last[outline.facets[m, a]] != s
             if kept:
                 near.facet[count], near.away[count] = m, near.away[k]
                 count += 1
@@ -237,9 +252,11 @@ class Facing:
         """List nodes of two parts that are near each other, both ways, and find the points' sides."""
         tree = cKDTree(position[self.own])
         pairs = self.own.start + tree.query_pairs(2.0 * self.reach + skin, p=np.inf, output_type="ndarray")
-        s, t = pairs.T
-        apart = (dots(normal[s], normal[t]) < NEARLY) & (np.asarray(self.joined[s, t]) == 0)
-        pairs = np.concatenate([pairs[apart], pairs[apart, ::-1]])
+        pairs = pairs[dots(normal[pairs[:, 0]], normal[pairs[:, 1]]) < NEARLY]
+        apart = np.zeros(len(pairs), dtype=bool)
+        mark_apart(np.ascontiguousarray(pairs), self.one_part, apart)
+        pairs = pairs[apart]
+        pairs = np.concatenate([pairs, pairs[:, ::-1]])
         self.pairs = np.ascontiguousarray(pairs[np.lexsort(pairs.T[::-1])])
         if len(pairs):
             ends = np.unique(pairs)
@@ -297,9 +314,7 @@ class SelfContact:
         between = [setup.contact.between(a.name, b.name) for a in bodies for b in setup.bodies]
         found = [(getattr(each, "detection", None), each.label) for each in between]
         at_nodes = [label for each, label in found if "facets" not in getattr(each, "provides", ())]
-        if setup.dim == 3 or setup.state.grid.axisymmetric:
-            problem = "was not tested in space, nor for bodies of revolution; expected a scene of the plane"
-        elif not getattr(getattr(contact, "detection", None), "finds_own", False):
+        if not getattr(getattr(contact, "detection", None), "finds_own", False):
             problem = f"contact '{contact.label}' finds other bodies alone; expected penalty or lcp"
         elif at_nodes:
             problem = f"contact '{at_nodes[0]}' would miss its second nodes; expected contact on surfaces"
@@ -339,7 +354,8 @@ class SelfContact:
 
     def remove_joined(self, near: NearFacets) -> None:
         """Remove facets that are of one part with the node that they are near."""
-        remove_joined(near, self.state.tracked_surface, self.one_part)
+        surface = self.state.tracked_surface
+        remove_joined(near, surface, self.one_part, np.zeros(surface.count, dtype=np.int64))
 
     def gaps(self, pairs: IntArray) -> FloatArray:
         """Return the least gap [m] of each of the ``pairs`` (n, 2), infinite for two bodies; of a body with
