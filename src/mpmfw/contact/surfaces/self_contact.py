@@ -116,7 +116,8 @@ def are_joined(s: int, t: int, one_part: OnePart) -> bool:
             low = middle + 1
         else:
             high = middle
-    return low < one_part.first[s + 1] and one_part.node[low] == t
+    joined: bool = low < one_part.first[s + 1] and one_part.node[low] == t
+    return joined
 
 
 @kernel
