@@ -199,14 +199,16 @@ def next_slot(s: int, last: int, facet: Ints) -> int:
 
 
 @device
-def points_up(normal: Floats) -> bool:
-    """Return True if the largest component of a vector is positive: of a body with itself, the force counts
-    that acts on the lower part."""
+def sign_of(first: int, body: int, master: int, normal: Floats) -> float:
+    """Return 1 if a row's force counts for the pair's ``first`` body, else −1; of a body with itself, if the
+    force acts on what lies lower along the largest component of the normal."""
+    if body != master:
+        return 1.0 if first == body else -1.0
     largest = 0.0
     for d in range(len(normal)):
         if abs(normal[d]) > abs(largest):
             largest = normal[d]
-    return largest > 0.0
+    return -1.0 if largest > 0.0 else 1.0
 
 
 @kernel
@@ -249,9 +251,7 @@ def assemble(
                     return -1
                 p = pair_index(pair_of, body[s], master)
                 rows.pair[c], rows.identity[c], rows.gap[c] = p, s * n_bodies + master, g
-                rows.sign[c] = 1.0 if pair_first[p] == body[s] else -1.0
-                if master == body[s] and points_up(normal):
-                    rows.sign[c] = -1.0
+                rows.sign[c] = sign_of(pair_first[p], body[s], master, normal)
                 passes = 0.5 if rank[body[s]] == rank[master] else 1.0
                 rows.tributary_area[c] = taken * passes * outline.tributary[s]
                 rows.area[c] = rows.tributary_area[c]
