@@ -1,15 +1,18 @@
-"""What the site needs, and pages do not carry where the repository is browsed: lists of pages below, the
-built gallery.
-"""
+"""What only the site needs: lists of pages below a page, links to the built gallery, wide figures that scroll."""
 
 from __future__ import annotations
 
 import re
 
+from docutils import nodes
+from PIL import Image
 from sphinx.application import Sphinx
 
 #: Pages below a page, as a pattern from the page's own folder.
 BELOW = {"validation/README": "*/README", "validation/hard/README": "*/README"}
+
+#: Width of a figure of several panels [px].
+WIDE = 1000
 
 #: A link to an example's script, or to the gallery's list, leads to what was built of it.
 SCRIPT = re.compile(r"\]\(((?:\.\./)?)gallery/(\w+)\.(?:py|txt)\)")
@@ -29,7 +32,16 @@ def _to_built_page(link: re.Match[str]) -> str:
     return f"]({up}auto/gallery/{'index' if name == 'README' else name}.rst)"
 
 
+def mark_wide(app: Sphinx, document: nodes.document) -> None:
+    """Give figures of several panels a class, by which they scroll on narrow screens."""
+    for figure in document.findall(nodes.image):
+        path = app.srcdir / figure["uri"]
+        if path.suffix == ".png" and path.is_file() and Image.open(path).width > WIDE:
+            figure["classes"].append("wide")
+
+
 def setup(app: Sphinx) -> dict[str, bool]:
-    """Listen to pages as they are read."""
+    """Connect to pages as they are read."""
     app.connect("source-read", adapt)
+    app.connect("doctree-read", mark_wide)
     return {"parallel_read_safe": True}

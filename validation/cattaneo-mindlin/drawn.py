@@ -8,18 +8,13 @@ from matplotlib.figure import Figure
 from pressed import FRICTION
 from tractions import Tractions, half_way, of_forces, of_stress
 
-from mpmfw.plots.style import dress, new_figure
+from mpmfw.plots.style import dress, new_figure, on_lines
 from mpmfw.validation import CaseRun
 
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#7F3C8D", "#D55E00")
 MARKERS = ("o", "s", "^", "D", "v")
-#: Methods by the start of their names, and what the legend calls them.
-OTHERS = {
-    "penalty, ": "penalty",
-    "bardenhagen, ": "bardenhagen",
-    "bardenhagen(": "its strongest form",
-    "nairn, ": "nairn",
-}
+#: Contacts that are drawn by stress.
+OTHERS = ("penalty", "bardenhagen", "bardenhagen(criterion=position, normal=master)", "nairn")
 
 
 def draw(runs: Sequence[CaseRun]) -> Figure:
@@ -34,13 +29,13 @@ def draw(runs: Sequence[CaseRun]) -> Figure:
         _points(axes[0], found, found.shear / (FRICTION * peak), colour, marker, "full", f"q, {run.place.at}")
     _theory(axes[0], of_forces(penalty[-1].results, half_way(penalty[-1].results)), pressure=True)
     coarse = [run for run in runs if run.place.at == penalty[0].place.at]
-    for (start, label), colour, marker in zip(OTHERS.items(), COLOURS, MARKERS, strict=False):
-        for run in (run for run in coarse if str(run.method).startswith(start)):
+    for contact, colour, marker in zip(OTHERS, COLOURS, MARKERS, strict=False):
+        for run in (run for run in coarse if str(run.method) == f"{contact}, cpdi"):
             found = of_stress(run.results, half_way(run.results))
             bound = FRICTION * found.exact_pressure().max()
-            _points(axes[1], found, found.shear / bound, colour, marker, "full", label)
+            _points(axes[1], found, found.shear / bound, colour, marker, "full", on_lines(contact))
     _theory(axes[1], of_stress(penalty[0].results, half_way(penalty[0].results)), pressure=False)
-    titles = ("(a) penalty, cpdi; forces of nodes", f"(b) q; stress of points, {penalty[0].place.at}")
+    titles = ("(a) penalty, from forces of surface nodes", f"(b) q from stresses, {penalty[0].place.at}")
     for panel, title, label in zip(axes, titles, ("p / p0, q / (μ p0) [1]", ""), strict=True):
         dress(panel, "x / a [1]", label, title)
         panel.set_xlim(-1.6, 1.6)

@@ -10,32 +10,38 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from spheres import SPHERES
 
-from mpmfw.plots.style import dress, legend_below, new_figure
+from mpmfw.plots.style import dress, entry, legend_below, new_figure
 from mpmfw.validation import CaseRun
 
-#: Methods by the start of their names: what the legend calls them, colour and marker.
+#: Colours and markers of contacts.
 LOOKS = {
-    "penalty, ": ("penalty", "#0072B2", "o"),
-    "bardenhagen, ": ("bardenhagen", "#D55E00", "s"),
-    "bardenhagen(": ("its strongest form", "#E69F00", "^"),
+    "penalty": ("#0072B2", "o"),
+    "bardenhagen": ("#D55E00", "s"),
+    "bardenhagen(criterion=position, normal=master)": ("#E69F00", "^"),
 }
-#: Spheres of the panels, and what is done to them.
-PANELS = {"5 steel": "thrown", "6 nylon": "turned"}
+#: Spheres of the panels, and how they hit the plane.
+PANELS = {"5 steel": "obliquely", "6 nylon": "turning"}
 
 
 def draw(runs: Sequence[CaseRun]) -> Figure:
     """Draw ψ2 over ψ1 of Maw, Barber and Fawcett, the rigid limits, and all runs; coarse cells hollow."""
     figure = new_figure(2, 1, 66.0)
-    shown: dict[str, Line2D] = {}
     for axes, (test, done) in zip(figure.subplots(1, 2, sharey=True), PANELS.items(), strict=True):
         theory = _theory(axes, SPHERES[test].poisson)
         for run in runs:
             if run.place.make["test"] == test and "their speed" not in run.place.at:
-                _mark(axes, run, shown)
+                _mark(axes, run)
         sphere = SPHERES[test]
         what = f"{test.split()[1].capitalize()}, {done}: ν = {sphere.poisson:g}, μ = {sphere.friction:g}"
-        dress(axes, "before the impact, ψ1 [1]", "after it, ψ2 [1]" if test == "5 steel" else "", what)
-    legend_below(figure, [theory, list(shown.values())])
+        after = "after it, ψ2 [1]" if test == "5 steel" else ""
+        dress(axes, "tangential velocity before the impact, ψ1 [1]", after, what)
+    plain = {"linestyle": "", "markersize": 5}
+    contacts = [entry(name, color=colour, marker=marker, **plain) for name, (colour, marker) in LOOKS.items()]
+    sizes = [
+        entry(f"R/h = {cells}", color="0.3", marker="o", fillstyle=fill, **plain)
+        for cells, fill in ((6, "none"), (10, "full"))
+    ]
+    legend_below(figure, [contacts, [*theory, *sizes]])
     return figure
 
 
@@ -44,17 +50,15 @@ def _theory(axes: Axes, poisson: float) -> list[Line2D]:
     angles = psi(slopes, poisson)
     elastic = [psi(slope, poisson) * rebound(float(slope), poisson, 200, 1000) for slope in slopes]
     rigid = np.maximum(angles - sliding_from(poisson) - 1.0, 0.0)
-    lines = axes.plot(angles, elastic, color="0.2", linewidth=1.0, label="elastic")
-    return lines + axes.plot(angles, rigid, color="0.2", linewidth=1.0, linestyle="--", label="rigid")
+    lines = axes.plot(angles, elastic, color="0.2", linewidth=1.0, label="closed form, elastic")
+    return lines + axes.plot(angles, rigid, color="0.2", linewidth=1.0, linestyle="--", label="closed form, rigid")
 
 
-def _mark(axes: Axes, run: CaseRun, shown: dict[str, Line2D]) -> None:
-    label, colour, marker = next(look for start, look in LOOKS.items() if str(run.method).startswith(start))
+def _mark(axes: Axes, run: CaseRun) -> None:
+    colour, marker = LOOKS[str(run.method).removesuffix(", cpdi")]
     found, sphere = impact(run.results), SPHERES[run.place.make["test"]]
     before = psi(found["slope"] / sphere.friction, sphere.poisson)
-    (line,) = axes.plot(
-        before, before * found["contact"], color=colour, marker=marker, linestyle="", markersize=5,
-        label=label,
+    axes.plot(
+        before, before * found["contact"], color=colour, marker=marker, markersize=5,
         fillstyle="full" if run.place.make["cells"] > 6 else "none",
     )  # fmt: skip
-    shown.setdefault(label, line)

@@ -14,7 +14,7 @@ from matplotlib.colors import Normalize
 
 from mpmfw.plots.bodies import Bodies
 from mpmfw.plots.style import on_lines, time_scale
-from mpmfw.results.domains import loops
+from mpmfw.results.domains import loops, surfaces_of
 from mpmfw.results.point_fields import point_field
 from mpmfw.results.selection import frame_of, times_of
 
@@ -67,8 +67,9 @@ class FieldPanel(Bodies):
             shapes, values = self._shapes(axes, body, data, scales), point_field(data, self.name).values
             shapes.set(norm=scales.norm, cmap=scales.colours, array=values / scales.unit_size)
             self._drawn.append(axes.add_collection(shapes, autolim=False))
-        for body in self.outlined:
-            self._drawn += self._draw_surface(axes, frame_of(self.tree, f"surface/{body}", frame), scales)
+        for body in surfaces_of(self.tree):  # outlines of bodies that are not chosen show what they touch
+            data, chosen = frame_of(self.tree, f"surface/{body}", frame), body in self.outlined
+            self._drawn += self._draw_surface(axes, data, scales, chosen=chosen)
         set_title(axes, self.tree, frame, title)
 
     def _shapes(
@@ -84,11 +85,12 @@ class FieldPanel(Bodies):
         flat = np.zeros_like(diameter)
         return EllipseCollection(diameter, diameter, flat, units="xy", linewidths=0.0, **centres)
 
-    def _draw_surface(self, axes: Any, data: xr.Dataset, scales: Scales) -> list[Any]:
+    def _draw_surface(self, axes: Any, data: xr.Dataset, scales: Scales, *, chosen: bool) -> list[Any]:
         position = scales.length * data["position"].values
         parts = [np.insert(position[loop], len(loop), np.nan, axis=0) for loop in loops(data["next"].values)]
-        drawn: list[Any] = axes.plot(*np.concatenate(parts or [position]).T, color="black", linewidth=0.5)
-        if scales.largest_force > 0.0 and "force" in data:
+        look = {"color": "black" if chosen else "0.4", "linewidth": 0.5 if chosen else 0.8}
+        drawn: list[Any] = axes.plot(*np.concatenate(parts or [position]).T, **look)
+        if chosen and scales.largest_force > 0.0 and "force" in data:
             force = data["force"].values
             acting = np.linalg.norm(force, axis=1) > 1e-3 * scales.largest_force
             x0, x1, y0, y1 = scales.box

@@ -97,7 +97,7 @@ def front(dataset: xr.Dataset) -> Figure:
     named = with_methods(dataset)
     problems = list(problems_of(named))
     look, resolution = style.Look(named), resolution_of(named)
-    figure, panels = style.new_panels(len(problems), 66.0, sharey=True)
+    figure, panels = style.new_panels(len(problems), 54.0, 1 if len(problems) <= 2 else 2, sharey=True)
     for axes, (title, problem) in zip(panels, problems, strict=True):
         _draw_front(axes, problem)
         for row in runs_of(problem):
@@ -107,7 +107,7 @@ def front(dataset: xr.Dataset) -> Figure:
         axes.margins(y=0.12)
         axes.axhline(100.0 * float(dataset.attrs["under"]), zorder=0, **_LIMIT)
         quantity = str(dataset.attrs["quantity"]).replace("-", " ")
-        ylabel = f"error of {quantity} [%]" if axes is panels[0] else ""
+        ylabel = f"error of {quantity} [%]" if axes.get_subplotspec().is_first_col() else ""
         if without := len(_without_result(problem)):
             title = f"{title} ({without} without a result)".strip()
         style.dress(axes, "CPU time [s]", ylabel, title)

@@ -205,6 +205,7 @@ def legend_below(
             one.set_label(on_lines(str(one.get_label())))
     longest = max(map(len, rows))
     columns = min(longest, most or 4 * round(figure.get_figwidth() / PANEL))
+    columns = -(-longest // -(-longest // columns))  # no line with a single entry
     for count in range(columns, 0, -1):
         lines = [row[k : k + count] for row in rows for k in range(0, len(row), count)]
         blank = entry("", linestyle="")
