@@ -11,8 +11,8 @@ from sphinx.application import Sphinx
 #: Pages below a page, as a pattern from the page's own folder.
 BELOW = {"validation/README": "*/README", "validation/hard/README": "*/README"}
 
-#: Width of a figure of several panels [px].
-WIDE = 1000
+#: Largest width of a figure of one panel [px].
+COLUMN = 700
 
 #: A link to an example's script, or to the gallery's list, leads to what was built of it.
 SCRIPT = re.compile(r"\]\(((?:\.\./)?)gallery/(\w+)\.(?:py|txt)\)")
@@ -32,16 +32,16 @@ def _to_built_page(link: re.Match[str]) -> str:
     return f"]({up}auto/gallery/{'index' if name == 'README' else name}.rst)"
 
 
-def mark_wide(app: Sphinx, document: nodes.document) -> None:
-    """Give figures of several panels a class, by which they scroll on narrow screens."""
+def mark_widths(app: Sphinx, document: nodes.document) -> None:
+    """Give figures the class ``column`` or ``wide``, by which the style sheet sets their widths."""
     for figure in document.findall(nodes.image):
         path = app.srcdir / figure["uri"]
-        if path.suffix == ".png" and path.is_file() and Image.open(path).width > WIDE:
-            figure["classes"].append("wide")
+        if path.suffix == ".png" and path.is_file():
+            figure["classes"].append("wide" if Image.open(path).width > COLUMN else "column")
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
     """Connect to pages as they are read."""
     app.connect("source-read", adapt)
-    app.connect("doctree-read", mark_wide)
+    app.connect("doctree-read", mark_widths)
     return {"parallel_read_safe": True}

@@ -197,7 +197,7 @@ def test_the_store_forgets_what_no_campaign_would_take(tmp_path, monkeypatch):
     left.write_bytes(b"")
     os.utime(left, (0, 0))
     output = called("store", "prune", tmp_path).output
-    assert "0 runs forgotten" in output
+    assert "0 runs deleted" in output
     assert "2 runs kept" in output
     assert not left.exists()
     first, _ = sorted(tmp_path.glob("*.json"))

@@ -103,10 +103,10 @@ def test_the_slider_ends_with_the_last_output_and_says_what_it_leaves_out(severa
     assert len(shown["slides"]) == len(movie.times) == 3
     assert movie.times[-1] == several["particle_time"].values[-1] == pytest.approx(1.3e-2)
     assert len(movie.frames) == 6
-    assert "3 of 14 outputs, the last among them" in shown["slides_say"]
+    assert "shows 3 of 14 outputs." in shown["slides_say"]
     assert "2 of 8 runs are left out: none, linear, 0.2; none, linear, 0.3." in shown["slides_say"]
     few = pictures.slides(several.isel(particle_time=slice(3), friction=[0]))
-    assert "through all outputs." in few["slides_say"]
+    assert "shows all outputs." in few["slides_say"]
     assert "left out" not in few["slides_say"]
 
 
@@ -125,7 +125,7 @@ def test_a_few_large_values_do_not_stretch_the_colours(several):
 def test_the_difference_is_that_from_the_first_contact(several):
     figure, caption = pictures.field_differences(several)["difference"]
     assert "from that with penalty" in caption
-    assert "Points are at their positions in the run named before “less”." in caption
+    assert "in the run that a title names first." in caption
     titles = [axes.get_title(loc="left").replace("\n", " ") for axes in figure.axes]
     titles = [title.split(", t =")[0] for title in titles if title]
     assert titles == [f"none, linear, {friction} less penalty" for friction in (0.0, 0.1, 0.2, 0.3)]

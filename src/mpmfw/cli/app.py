@@ -65,9 +65,9 @@ def _show(other: Any, message: Warning | str, category: type[Warning], *rest: An
 
 def prune(
     folders: Annotated[list[Path], Argument(metavar="FOLDER", help="Folders such as FILE.nc.runs.")],
-    days: Annotated[float | None, Option(metavar="N", min=0.0, help="Forget older runs as well.")] = None,
+    days: Annotated[float | None, Option(metavar="N", min=0.0, help="Delete older runs as well.")] = None,
 ) -> None:
-    """Forget runs of other code or other versions of the libraries.
+    """Delete runs of other code or other versions of the libraries.
 
     Unfinished files of killed processes go as well; other files stay.
     """
@@ -78,7 +78,7 @@ def prune(
         if not folder.is_dir():
             raise SceneError(f"{folder}: no such folder; expected one of finished runs, such as FILE.nc.runs")
         forgotten, kept, freed = Store(folder).prune(is_current, days)
-        typer.echo(f"{folder}: {forgotten} runs forgotten, {1e-6 * freed:.3g} MB free, {kept} runs kept")
+        typer.echo(f"{folder}: {forgotten} runs deleted, {1e-6 * freed:.3g} MB free, {kept} runs kept")
 
 
 _COMMANDS = (
@@ -91,7 +91,7 @@ for command in _COMMANDS:
     app.command(short_help=first)(exit_status(command))
 
 _store = typer.Typer(
-    name="store", help="The folders of finished runs that campaigns take from.", no_args_is_help=True
+    name="store", help="Manage the folders of finished runs.", no_args_is_help=True
 )
 _store.command()(exit_status(prune))
 app.add_typer(_store)

@@ -31,7 +31,7 @@ Contacts: TypeAlias = Annotated[
 ]
 Codes: TypeAlias = Annotated[
     str | None,
-    Option("--code", metavar="A,B,…", help="Other codes, such as 'newton': plainest and best settings."),
+    Option("--code", metavar="A,B,…", help="Other codes, such as 'newton', with their simplest and best settings."),
 ]
 Shapes: TypeAlias = Annotated[str | None, Option("--shape", metavar="A,B,…", help="Shape functions.")]
 Set: TypeAlias = Annotated[
@@ -95,7 +95,8 @@ def assignments(texts: list[str] | None, option: str = "--set") -> dict[str, str
     for text in texts or []:
         key, equals, value = (part.strip() for part in text.partition("="))
         if not key or not equals:
-            raise SceneError(f"{option} {text}: expected KEY=VALUE, such as grid.cell_size=0.2")
+            form = "KEY=A,B,…, such as … =0.2,0.1" if option == "--vary" else "KEY=VALUE, such as … =0.2"
+            raise SceneError(f"{option} {text}: expected {form.replace('… ', 'grid.cell_size')}")
         if key in found:
             raise SceneError(f"{option} {key}: given twice, as {found[key]} and as {value}")
         found[key] = value

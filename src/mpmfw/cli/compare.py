@@ -43,7 +43,7 @@ def compare(
     repeats: args.Repeats = None,
     form: FormatOption = Format.table,
 ) -> None:
-    """Run SCENE with every combination of methods and join the results, by default in a file named as the
+    """Run SCENE with every combination of methods and join the results, by default in a file named after the
     scene.
 
     A method that fails does not stop the others. Methods are by default the scene's. A comparison that was

@@ -25,7 +25,7 @@ def explain(
     set_: args.Set = None,
     trust: args.Trust = False,
     everything: Annotated[
-        bool, Option("--all", help="Print reasons, hooks, arrays, limits and stages, too.")
+        bool, Option("--all", help="Also print reasons, hooks, arrays, limits and stages.")
     ] = False,
 ) -> None:
     """Print what SCENE would run: effects, the time step, its cost, and facts that are not used."""
@@ -146,16 +146,16 @@ def _print_cost(simulation: Simulation, found: Prediction, everything: bool) -> 
     share = found.stages[largest] / found.cpu_time if found.cpu_time > 0.0 else 0.0
     typer.echo(f"{found.cpu_time:.3g} s of CPU time for the steps, {100.0 * share:.0f} % of it {largest}")
     if found.flow_time is not None:
-        total = f"{found.cpu_time + found.flow_time:.3g} s where all material that can flow does"
+        total = f"{found.cpu_time + found.flow_time:.3g} s if all material flows that can"
         unknown = "material may flow, at a cost too small to measure here"
-        typer.echo(f"this is while nothing flows; {total if found.flow_time else unknown}")
-    typer.echo(f"at most {shown_bytes(most_memory(simulation.scene))} of memory while it is built and runs")
+        typer.echo(f"this is without plastic flow; {total if found.flow_time else unknown}")
+    typer.echo(f"at most {shown_bytes(most_memory(simulation.scene))} of memory")
     frames, each, size = results_size(simulation.scene, simulation.header())
     typer.echo(f"{frames:g} frames of {shown_bytes(each)}, and series: {shown_bytes(size)}")
     typer.echo(f"{found.output_time:.3g} s for output, {found.start_time:.3g} s to start")
     if found.settle_steps:
         typer.echo(f"settling: at most {found.settle_steps} steps, {found.settle_time:.3g} s")
-    typer.echo(f"from a trial of {TIMED} steps, without compilation and contacts that come later\n")
+    typer.echo(f"from a trial of {TIMED} steps, without compilation and later contacts\n")
 
 
 #: Keys of ``[output]`` that an effect records, its name, and the words if it is off.

@@ -37,7 +37,7 @@ def plot(
     ] = None,
     force: args.Replace = False,
 ) -> None:
-    """Draw the figures of FILE, by default to PNG files named as it; -o NAME.pdf or NAME.svg draws vectors.
+    """Draw the figures of FILE, by default to PNG files named after it; for vectors -o NAME.pdf or .svg.
 
     With --field, a field on the material points of a run, in 3D on a plane, or of the runs of a comparison
     side by side; contact_pressure and contact_traction along the surfaces that touch. With --series, series
@@ -158,7 +158,7 @@ def export(
     force: args.Replace = False,
 ) -> None:
     """Write the run in FILE for ParaView, or a scene as input of another code, by default to a folder named
-    as it.
+    after it.
 
     Open …-points.pvd: material points with all their fields, as cells where the shape function has domains;
     …-surfaces.pvd: surfaces with contact force and gap; …-series.csv: the series.

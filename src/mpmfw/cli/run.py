@@ -23,7 +23,7 @@ def run(
     checkpoint: args.Checkpoint = None,
     force: args.Force = False,
 ) -> None:
-    """Run SCENE and write its results, by default to a file named as the scene."""
+    """Run SCENE and write its results, by default to a file named after the scene."""
     loaded = args.chosen_scene(scene, contact, shape, set_, trust)
     path = args.result_path(output, loaded, "run", force)
 

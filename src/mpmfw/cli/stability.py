@@ -35,7 +35,7 @@ def stability(
 ) -> None:
     """Run SCENE at many stiffnesses and time steps, and map where it is stable.
 
-    The map is written to a file, by default named as the scene, with the figure beside it.
+    The map is written to a file, by default named after the scene, with the figure beside it.
     """
     loaded = args.chosen_scene(scene, contact, shape, set_, trust)
     path = args.result_path(output, loaded, "stability", force)

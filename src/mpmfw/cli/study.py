@@ -54,7 +54,7 @@ def study(
 ) -> None:
     """Run all combinations of STUDY, and give error and CPU time of each.
 
-    The results are written to a file, by default named as the study. An interrupted study continues from the
+    The results are written to a file, by default named after the study. An interrupted study continues from the
     folder FILE.runs.
     """
     from mpmfw.studies.conclusion import conclusions, rows
@@ -149,11 +149,10 @@ def choose(
     form: FormatOption = Format.table,
     as_json: Annotated[bool, Option("--json", help="The same as --format json.")] = False,
 ) -> None:
-    """Say which method and cell size bring the error of SCENE below --error: coarse to fine, until two laws
-    agree.
+    """Find the cheapest method and cell size with an error of SCENE below --error, from coarse to fine cells.
 
-    By default it chooses among five cheap contacts, gimp and cpdi. The result is written to a file, by
-    default named as the scene. A choice that was interrupted continues from the folder FILE.runs.
+    By default it tries five contacts, with gimp and cpdi. The result is written to a file, by default named
+    after the scene. An interrupted choice continues from the folder FILE.runs.
     """
     from mpmfw.scene import load_scene
     from mpmfw.scene.requested import check_compared
@@ -210,8 +209,8 @@ def rank(
 ) -> None:
     """Rank the methods of studies by the problems that they solve, and by their cost.
 
-    Of every method the cheapest run counts that reaches a level. With --output a figure (PNG, PDF or SVG):
-    the share of problems and levels that each method solves within a cost; of records, errors and costs.
+    For each method the cheapest run that reaches a level counts. --output draws (PNG, PDF or SVG) the share of
+    problems and levels that each method solves within a cost; with --records, errors and costs.
     """
     if (records is None) != bool(results):
         raise SceneError("RESULTS: expected files of mpmfw study, or --records FOLDER")

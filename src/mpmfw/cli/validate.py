@@ -35,8 +35,8 @@ def validate(
 ) -> None:
     """Run validation cases by pytest: closed forms and references for contact algorithms.
 
-    Ends with 0 if every gate holds but those that are marked as known red, else with 1. Table and page are of
-    all cases with results of today's code in the output folder; these are not run again.
+    The exit status is 0 if all gates hold, except known red ones, else 1. Cases with results of the present
+    code in the output folder are not run again; table and page include them.
     """
     try:
         import pytest  # noqa: F401

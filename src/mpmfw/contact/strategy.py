@@ -104,7 +104,7 @@ def _search(setup: Setup, reach: float | None) -> list[Effect]:
     lower, upper = (np.array([getattr(body, end) for body in bodies]) for end in ("lower", "upper"))
     near = len(overlapping(lower - 0.5 * reach, upper + 0.5 * reach)[0]) > 0
     found = f"{'two' if near else 'no two'} bodies' boxes are within its reach of {reach:.4g} m at the start"
-    return [Effect("contact search", near, found if near else f"asleep until bodies are near: {found}")]
+    return [Effect("contact search", near, found if near else f"until bodies are near: {found}")]
 
 
 #: Relative difference of wave moduli K + 4 G / 3 up to which two bodies are equally stiff, and of sizes that

@@ -34,6 +34,7 @@ def nearest(name: str, valid: Iterable[str]) -> str | None:
 def did_you_mean(name: str, valid: Iterable[str]) -> str:
     """Return the nearest name if one is close, and all valid names."""
     names = sorted(valid)
+    names = [one for one in names if "+" in one and "+" in name] or names
     close = nearest(name, names)
     listed = one_of(names) if names else "none is installed"
     return f"did you mean '{close}'? ({listed})" if close else listed
@@ -42,6 +43,9 @@ def did_you_mean(name: str, valid: Iterable[str]) -> str:
 def one_of(names: Sequence[str]) -> str:
     """Return ``one of a, b``, and for joined names how they are made."""
     whole = [name for name in names if "+" not in name]
+    if names and not whole:
+        parts = (sorted(set(part)) for part in zip(*(name.split("+") for name in names), strict=True))
+        return "DETECTION+LAW, one of " + ", and one of ".join(map(", ".join, parts))
     joined = ", or DETECTION+LAW" if len(whole) < len(names) else ""
     return f"one of {', '.join(whole)}{joined}"
 

@@ -48,11 +48,11 @@ def slides(results: xr.DataTree | xr.Dataset) -> dict[str, Any]:
     except SceneError as error:  # no points are kept, or no pyvista is there for a run in space
         why = str(error).removeprefix(f"{results.encoding.get('source')}: ")
         return {"slides_say": f"There are no pictures of the stress: {why}."}
-    text = "Von Mises stress; the colour scale ends at the value that 98 % of the points do not exceed."
+    text = "Von Mises stress; the colour scale ends at the 98th percentile."
     if len(chosen) > 1:
         all_shown = len(chosen) == len(times)
-        count = "all outputs" if all_shown else f"{len(chosen)} of {len(times)} outputs, the last among them"
-        text += f" The slider goes through {count}."
+        count = "all outputs" if all_shown else f"{len(chosen)} of {len(times)} outputs"
+        text += f" The slider shows {count}."
     if any(set(bodies_of(tree)) - {*surfaces_of(tree)} for tree in spaces):
         text += " Bodies are drawn as dots at their material points where no surface is stored."
     if isinstance(results, xr.Dataset):
@@ -94,7 +94,7 @@ def field_differences(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
     with contextlib.suppress(SceneError):
         caption = (
             f"Difference of the von Mises stress from that with {first}, at the last output. "
-            "Points are at their positions in the run named before “less”."
+            "Points are drawn at their positions in the run that a title names first."
         )
         return {"difference": (field(dataset, _FIELD, against=first), caption)}
     return {}

@@ -88,7 +88,7 @@ def _of_methods(setup: Setup) -> list[Effect]:
     chosen = "as auto for" if setup.scene.stepping.transfer == "auto" else "given, with"
     how = "C is carried along with the motion" if transfer.transported else "C stays as gathered"
     stores = "stores B, D⁻¹ comes at the next projection" if stored else "does not store B"
-    tracks = "moves its domains in every step" if moves else "has no domains that it would move"
+    tracks = "moves its domains in every step" if moves else "moves no domains"
     return [
         Effect("affine field", affine, f"transfer {transfer.name}, {chosen} shape {shape}"),
         *([Effect("transported affine gradient", transfer.transported, how)] if affine else []),
