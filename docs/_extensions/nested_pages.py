@@ -1,4 +1,4 @@
-"""What only the site needs: lists of pages below a page, links to the built gallery, wide figures that scroll."""
+"""What only the site needs: lists of pages below a page, links to the built gallery, widths of figures."""
 
 from __future__ import annotations
 

@@ -50,8 +50,9 @@ def _theory(axes: Axes, poisson: float) -> list[Line2D]:
     angles = psi(slopes, poisson)
     elastic = [psi(slope, poisson) * rebound(float(slope), poisson, 200, 1000) for slope in slopes]
     rigid = np.maximum(angles - sliding_from(poisson) - 1.0, 0.0)
-    lines = axes.plot(angles, elastic, color="0.2", linewidth=1.0, label="closed form, elastic")
-    return lines + axes.plot(angles, rigid, color="0.2", linewidth=1.0, linestyle="--", label="closed form, rigid")
+    line = {"color": "0.2", "linewidth": 1.0}
+    lines = axes.plot(angles, elastic, **line, label="closed form, elastic")
+    return lines + axes.plot(angles, rigid, **line, linestyle="--", label="closed form, rigid")
 
 
 def _mark(axes: Axes, run: CaseRun) -> None:

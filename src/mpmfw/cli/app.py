@@ -90,9 +90,7 @@ for command in _COMMANDS:
     first = (command.__doc__ or "").partition("\n\n")[0]  # in the list of commands as a whole, else it is cut
     app.command(short_help=first)(exit_status(command))
 
-_store = typer.Typer(
-    name="store", help="Manage the folders of finished runs.", no_args_is_help=True
-)
+_store = typer.Typer(name="store", help="Manage the folders of finished runs.", no_args_is_help=True)
 _store.command()(exit_status(prune))
 app.add_typer(_store)
 

@@ -31,7 +31,7 @@ Contacts: TypeAlias = Annotated[
 ]
 Codes: TypeAlias = Annotated[
     str | None,
-    Option("--code", metavar="A,B,…", help="Other codes, such as 'newton', with their simplest and best settings."),
+    Option("--code", metavar="A,B,…", help="Other codes, such as 'newton': simplest and best settings."),
 ]
 Shapes: TypeAlias = Annotated[str | None, Option("--shape", metavar="A,B,…", help="Shape functions.")]
 Set: TypeAlias = Annotated[

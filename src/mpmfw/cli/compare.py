@@ -43,8 +43,7 @@ def compare(
     repeats: args.Repeats = None,
     form: FormatOption = Format.table,
 ) -> None:
-    """Run SCENE with every combination of methods and join the results, by default in a file named after the
-    scene.
+    """Run SCENE with every combination of methods; join the results, by default in a file named after it.
 
     A method that fails does not stop the others. Methods are by default the scene's. A comparison that was
     interrupted continues from the folder FILE.runs.

@@ -157,8 +157,7 @@ def export(
     trust: args.Trust = False,
     force: args.Replace = False,
 ) -> None:
-    """Write the run in FILE for ParaView, or a scene as input of another code, by default to a folder named
-    after it.
+    """Write a run for ParaView, or a scene for another code, by default to a folder named after FILE.
 
     Open …-points.pvd: material points with all their fields, as cells where the shape function has domains;
     …-surfaces.pvd: surfaces with contact force and gap; …-series.csv: the series.

@@ -54,8 +54,8 @@ def study(
 ) -> None:
     """Run all combinations of STUDY, and give error and CPU time of each.
 
-    The results are written to a file, by default named after the study. An interrupted study continues from the
-    folder FILE.runs.
+    The results are written to a file, by default named after the study. An interrupted study continues from
+    the folder FILE.runs.
     """
     from mpmfw.studies.conclusion import conclusions, rows
     from mpmfw.studies.loading import load_study
@@ -209,8 +209,8 @@ def rank(
 ) -> None:
     """Rank the methods of studies by the problems that they solve, and by their cost.
 
-    For each method the cheapest run that reaches a level counts. --output draws (PNG, PDF or SVG) the share of
-    problems and levels that each method solves within a cost; with --records, errors and costs.
+    For each method the cheapest run that reaches a level counts. --output draws (PNG, PDF or SVG) the share
+    of problems and levels that each method solves within a cost; with --records, errors and costs.
     """
     if (records is None) != bool(results):
         raise SceneError("RESULTS: expected files of mpmfw study, or --records FOLDER")

@@ -67,7 +67,7 @@ class FieldPanel(Bodies):
             shapes, values = self._shapes(axes, body, data, scales), point_field(data, self.name).values
             shapes.set(norm=scales.norm, cmap=scales.colours, array=values / scales.unit_size)
             self._drawn.append(axes.add_collection(shapes, autolim=False))
-        for body in surfaces_of(self.tree):  # outlines of bodies that are not chosen show what they touch
+        for body in surfaces_of(self.tree):  # those that are not chosen show what the others touch
             data, chosen = frame_of(self.tree, f"surface/{body}", frame), body in self.outlined
             self._drawn += self._draw_surface(axes, data, scales, chosen=chosen)
         set_title(axes, self.tree, frame, title)

@@ -243,9 +243,8 @@ def _finest(problem: xr.Dataset, resolution: str | None) -> xr.Dataset:
     if resolution is None:
         return problem
     parts = [problem.sel({resolution: label}) for label in order_of(problem, resolution)[::-1]]
-    return next((part for part in parts if np.isfinite(part["cpu_time"]).any()), parts[0]).expand_dims(
-        resolution
-    )
+    found = next((part for part in parts if np.isfinite(part["cpu_time"]).any()), parts[0])
+    return found.expand_dims(resolution)
 
 
 def _draw_bars(axes: Any, rows: list[dict[str, Any]], names: list[str]) -> None:

@@ -36,8 +36,7 @@ CYCLE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 #: Of the installed contacts and shape functions in their order: a method looks the same in every figure.
 _COLOURS = (
     "#117733", "#D55E00", "#AA4499", "#56B4E9", "#8C564B", "#7F3C8D", "#B2B200", "#DDAA33", "#CC79A7",
-    "#009E73", "#6B6B6B",
-    "#0072B2", "#A0A0A0",
+    "#009E73", "#6B6B6B", "#0072B2", "#A0A0A0",
 )  # fmt: skip
 _STYLES: tuple[tuple[Any, str], ...] = (
     ((0, (5, 1, 1, 1, 1, 1)), "v"),

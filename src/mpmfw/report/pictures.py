@@ -50,9 +50,8 @@ def slides(results: xr.DataTree | xr.Dataset) -> dict[str, Any]:
         return {"slides_say": f"There are no pictures of the stress: {why}."}
     text = "Von Mises stress; the colour scale ends at the 98th percentile."
     if len(chosen) > 1:
-        all_shown = len(chosen) == len(times)
-        count = "all outputs" if all_shown else f"{len(chosen)} of {len(times)} outputs"
-        text += f" The slider shows {count}."
+        count = f"{len(chosen)} of {len(times)}" if len(chosen) < len(times) else "all"
+        text += f" The slider shows {count} outputs."
     if any(set(bodies_of(tree)) - {*surfaces_of(tree)} for tree in spaces):
         text += " Bodies are drawn as dots at their material points where no surface is stored."
     if isinstance(results, xr.Dataset):
