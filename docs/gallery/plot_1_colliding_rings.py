@@ -12,8 +12,8 @@ from mpmfw import plots
 from mpmfw.results.analysis import impulse
 
 scene = mpmfw.load_scene("colliding-rings", set={"grid.cell_size": "4 mm", "output.particles": False})
-strongest = "bardenhagen(criterion=position, normal=master)"
-runs = mpmfw.compare(scene, contact=["bardenhagen", strongest, "penalty"], shape=["cpdi"])
+best = "bardenhagen(criterion=position, normal=master)"
+runs = mpmfw.compare(scene, contact=["bardenhagen", best, "penalty"], shape=["cpdi"])
 runs["status"].to_series()
 
 # %% A contact force oscillates in every explicit method, the finite elements included; averaged over 100 µs

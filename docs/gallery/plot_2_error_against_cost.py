@@ -8,8 +8,8 @@ of its acceleration against
 :math:`g(\\sin\\theta - \\mu\\cos\\theta)`. The shipped study ``sliding-block`` has all methods, and repeats
 every run for its cost.
 
-Classical contact runs in its plainest form and in its strongest: with averaged normals the block's corners
-catch on the plane, and it does not slide at all; with the normal of the stiffer body it does."""
+Classical contact runs with its defaults and with its best settings. With averaged normals, the default, the
+block's corners catch on the plane, and it does not slide at all; with the normal of the stiffer body it does."""
 
 import mpmfw
 from mpmfw import plots

@@ -13,7 +13,7 @@ from placing import placed
 
 from mpmfw.validation import CLASSICAL, Case, CaseRun, Place, Runs, RunSet, full, methods, together
 
-#: Penalty contact in its strongest form; what it holds are gates as well.
+#: Penalty contact with its best settings, which gates bind as well.
 STRONGEST = "penalty(kappa=16, linear_to=0.03)"
 OTHERS = [*CLASSICAL, "nairn", "surfaces+impulse", "lcp"]
 #: Every method runs a scene as it stands, and once more so.

@@ -21,7 +21,7 @@ __all__ = [
     "Runs", "Verdict", "each", "full", "known_red", "methods", "quick", "together",
 ]  # fmt: skip
 
-#: Classical contact in its plainest form and in its strongest.
+#: Classical contact with its defaults and with its best settings.
 CLASSICAL = ("bardenhagen", "bardenhagen(criterion=position, normal=master)")
 CONTACTS = ("none", *CLASSICAL, "penalty")
 SHAPES = ("linear", "gimp", "cpdi", "cpdi2", "bspline")
