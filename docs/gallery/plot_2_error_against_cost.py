@@ -9,7 +9,7 @@ of its acceleration against
 every run for its cost.
 
 Classical contact runs with its defaults and with its best settings. With averaged normals, the default, the
-block's corners catch on the plane, and it does not slide at all; with the normal of the stiffer body it does."""
+block's corners catch on the plane, and it does not slide; with the normal of the stiffer body it does."""
 
 import mpmfw
 from mpmfw import plots
