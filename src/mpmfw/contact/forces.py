@@ -76,7 +76,7 @@ class ForceLaw(ContactLaw):
             stiffness = self.stiffness(rows, old)
             self.omega_squared = rows.couplings(stiffness, grid, stiffness)
             self.law_step = self.longest_step(rows, grid)
-            if not np.any(rows.gap[: rows.count] <= 0.0):
+            if not rows.gap[: rows.count].min() <= 0.0:
                 # The step in which they touch must not be longer than the next: with the square of the depth
                 # that it leaves grows the energy that nothing paid for
                 self.omega_squared = max(self.omega_squared, self.estimate_frequency(self.bulk_frequency))

@@ -82,7 +82,7 @@ class Constraint:
         self.free = np.flatnonzero(np.isnan(self.speeds)).tolist()
         self.motions = np.zeros(len(sides))
         self.agreed = AGREED * max(body.wave_speed for body in bodies)
-        self.frame = -1
+        self.frame, self.listed = -1, False  #: whether the rows are those of this step
 
     @property
     def work(self) -> float:
@@ -138,7 +138,11 @@ class Constraint:
     def _meet(self, grid: Grid) -> None:
         self._fit(grid)
         self.table.impulse[:] = 0.0
-        self.rows = list_rows(self.degree, self.planes, grid.position, grid.mass, self.table, grid.spacing)
+        if not self.listed:
+            self.rows = list_rows(
+                self.degree, self.planes, grid.position, grid.mass, self.table, grid.spacing
+            )
+            self.listed = True
         velocity = 0.0 * self.velocity if self.at_rest else self.velocity
         self.passes = meet(
             self.rows, self.table, self.directions, velocity, PASSES, self.agreed, self.relaxation, grid.mass,
@@ -149,7 +153,7 @@ class Constraint:
         """Make room for the table, and find columns, in new windows."""
         if self.frame == grid.frame:
             return
-        self.frame = grid.frame
+        self.frame, self.listed = grid.frame, False
         width = 2 + int(2.0 * self.planes.reach.max())
         rows, longest = 0, 0
         for body, column in zip(self.bodies, self.planes.column, strict=True):
@@ -193,7 +197,7 @@ class Constraint:
     @hookimpl
     def end_step(self) -> None:
         self.planes.place += self.motions
-        self.left = self.calls
+        self.left, self.listed = self.calls, False
 
     @hookimpl
     def declare_fields(self) -> list[Field]:

@@ -130,19 +130,18 @@ def tabulate(normal: FloatArray, axis: int, degree: int, grids: int) -> tuple[fl
     ``degree`` and ξ the distances across. With them Σ c_k = 1 and Σ c_k d_k = 0, also where values of the
     table are interpolated linearly: a linear velocity is read exactly. A side along the grid has one point,
     and no table."""
-    half = 0.5 * (degree + 1)
+    half, slopes = 0.5 * (degree + 1), np.delete(normal, axis) / abs(normal[axis])
+    slopes = slopes[np.abs(slopes) > 1e-12]
+    if len(slopes) == 0:
+        return half, np.zeros(0)
     across = (np.arange(int(QUADRATURE * 2 * half)) + 0.5) / QUADRATURE - half
     value = np.empty_like(across)
     basis_at_places(across, degree, 1, value)
     value = 0.5 * (value + value[::-1]) / value.sum()
     shift, share = np.zeros(1), np.ones(1)
-    for d, component in enumerate(normal):
-        slope = component / abs(normal[axis])
-        if d != axis and abs(slope) > 1e-12:
-            shift = np.add.outer(shift, slope * across).ravel()
-            share = np.multiply.outer(share, value).ravel()
-    if len(shift) == 1:
-        return half, np.zeros(0)
+    for slope in slopes:
+        shift = np.add.outer(shift, slope * across).ravel()
+        share = np.multiply.outer(share, value).ravel()
     steps = int(np.ceil((half + np.abs(shift).max()) * TABULATED))
     x = np.arange(-steps, steps + 1) / TABULATED
     away = np.subtract.outer(x, shift)

@@ -35,8 +35,11 @@ def find_inside(
     lower, upper = np.empty((n_bodies, len(spacing))), np.empty((n_bodies, len(spacing)))
     bounding_boxes(body_first, surface.position, lower, upper)
     boxes = np.empty((facet_first[n_bodies] // BLOCK + 2 * n_bodies, 2, len(spacing)))
-    ready = np.zeros(n_bodies, dtype=np.int64)
-    entered = np.full(len(inside), -1)
+    ready, entered = np.empty(n_bodies, dtype=np.int64), np.empty(len(inside), dtype=np.int64)
+    for b in range(n_bodies):
+        ready[b] = 0
+    for s in range(len(inside)):
+        entered[s] = -1
     x, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
     own = scratch.vector(spacing)
     for c in range(len(first)):

@@ -111,6 +111,7 @@ class BoundHooks:
     __slots__ = HOOKS
 
     def __init__(self, manager: pluggy.PluginManager, clock: Clock, state: State | None = None) -> None:
+        clock = getattr(clock, "__call__", clock)  # noqa: B004 - Python finds the method sooner
         observers = [each for _, each in manager.list_name_plugin() if isinstance(each, Observer)]
         for name in HOOKS:
             of_run = None if name in BEFORE_THE_RUN else state
