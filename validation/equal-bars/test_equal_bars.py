@@ -28,7 +28,6 @@ bars = Runs(
         *methods(["separate"], when="full"),
         *methods(["penalty", "bardenhagen"], settings=CELLS, when="full"),
         *methods(shape=RECOMMENDED, when="quick"),
-        *methods(["bardenhagen"], when="quick"),
     ],
     set={"output.particles": False, "output.surface": False, "output.gap": False},
 )

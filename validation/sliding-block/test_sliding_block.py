@@ -38,7 +38,7 @@ HEIGHTS = {
 slides = Runs(
     "slides",
     methods=[
-        *methods(CONTACTS, RECOMMENDED, when="quick"),
+        *methods(shape=RECOMMENDED, when="quick"),
         *methods(CONTACTS, SHAPES, when="full"),
         *methods(["bardenhagen"], SHAPES, FORMS, when="full"),
         *methods(["bardenhagen", "penalty"], settings=HEIGHTS, when="full"),

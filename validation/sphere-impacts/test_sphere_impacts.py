@@ -10,7 +10,7 @@ import drawn
 import elastic
 import spheres
 
-from mpmfw.validation import CLASSICAL, Place, Runs, methods, together
+from mpmfw.validation import CLASSICAL, Place, Runs, full, methods, together
 
 #: Limits [%] with smaller cells, and of a force over the time of contact.
 ALONG, SPIN, SLIDING = {"along": (-2.5, 2.5)}, {"spin": (-2.0, 2.0)}, {"spin, rigid": (-2.0, 2.0)}
@@ -45,7 +45,7 @@ oblique = Runs(
     scene=spheres.scene,
     methods=[*methods(), *methods(CLASSICAL, when="full")],
     places=[
-        *(steel(angle, when="full" if angle == 45 else "") for angle in (17, 45, 70)),
+        *(steel(angle, when="" if angle == 70 else "full") for angle in (17, 45, 70)),
         *(steel(angle, 10, ALONG | SPIN | SLIDING) for angle in (17, 45, 70)),
         *(impact(f"4, oxide, {angle}°", "4 oxide", angle=angle) for angle in (10, 50)),
         nylon(3, when=""),
@@ -158,6 +158,7 @@ def test_elastic(case):
         case.gate(quantity, value, 0.0, most, method="reference")
 
 
+@full
 @together(oblique)
 def test_figure(case, runs):
     case.figure("", drawn.draw(runs))

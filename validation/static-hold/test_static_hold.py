@@ -28,7 +28,6 @@ FORMS = {"criterion position": POSITION, "normal master": MASTER}
 block = Runs(
     "block",
     methods=[
-        *methods(["bardenhagen"], when="quick"),
         *methods(shape=RECOMMENDED, when="quick"),
         *methods(CONTACTS, SHAPES, when="full"),
         *methods(["bardenhagen"], SHAPES, FORMS, when="full"),

@@ -25,7 +25,7 @@ STEPS = {
 block = Runs(
     "block",
     methods=[
-        *methods(["bardenhagen", "penalty"], RECOMMENDED, when="quick"),
+        *methods(shape=RECOMMENDED, when="quick"),
         *methods(CONTACTS, SHAPES, when="full"),
         *methods(["bardenhagen"], ["gimp", "cpdi"], CLASSICAL, when="full"),
         *methods(["hamad2017"], settings=STEPS, when="full"),

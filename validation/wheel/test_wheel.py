@@ -9,7 +9,7 @@ FINEST = {"sinkage": 24.59, "pull": 862.0, "torque": 1254.0}
 coarse = Runs(
     "wheel",
     "wheel",
-    methods(["penalty", CLASSICAL[1]]) + methods(["lcp"], when="full"),
+    methods() + methods([CLASSICAL[1], "lcp"], when="full"),
     [
         Place("R/h = 5", within={"sinkage": (-10.0, 10.0), "torque": (-25.0, 25.0)}),
         Place(
