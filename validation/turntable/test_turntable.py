@@ -11,20 +11,21 @@ FASTER = {
     "bodies.block.angular_velocity": [0.0, 3.5, 0.0],
     "bodies.block.velocity": [0.0, 0.0, -2.1],
 }
+COARSE = {"grid.cell_size": 0.15, "grid.lower": [-1.65, -0.6, -1.65], "grid.upper": [1.65, 1.05, 1.65]}
 
 
-def at_speed(name, values):
+def at_speed(name, values, **quick):
     """Return the runs at one speed, with the grid as it stands and shifted."""
     return Runs(
         name,
         methods=[*methods(), *methods([*CLASSICAL, "lcp"], when="full")],
         places=[Place("as it stands"), Place("shifted", SHIFTED, when="full")],
         set=values,
-        quick={"grid.cell_size": 0.15, "grid.lower": [-1.65, -0.6, -1.65], "grid.upper": [1.65, 1.05, 1.65]},
+        quick=COARSE | quick,
     )
 
 
-stays, slides = at_speed("stays", {}), at_speed("slides", FASTER)
+stays, slides = at_speed("stays", {}, **{"time.end": 0.2}), at_speed("slides", FASTER)
 
 
 def turning(run, speed):
