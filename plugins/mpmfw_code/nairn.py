@@ -35,7 +35,7 @@ BORDER = 2
 SETTLE = 20.0
 
 #: Its numbers of ways to find normals.
-NORMALS = {"MAXG": 0, "MAXV": 1, "AVGG": 2, "OWNG": 3, "LINR": 5, "LOGR": 6}
+NORMALS = {"MAXG": 0, "MAXV": 1, "AVGG": 2, "OWNG": 3, "SN": 4, "LINR": 5, "LOGR": 6}
 
 _AXES = ("Horiz", "Vert", "Depth")
 
@@ -43,9 +43,11 @@ _AXES = ("Horiz", "Vert", "Depth")
 class NairnOptions(OptionsModel):
     """Settings of contact, shape functions and transfer."""
 
-    normals: Literal["MAXG", "MAXV", "AVGG", "OWNG", "LINR", "LOGR"] = Field(
-        default="AVGG", description="how normals of contact are found; LOGR by logistic regression"
+    normals: Literal["MAXG", "MAXV", "AVGG", "OWNG", "SN", "LINR", "LOGR"] = Field(
+        default="AVGG",
+        description="how contact normals are found; LOGR by logistic regression, SN is given",
     )
+    azimuth: float = Field(default=-90.0, description="of SN, from the first body to the second, to x [deg]")
     apart: float | None = Field(
         default=None,
         gt=0,
@@ -91,8 +93,7 @@ class Nairn(Code):
             if body.geometry.type == "half_space":
                 yield f"bodies.{name}.geometry", "a half_space is not written"
             if surface_velocity(body) is None or (scene.settle and body.rigid is not True):
-                key = f"bodies.{name}.rigid.motion"
-                yield key, "only a constant velocity is written, without settling"
+                yield f"bodies.{name}.rigid.motion", "only a constant velocity is written, without settling"
         for name, body in deformable(scene).items():
             for side in body.sides:
                 if reason := self._refusal_of_side(scene, body.geometry, side):
@@ -111,10 +112,10 @@ class Nairn(Code):
         return ""
 
     def write(self, scene: Scene, folder: Path) -> None:
-        """Write ``scene.fmcmd``."""
         cell, interval = scene.grid.cell_size, scene.time.output_interval
         step, wait = self._times(scene)
-        contact = f'<MultiMaterialMode Normals="{NORMALS[self.options.normals]}">'
+        given = f' Polar="90" Azimuth="{self.options.azimuth:.12g}"' if self.options.normals == "SN" else ""
+        contact = f'<MultiMaterialMode Normals="{NORMALS[self.options.normals]}"{given}>'
         contact += f"<Friction>{_text(max(f for _, _, f in scene.pairs))}</Friction>" if scene.pairs else ""
         if self.options.apart is not None:
             contact += f"<ContactPosition>{_text(self.options.apart)}</ContactPosition>"

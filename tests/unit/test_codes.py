@@ -622,6 +622,12 @@ def test_a_velocity_at_the_start_stands_after_settling(tmp_path, monkeypatch):
     np.testing.assert_allclose(free[0].gradient[0], [[0, 0.5, 0], [-0.5, 0, 0], [0, 0, 0]])
 
 
+def test_a_normal_of_nairn_may_be_given(tmp_path):
+    Nairn(normals="SN", azimuth=-60.0).prepare(load_scene(ARENA / "belt.toml"), tmp_path)
+    given = '<MultiMaterialMode Normals="4" Polar="90" Azimuth="-60">'
+    assert given in (tmp_path / "scene.fmcmd").read_text()
+
+
 def test_a_belt_is_a_rigid_material_that_moves(tmp_path):
     Nairn().prepare(load_scene(ARENA / "belt.toml"), tmp_path)
     speeds = {
