@@ -69,9 +69,16 @@ def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
         first_step, limits = simulation.state.dt, simulation.limits()
         for _ in range(WARM_UP):
             simulation.step()
+        outputs = outputs_of(simulation.scene)
+        every = math.ceil(steps_of(simulation.scene, simulation.stable_step()) / outputs)
         clock.restart()
-        for _ in range(TIMED):
+        for step in range(1, TIMED + 1):
             simulation.step()
+            if step % every == 0:  # which displaces the steps' arrays from caches
+                clock.flush()
+                clock("output")
+                simulation.frame()
+                clock.flush()
         clock.flush()
         times = {stage: seconds / TIMED for stage, seconds in clock.cpu.items()}
         clock.restart()
@@ -82,6 +89,7 @@ def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
         length, tables = simulation.stable_step(), _tables(simulation)
         flow = None if history is None else _time_of_flow(simulation, history)
     steps, settle_steps = int(steps_of(simulation.scene, length)), 0
+    frames = max(outputs + 1 - steps * (TIMED // every) / TIMED, 0.0)  # beside those between the steps
     if settle is not None:
         settle_steps = math.ceil(longest_settling(settle, simulation.state.bodies) / length)
     return Prediction(
@@ -89,7 +97,7 @@ def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
         steps=steps,
         stages={stage: steps * times[stage] for stage in STEP_STAGES},
         settle_steps=settle_steps,
-        output_time=steps * (times["output"] + times["gap"]) + (outputs_of(simulation.scene) + 1) * frame,
+        output_time=steps * (times["output"] + times["gap"]) + frames * frame,
         start_time=before,
         flow_time=None if flow is None else steps * flow,
         memory=sum(arrays) + tables,

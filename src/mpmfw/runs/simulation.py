@@ -279,6 +279,7 @@ class Simulation:
         return self._recorder.frame(0.0)
 
     def _output(self, write: Callable[[Frame], None] | None, interval: float, *, points: bool = True) -> None:
+        self.clock.flush()  # CPU time of steps takes none of the output's
         self.clock("output")
         self._gather()
         frame = self._recorder.frame(interval, points=points)
