@@ -17,6 +17,24 @@ from mpmfw_material._isotropic import Moduli, pad_plane_strain
 from mpmfw_material._plastic import OPENED, SPACE, Flow, Plastic, pad
 from mpmfw_material._principal import compose, diagonalise, push_forward
 
+#: Logarithm of the volume beyond which points no longer touch: what has opened so far opens no further.
+SEPARATED = math.log(2.0)
+
+#: Largest trace of C_p⁻¹, about |F|²: the product F C_p⁻¹ Fᵀ loses digits with its square.
+DISTORTED = 1e4
+
+
+@device
+def restart_shape(f: Floats, jacobian: float, excess: float, axes: int, out: Floats) -> None:
+    """Replace F along the grid's ``axes``, in ``f`` and ``out``, by a swelling of volume J exp(−``excess``).
+
+    Soil has no memory of its shape: with the metric that belongs to the new F its elastic strain remains."""
+    volume = jacobian / f[2, 2] if axes == 2 else jacobian
+    edge = (volume * math.exp(-excess)) ** (1.0 / axes)
+    for d in range(axes):
+        for e in range(axes):
+            f[d, e] = out[d, e] = edge if d == e else 0.0
+
 
 @device
 def return_to_cone(tau: Floats, bulk: float, shear: float, surface: tuple[float, float, float]) -> bool:
@@ -127,12 +145,12 @@ def return_stress(
 def frictional_stress(
     first: int, last: int, deformation_gradient: Floats, flow: Flow, opened: Floats, stress: Floats,
     bulk: float, shear: float, surface: tuple[float, float, float], tension: float, cone: bool,
-    spacing: tuple[float, ...],
+    spacing: tuple[float, ...], axes: int,
 ) -> None:  # fmt: skip
     """σ = τ / J, with τ_a = (K − 2 G / 3) Σ ε + 2 G ε_a of ε = ½ ln F C_p⁻¹ Fᵀ, returned to the surface.
 
     Plastic work is that of the stress after the return. Volume that tension ``opened`` (n,), as a logarithm,
-    closes before there is pressure again.
+    closes before there is pressure again. Beyond ``SEPARATED`` it opens no further, and F becomes smaller.
     """
     dim = len(spacing)
     f, matrix = scratch.matrix(SPACE, SPACE), scratch.matrix(SPACE, SPACE)
@@ -170,6 +188,12 @@ def frictional_stress(
             if flows and pressure >= tension - 1e-12 * bulk:
                 opened[p] += volumetric - pressure / bulk
             compose(values, vectors, b)
+            distorted = flow.metric[p, 0, 0] + flow.metric[p, 1, 1] + flow.metric[p, 2, 2] > DISTORTED
+            if opened[p] > SEPARATED or distorted:
+                excess = max(opened[p] - SEPARATED, 0.0)
+                opened[p] -= excess
+                restart_shape(f, jacobian, excess, axes, deformation_gradient[p])
+                invert(f, matrix, SPACE)
             push_forward(matrix, b, flow.metric[p])
 
 
@@ -220,7 +244,7 @@ class Frictional(Plastic):
     @hookimpl
     def setup(self, setup: Setup) -> None:
         super().setup(setup)
-        self.opened = self.shared(setup, OPENED)
+        self.opened, self.axes = self.shared(setup, OPENED), setup.dim
         self.constants = (
             self.bulk_modulus,
             self.shear_modulus,
@@ -233,7 +257,7 @@ class Frictional(Plastic):
     def update_stress(self, particles: Particles) -> None:
         self.over_points(
             frictional_stress, particles, particles.deformation_gradient, self.flow, self.opened,
-            particles.stress, *self.constants, self.spacing
+            particles.stress, *self.constants, self.spacing, self.axes
         )  # fmt: skip
 
     def set_stress(self, own: slice, stress: FloatArray) -> bool:

@@ -11,7 +11,7 @@ from mpmfw.api import SceneError
 from mpmfw.effects import constraint, side_loads, side_rows
 from mpmfw.effects.constraint import AGREED, PASSES, RELAXATION
 from mpmfw.effects.side_rows import QUADRATURE, TABULATED, PlaneSides, list_rows, tabulate
-from mpmfw.effects.surface import CRITICAL_MASS, LIGHT, weigh_by_mass, weigh_plain
+from mpmfw.effects.surface import CRITICAL_MASS, EMPTY, LIGHT, weigh_by_mass, weigh_plain
 from mpmfw.kernels.stencil import LEAST_SHARE, linear_weights
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import block, scene_of, solid
@@ -38,6 +38,13 @@ def test_a_larger_critical_mass_ties_the_surface_to_the_inner_node():
     near, far = (weighed(weigh_by_mass, 0.5, boundary, CRITICAL_MASS=m)[1] for m in (CRITICAL_MASS, 10.0))
     assert 0.5 - near < 0.13
     assert 0.5 - far > 0.35
+
+
+@pytest.mark.parametrize("kernel", [weigh_plain, weigh_by_mass])
+def test_a_surface_node_that_has_left_its_points_stays(kernel):
+    """EMPTY: a node that a point barely reaches has v = Δt f / m without a bound."""
+    assert weighed(kernel, 0.5, [0.5 * EMPTY, 0.0]).tolist() == [0.0, 0.0]
+    assert weighed(kernel, 0.5, [5.0 * EMPTY, 0.0]).sum() == pytest.approx(1.0)
 
 
 # -- prescribed sides

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
-from mpmfw_material._frictional import frictional_stress
+from mpmfw_material._frictional import DISTORTED, SEPARATED, frictional_stress
 from mpmfw_material.drucker_prager import DruckerPrager
 from mpmfw_material.mohr_coulomb import MohrCoulomb
 from support import PlasticPoint
@@ -37,7 +37,7 @@ class Point(PlasticPoint):
 
     def write(self, f, flow, stress, spacing):
         """σ at F."""
-        frictional_stress(0, 1, f, flow, self.opened, stress, *self.constants, spacing)
+        frictional_stress(0, 1, f, flow, self.opened, stress, *self.constants, spacing, len(spacing))
 
     def tried(self, f):
         """τ at F without keeping anything."""
@@ -171,6 +171,45 @@ def test_what_tension_has_opened_closes_before_there_is_pressure(model):
         assert abs(point.stress(deformation([strain] * 3))).max() < 1e-6
     pressure = -np.diag(point.stress(deformation([-1e-5] * 3)))
     np.testing.assert_allclose(pressure, 3e-5 * point.material.bulk_modulus, rtol=1e-9)
+
+
+def moved(point, f, rate, steps):
+    """F and τ after steps of F ← (1 + rate) F, which the point may restart; rate (dim, dim)."""
+    stress, move = np.empty_like(f[None]), np.eye(len(f)) + rate
+    for _ in range(steps):
+        f = np.ascontiguousarray(move @ f)
+        point.update(f[None], point.flow, stress, point.spacing)
+    return f, stress[0] * np.linalg.det(f)
+
+
+@pytest.mark.parametrize("model", [MohrCoulomb, DruckerPrager], ids=lambda m: m.name)
+@pytest.mark.parametrize("dim", [2, 3])
+def test_points_that_no_longer_touch_open_no_further(model, dim):
+    """SEPARATED: a lone point that swells by 10 000 loses half its volume, and then there is pressure."""
+    point = Point(model(**{**SAND, "cohesion": 0.0, "dilation_angle": 0.0}), dim)
+    turn = np.zeros((dim, dim))
+    turn[0, 1] = 1e-3
+    f, tau = moved(point, np.eye(dim), 1e-3 * np.eye(dim) + turn, 5000)
+    assert np.linalg.det(f) == pytest.approx(math.exp(SEPARATED), rel=0.01)
+    assert np.abs(tau).max() < 1e-6
+    squeeze = -np.diag([1e-3, *[0.0] * (dim - 1)])
+    assert np.abs(moved(point, f, squeeze, 600)[1]).max() < 1e-6
+    assert moved(point, f, squeeze, 720)[1][0, 0] < -1e5
+
+
+@pytest.mark.parametrize("model", [MohrCoulomb, DruckerPrager], ids=lambda m: m.name)
+@pytest.mark.parametrize("dim", [2, 3])
+def test_shear_without_end_loses_no_digits(model, dim):
+    """DISTORTED: at γ = 10 000 the stress is that at γ = 50; else it is off by γ⁴ times round-off."""
+    point = Point(model(**{**SAND, "dilation_angle": 0.0}), dim)
+    f = np.ascontiguousarray(deformation([-1e-4] * 3)[:dim, :dim])
+    point.update(f[None], point.flow, np.empty((1, dim, dim)), point.spacing)
+    rate = np.zeros((dim, dim))
+    rate[0, 1] = 1.0
+    f, early = moved(point, f, rate, 50)
+    f, late = moved(point, f, rate, 9950)
+    np.testing.assert_allclose(late, early, rtol=1e-6, atol=1e-6 * np.abs(early).max())
+    assert np.abs(f).max() < 2.0 * math.sqrt(DISTORTED)
 
 
 @pytest.mark.parametrize("model", [MohrCoulomb, DruckerPrager], ids=lambda m: m.name)

@@ -25,6 +25,9 @@ LIGHT = 0.05
 #: Mass m_c of the mass-weighted map, as a fraction of a full cell's mass ρ h².
 CRITICAL_MASS = 0.1
 
+#: Share of a full cell's mass: surface nodes that have left their points, with less round them, stay.
+EMPTY = 1e-4
+
 
 @kernel
 def weigh_plain(row: Ints, nodes: Indices, weight: Floats, cell_mass: Floats, node_mass: Floats) -> None:
@@ -44,6 +47,9 @@ def weigh_plain(row: Ints, nodes: Indices, weight: Floats, cell_mass: Floats, no
             continue
         for k in entries(row, s):
             heaviest = max(heaviest, node_mass[nodes[k]])
+        if heaviest < EMPTY * cell_mass[s]:
+            weight[row[s] : row[s + 1]] = 0.0
+            continue
         light = LIGHT * min(cell_mass[s], 4.0 * heaviest)
         if lightest > light:
             continue
@@ -67,9 +73,11 @@ def weigh_by_mass(row: Ints, nodes: Indices, weight: Floats, cell_mass: Floats, 
             m = node_mass[nodes[k]]
             weight[k] *= m / (m + CRITICAL_MASS * cell_mass[s])
             total += weight[k]
-        if total > 0.0:
-            for k in range(row[s], row[s + 1]):
-                weight[k] /= total
+        if total * CRITICAL_MASS < EMPTY:
+            weight[row[s] : row[s + 1]] = 0.0
+            continue
+        for k in range(row[s], row[s + 1]):
+            weight[k] /= total
 
 
 @kernel
