@@ -43,14 +43,17 @@ def moved(scene):
 
 AXISYMMETRIC = {"grid__lower": [0.0, -1.0], "grid__axisymmetric": True}
 ON_LINES = {"bodies__solid__geometry": {"type": "rectangle", "lower": [0.0, 0.0], "upper": [1.5, DEPTH]}}
+HALF = {"grid__cell_size": 0.125, "bodies__solid__particles__size": 0.0625}
 CASES = {
     "plane": ({}, 1e-9),
     "Drucker and Prager": ({"materials__soil__model": "drucker_prager"}, 1e-9),
     "table": ({"bodies__solid__initial_stress": {"table": [[0.0, 0.0, 0.0], [2.0, 4e4, 2e4]]}}, 1e-9),
     "averaged, on grid lines": ({"bodies__solid__volumetric": "auto", **ON_LINES}, 1e-9),
     "averaged, off grid lines": ({"bodies__solid__volumetric": "auto"}, 4e-3),
+    "averaged, half the cells": ({"bodies__solid__volumetric": "auto", **HALF}, 1e-3),
     "GIMP on grid lines": ({"shape__method": "gimp", **ON_LINES}, 1e-9),
     "GIMP off grid lines": ({"shape__method": "gimp"}, 4e-3),
+    "GIMP, half the cells": ({"shape__method": "gimp", **HALF}, 1e-3),
     "B-splines": ({"shape__method": "bspline"}, 1e-3),
     "of revolution": (AXISYMMETRIC, 2e-2),  # gravity's weights and those of stress differ by l²/(h r)
 }

@@ -15,7 +15,7 @@ def run_out(aspect: float) -> float:
     return 1.2 * aspect if aspect < 1.8 else 1.9 * aspect ** (2.0 / 3.0)
 
 
-def scene(aspect: float, cells: int, angle: float, volumetric: str = "auto") -> dict[str, Any]:
+def scene(aspect: float, cells: int, angle: float) -> dict[str, Any]:
     """Return a column so many ``cells`` wide and ``aspect`` times as high; ``angle`` is φ [degrees]."""
     cell, height = WIDTH / cells, aspect * WIDTH
     end, reach = 6.0 * float(np.sqrt(height / GRAVITY)), WIDTH * (1.0 + 2.4 * run_out(aspect))
@@ -36,7 +36,6 @@ def scene(aspect: float, cells: int, angle: float, volumetric: str = "auto") -> 
                 "material": "sand",
                 "geometry": {"type": "rectangle", "lower": [0.0, 0.0], "upper": [WIDTH, height]},
                 "particles": {"size": "0.5 cells"},
-                "volumetric": volumetric,
                 "initial_stress": {"k0": 0.5},
                 "sides": [{"side": "left", "fixed": ["x"]}],
             },

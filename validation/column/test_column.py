@@ -9,12 +9,12 @@ from mpmfw.validation import CLASSICAL, Place, Runs, methods
 FITTED = 36.9
 
 
-def places(*rows, angle=FITTED, volumetric="auto"):
+def places(*rows, angle=FITTED):
     """Return places of an aspect, cells in the width, and when."""
     return [
         Place(
-            f"a = {aspect}, W/h = {cells}, φ = {angle}°{', pointwise' if volumetric == 'pointwise' else ''}",
-            make={"aspect": aspect, "cells": cells, "angle": angle, "volumetric": volumetric},
+            f"a = {aspect}, W/h = {cells}, φ = {angle}°",
+            make={"aspect": aspect, "cells": cells, "angle": angle},
             when=when,
         )
         for aspect, cells, when in rows
@@ -25,16 +25,15 @@ gated = Runs(
     "column",
     scene=collapse.scene,
     methods=methods([CLASSICAL[1]], ["gimp"], bound=True),
-    places=places((1.2, 10, ""), (1.2, 20, "full"), (3.0, 10, "full")),
+    places=places((1.2, 10, ""), (1.2, 20, "full"), (3.0, 10, "full"), (3.0, 20, "full")),
 )
 shown = Runs(
     "others",
     scene=collapse.scene,
     methods=methods([CLASSICAL[1]], ["gimp"]),
     places=[
-        *places((0.5, 10, "full"), (0.5, 20, "full")),
+        *places((0.5, 10, "full"), (0.5, 20, "full"), (1.2, 40, "full")),
         *places((1.2, 10, "full"), (1.2, 20, "full"), angle=31.0),
-        *places((1.2, 20, "full"), angle=31.0, volumetric="pointwise"),
     ],
 )
 
