@@ -218,10 +218,15 @@ def sliding(time, patch):
     }
 
 
+def stopping(folder, times=(0.01, 0.15, 0.21), points=sliding, order="<"):
+    """Write the input of the stopping block, with outputs at 0.1 and 0.2 s, and an archive."""
+    exported(folder, STOPPING, {"time.end": 0.2, "time.output_interval": 0.1})
+    archived(folder, times, points, order)
+
+
 @pytest.mark.parametrize("order", ["<", ">"])
 def test_an_archive_gives_the_motion_of_its_points_per_metre_of_thickness(tmp_path, order):
-    exported(tmp_path, STOPPING, {"time.end": 0.2, "time.output_interval": 0.1})
-    archived(tmp_path, [0.01, 0.15, 0.21], sliding, order)
+    stopping(tmp_path, order=order)
     run = Uintah().read(tmp_path)
     series = run["series"].to_dataset().sel(body="block")
     np.testing.assert_allclose(series["time"], [0.0, 0.1, 0.2])
@@ -238,8 +243,7 @@ def test_an_archive_gives_the_motion_of_its_points_per_metre_of_thickness(tmp_pa
     ("old", "new"), [("t00002/", "../t00002/"), ("</timesteps>", ""), ('time="0.15"', 'time="soon"')]
 )
 def test_a_damaged_archive_gives_one_line(tmp_path, old, new):
-    exported(tmp_path, STOPPING, {"time.end": 0.2, "time.output_interval": 0.1})
-    archived(tmp_path, [0.01, 0.15, 0.21], sliding)
+    stopping(tmp_path)
     index = tmp_path / "scene.uda/index.xml"
     index.write_text(index.read_text().replace(old, new))
     with pytest.raises(MpmfwError, match=r"^Uintah: its output is missing or damaged"):
@@ -247,8 +251,7 @@ def test_a_damaged_archive_gives_one_line(tmp_path, old, new):
 
 
 def test_an_archive_may_hold_the_start(tmp_path):
-    exported(tmp_path, STOPPING, {"time.end": 0.2, "time.output_interval": 0.1})
-    archived(tmp_path, [0.0, 0.1, 0.2], sliding)
+    stopping(tmp_path, [0.0, 0.1, 0.2])
     series = Uintah().read(tmp_path)["series"].to_dataset().sel(body="block", axis="x")
     np.testing.assert_allclose(np.diff(series["centre_of_mass"]), 0.1)
 
@@ -278,8 +281,7 @@ def without(name):
     ids=["points leave", "no mass", "no IDs"],
 )
 def test_points_that_leave_or_lack_a_variable_are_named(tmp_path, points, said):
-    exported(tmp_path, STOPPING, {"time.end": 0.2, "time.output_interval": 0.1})
-    archived(tmp_path, [0.01, 0.15, 0.21], points)
+    stopping(tmp_path, points=points)
     with pytest.raises(MpmfwError, match=said):
         Uintah().read(tmp_path)
 
@@ -295,8 +297,7 @@ def test_points_that_leave_or_lack_a_variable_are_named(tmp_path, points, said):
     ids=["compressed", "before the start", "past the end", "a folder"],
 )
 def test_a_range_that_a_file_does_not_have_is_refused(tmp_path, old, new, said):
-    exported(tmp_path, STOPPING, {"time.end": 0.2, "time.output_interval": 0.1})
-    archived(tmp_path, [0.01, 0.15, 0.21], sliding)
+    stopping(tmp_path)
     listed = tmp_path / "scene.uda/t00002/l0/p00000.xml"
     listed.write_text(listed.read_text().replace(old, new))
     with pytest.raises(MpmfwError, match=said):
@@ -304,7 +305,6 @@ def test_a_range_that_a_file_does_not_have_is_refused(tmp_path, old, new, said):
 
 
 def test_times_that_go_back_are_refused(tmp_path):
-    exported(tmp_path, STOPPING, {"time.end": 0.2, "time.output_interval": 0.1})
-    archived(tmp_path, [0.15, 0.01, 0.21], sliding)
+    stopping(tmp_path, [0.15, 0.01, 0.21])
     with pytest.raises(MpmfwError, match="expected timesteps in the order of time"):
         Uintah().read(tmp_path)

@@ -27,22 +27,11 @@ rough = Runs(
 
 def judge(run):
     """Record the inner radius at a reduction of the height of 40 %."""
-    run.gate(
-        f"inner radius against Avitzur's bound, error, {run.place.at}",
-        run.of(compressed.inner_radius, "mean", factor=run.place.make["factor"]),
-        0.0,
-        None,
-        "%",
-        key="mean",
-    )
-    run.gate(
-        f"inner radius, rim less middle, {run.place.at}",
-        run.of(compressed.inner_radius, "barrel", factor=run.place.make["factor"]),
-        0.0,
-        None,
-        "%",
-        binds=False,
-    )
+    args = {"factor": run.place.make["factor"]}
+    mean, barrel = (run.of(compressed.inner_radius, key, **args) for key in ("mean", "barrel"))
+    quantity = f"inner radius against Avitzur's bound, error, {run.place.at}"
+    run.gate(quantity, mean, 0.0, None, "%", key="mean")
+    run.gate(f"inner radius, rim less middle, {run.place.at}", barrel, 0.0, None, "%", binds=False)
 
 
 @smooth
