@@ -2,107 +2,35 @@
 
 Kernels release the interpreter's lock. Operations on points alone, or from the grid to points, are shared out
 by points. Those from points to the grid are shared out by nodes: every thread goes through the points in
-their order and adds to its range of nodes alone.
-
-A thread that sleeps is awake 15 to 30 µs after it is called: as long as a small kernel. So threads look for a
-while, in compiled code, at a number that another one writes.
+their order and adds to its range of nodes alone. Where other processes have the cores, one thread goes on
+alone for a while.
 """
 
 from __future__ import annotations
 
 import itertools
 import os
-import time
 import weakref
-from collections import deque
 from collections.abc import Callable, Sequence
-from queue import SimpleQueue
-from threading import Thread
 from typing import Any, TypeVar
 
 import numpy as np
-from llvmlite import ir  # type: ignore[import-untyped]
-from numba.core import types
-from numba.np import arrayobj
 
-from mpmfw.kernels import kernel
-from mpmfw.kernels._jit import intrinsic
 from mpmfw.kernels.stencil import FULL, NodeRange
-from mpmfw.kernels.types import Ints
 from mpmfw.state.fields import IntArray
 from mpmfw.state.structs import Stencil
+from mpmfw.step.team import Team, dismiss
 
-_arrayobj: Any = arrayobj  # numba has no annotations here
 Result = TypeVar("Result")
 
-#: Numbers between two that different threads write: as many as a line of the cache has.
-APART = 8
+#: Operations over which it is judged whether sharing pays.
+JUDGED = 64
 
-#: How often a thread looks whether there is something to do before it sleeps: 0.1 ms.
-LOOKS = 300_000
-
-#: As often the thread that calls looks away, 3 µs, while the others need the interpreter's lock.
-FIRST_LOOKS = 48_000
-
-#: Sleep of the thread that calls, when another has none of the cores [s].
-NAP = 1e-4
+#: Operations that one thread does alone where it does not: the first time, and at most; they double.
+ALONE, LONGEST = 1024, 16384
 
 #: Projections after which the nodes are shared out anew, because points move on.
 RENEWAL = 256
-
-
-def _address(context: Any, builder: Any, array_type: Any, array: Any, index: Any) -> Any:
-    data = _arrayobj.make_array(array_type)(context, builder, array).data
-    return builder.gep(data, [builder.mul(index, ir.Constant(ir.IntType(64), APART))])
-
-
-@intrinsic
-def read(_typing: Any, numbers: Any, t: Any) -> Any:  # noqa: ARG001
-    """Number ``t`` as another thread wrote it last, and all that it wrote before."""
-
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return builder.load_atomic(_address(context, builder, signature.args[0], *args), "acquire", 8)
-
-    return types.int64(numbers, types.intp), codegen
-
-
-@intrinsic
-def write(_typing: Any, numbers: Any, t: Any, value: Any) -> Any:  # noqa: ARG001
-    """Write number ``t`` for other threads, after all that was written before."""
-
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        address = _address(context, builder, signature.args[0], *args[:2])
-        builder.store_atomic(args[2], address, "release", 8)
-        return context.get_dummy_value()
-
-    return types.void(numbers, types.intp, types.int64), codegen
-
-
-@kernel
-def wait(numbers: Ints, t: int, value: int, looks: int) -> bool:
-    """Look at number ``t`` some times; return True once it is ``value``."""
-    for _ in range(looks):  # noqa: SIM110
-        if read(numbers, t) == value:
-            return True
-    return False
-
-
-@kernel
-def begin(numbers: Ints, value: int, looks: int) -> None:
-    """Write number 0, which all threads look at, and wait a little."""
-    write(numbers, 0, value)
-    for _ in range(looks):
-        read(numbers, 0)
-
-
-@kernel
-def end(numbers: Ints, t: int, value: int, looks: int) -> bool:
-    """Write number ``t``; return True once number 0 is not ``value``."""
-    write(numbers, t, value)
-    for _ in range(looks):  # noqa: SIM110
-        if read(numbers, 0) != value:
-            return True
-    return False
 
 
 class Threads:
@@ -118,17 +46,37 @@ class Threads:
         self._shares: list[NodeRange] = []
         self._left = 0  #: tables until the nodes are shared out anew
         self._entries: list[int] = []  #: of every thread's rows in the last table
+        self._shared = self._alone = 0  #: operations since it was judged, and left to do alone
+        self._next = ALONE  #: to do alone the next time
 
     def each(self, part: Callable[[int], Result]) -> list[Result]:
         """Return ``part(t)`` of every thread t, in their order, when all are done."""
         if self._process != os.getpid():
-            self._process, self._team = os.getpid(), _Team(self.count)
-            weakref.finalize(self, _dismiss, self._team, self._process)
+            self._process, self._team = os.getpid(), Team(self.count)
+            weakref.finalize(self, dismiss, self._team, self._process)
+        if self._alone > 0:
+            self._alone -= 1
+            return [part(t) for t in range(self.count)]
         results = self._team.each(part)
+        self._judge(self._team)
         for result in results:
             if isinstance(result, BaseException):
                 raise result
         return results
+
+    def _judge(self, team: Team) -> None:
+        """Leave the other threads out for a while if they do less than half of their parts, or this one waits
+        for them longer than the parts take: other processes have the cores."""
+        self._shared += 1
+        if self._shared < JUDGED:
+            return
+        others = self.count - 1
+        if team.helped < 0.5 * others * JUDGED or team.waited > others * team.worked:
+            self._alone, self._next = self._next, min(2 * self._next, LONGEST)
+        else:
+            self._next = ALONE
+        self._shared = team.helped = 0
+        team.worked = team.waited = 0.0
 
     def parts(self, first: int, last: int) -> list[tuple[int, int]]:
         """``first:last`` in as many ranges of equal length as there are threads."""
@@ -142,6 +90,9 @@ class Threads:
     def over_points(self, kernel: Callable[..., int | None], *arguments: Any) -> int:
         """Call a kernel with every thread's part of points, arrays and table; return the first point that
         failed, or −1."""
+        if self._alone > 0:
+            self._alone -= 1
+            return -1 if (code := kernel(*arguments)) is None else code
         ranges = self.parts(0, len(arguments[0].mass))
         own = list(zip(*(self._parts_of(argument, ranges) for argument in arguments), strict=True))
         codes = self.each(lambda t: kernel(*own[t]))
@@ -169,7 +120,7 @@ class Threads:
 
     def over_nodes(self, kernel: Callable[..., None], *arguments: Any) -> None:
         """Call a kernel of the step with every thread's share of the nodes."""
-        if self._shares:
+        if self._shares and self._alone == 0:
             self.each(lambda t: kernel(*arguments, self._shares[t]))
         else:
             kernel(*arguments)
@@ -211,81 +162,3 @@ class Threads:
             weight[spare] = gradient[spare] = 0.0
             row[start] = k
         return -1
-
-
-class _Team:
-    """The threads themselves. Part 0 is the caller's; whoever is free takes the next part, the caller too."""
-
-    def __init__(self, count: int) -> None:
-        self.count, self.round, self.ended = count, 0, False
-        #: The last round that was called, then for each part the last round in which another thread did it.
-        self.rounds = np.zeros(2 * count * APART, dtype=np.int64)
-        self.results: list[Any] = [None] * count
-        #: Parts that no thread has begun, and their round.
-        self.left: deque[tuple[Callable[[int], Any], int, int]] = deque()
-        self.asleep = [False] * count
-        self.calls: list[SimpleQueue[None]] = [SimpleQueue() for _ in range(count)]
-        for k in range(1, count):
-            Thread(target=self._work, args=(k,), name="mpmfw", daemon=True).start()
-
-    def each(self, part: Callable[[int], Any]) -> list[Any]:
-        """Results, or exceptions, of ``part(t)``."""
-        self.left.clear()  # of a round that an interruption broke off
-        self.left.extend((part, t, self.round + 1) for t in range(1, self.count))
-        self.call()
-        self._do(part, 0)
-        others = set(range(1, self.count))
-        while (own := self._take()) is not None:
-            others.remove(own[1])
-            self._do(part, own[1])
-        for t in others:
-            while not wait(self.rounds, t, self.round, LOOKS):
-                time.sleep(NAP)
-        return self.results.copy()
-
-    def call(self) -> None:
-        """Begin a round."""
-        self.round += 1
-        for k, asleep in enumerate(self.asleep):
-            if asleep:
-                self.calls[k].put(None)
-        begin(self.rounds, self.round, FIRST_LOOKS)
-
-    def _take(self) -> tuple[Callable[[int], Any], int, int] | None:
-        try:
-            return self.left.popleft()
-        except IndexError:
-            return None
-
-    def _do(self, part: Callable[[int], Any], t: int) -> None:
-        try:
-            self.results[t] = part(t)
-        except BaseException as error:  # raised in the thread that asked
-            self.results[t] = error
-
-    def _work(self, k: int) -> None:
-        """What thread k does until it is dismissed."""
-        seen = 0
-        while not self.ended:
-            taken = self._take()
-            if taken is None:
-                number, done = self.count + k, seen  # this number is not read
-            else:
-                part, number, done = taken
-                self._do(part, number)
-                del part, taken
-            if end(self.rounds, number, done, LOOKS):
-                seen = self.round
-                continue
-            self.asleep[k] = True
-            while self.round == seen:
-                self.calls[k].get()
-            self.asleep[k] = False
-            seen = self.round
-
-
-def _dismiss(team: _Team, process: int) -> None:
-    """End the threads, in the process that started them."""
-    if process == os.getpid():
-        team.ended = True
-        team.call()
