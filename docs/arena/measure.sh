@@ -29,7 +29,7 @@ for kind in slip no-slip; do
   measure "rolling-cylinder-$kind-rigid" "$nairn" --set grid.cell_size=0.2
   measure "rolling-cylinder-$kind" "$all"
   measure "./cylinder-$kind-turned.toml" "$all"
-  measure "./sphere-$kind-rigid.toml" "$all"
+  measure "rolling-sphere-$kind-rigid" "$all"
 done
 for scene in block-rigid stopping-block belt colliding-discs colliding-discs-level hertz-impact taylor-bar; do
   measure "./$scene.toml" "$all"

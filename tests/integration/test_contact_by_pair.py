@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from contact_scenes import CELL, STEP, rectangle, scene
+from contact_scenes import CELL, MU, STEP, rectangle, scene, three_meet
 from mpmfw.cli.explain import unused_facts
 from mpmfw.errors import SceneError, SimulationError
 from mpmfw.kernels.contact import relative_motion
@@ -340,8 +340,8 @@ def test_pairs_among_many_bodies_are_listed_as_they_come_near():
             r"contact\.method: 'separate' has no detection",
         ),
         (
-            {"pairs": {"a-b": {"method": "penalty", "penalty": {"map": "plain"}}}},
-            "contacts with map auto and plain; expected one",
+            {"pairs": {"a-b": {"method": "penalty", "penalty": {"map": "mass_weighted"}}}},
+            "contacts with map mass_weighted and plain; expected one",
         ),
         (
             {"pairs": {"a-b": {"method": "penalty", "penalty": {"passes": "one", "master": "c"}}}},
@@ -353,6 +353,26 @@ def test_bad_contacts_of_pairs_are_refused(contact, message):
     mapping = scene(MEET)
     with pytest.raises(SceneError, match=message):
         Simulation({**mapping, "contact": {"method": "penalty", **contact}})
+
+
+@pytest.mark.parametrize(("shape", "word"), [("cpdi", "plain"), ("gimp", "mass_weighted")])
+def test_the_map_of_a_pair_may_be_what_auto_means(shape, word):
+    pairs = {"a-b": {"method": "penalty", "penalty": {"map": word}}}
+    runs = [made(MEET, p, shape={"method": shape}) for p in (None, pairs)]
+    for simulation in runs:
+        simulation.advance(20)
+    np.testing.assert_array_equal(*(simulation.state.particles.velocity for simulation in runs))
+
+
+def test_a_corner_that_meets_a_tie_overlaps_as_little_as_on_one_body():
+    """Of ``lcp``, which leaves no overlap, where a tie acts after it at the same nodes."""
+    meet = three_meet(friction=MU)
+    simulation = made(meet["bodies"], {"left-right": {"method": "tied"}}, "lcp", materials=meet["materials"])
+    least = []
+    for _ in range(120):
+        simulation.step(STEP)
+        least.append(simulation.frame().series["min_gap"][1:].min())
+    assert -0.01 * CELL < min(least) < 0.01 * CELL
 
 
 def test_two_rigid_bodies_need_a_law_that_acts_between_them():

@@ -42,7 +42,9 @@ COARSE = {
     "rolling-cylinder-slip": {**_ROLLS, "output.ledger": True},
     "rolling-cylinder-slip-rigid": _ROLLS,
     "rolling-sphere-no-slip": _ROLLS,
+    "rolling-sphere-no-slip-rigid": _ROLLS,
     "rolling-sphere-slip": _ROLLS,
+    "rolling-sphere-slip-rigid": _ROLLS,
     "sliding-block": {
         "grid.cell_size": 0.2,
         "grid.lower": [-1.0, -0.8],

@@ -5,7 +5,7 @@ import pytest
 from test_restart import array_bytes
 
 import mpmfw
-from contact_scenes import CELL, scene
+from contact_scenes import CELL, MU, scene
 from mpmfw.errors import SceneError
 from mpmfw.runs.simulation import Simulation
 from msh_files import write_msh
@@ -178,6 +178,26 @@ def test_arms_of_a_free_body_meet():
     assert "contact with itself" not in str(tree.attrs.get("warnings", ""))
 
 
+@pytest.mark.parametrize(
+    ("own", "other"),
+    [
+        ({"friction": 0.0}, {"friction": 0.6}),
+        ({"method": "penalty", "penalty": {"kappa": 2.0}}, {"method": "lcp"}),
+    ],
+    ids=["friction", "method"],
+)
+def test_a_pair_of_a_body_with_itself_has_its_own_contact(own, other):
+    """The same, whether the scene's contact is that of the pair with itself or of the other."""
+    made = clip(output__ledger=False)["contact"]
+    of_ball, of_both = {**made, **other}, {**made, **own}
+    contacts = ({**of_ball, "pairs": {"clip-clip": own}}, {**of_both, "pairs": {"clip-ball": other}}, of_ball)
+    one, same, without = of_runs(*(clip(contact=each) for each in contacts))
+    assert np.abs(one["contact_force"].sel(pair="clip-clip")).max() > 1e3
+    for name in ("contact_force", "total_energy", "frictional_work"):
+        np.testing.assert_allclose(one[name], same[name], rtol=1e-9, atol=1e-9)
+    assert abs(float((one["contact_force"] - without["contact_force"]).sel(pair="clip-clip").max())) > 100.0
+
+
 @pytest.mark.parametrize("first", [0, 3])
 def test_a_slit_closes_under_pressure(first):
     """Its faces meet, and bear no force as long as they are apart, wherever the outline begins."""
@@ -265,7 +285,8 @@ def test_a_restart_and_threads_give_the_same_bits(threads):
             ({"contact__pairs": {"clip-ball": {"method": name}}}, "bodies.clip.self_contact", "second nodes")
             for name in ("bardenhagen", "tied", "nodes+lcp")
         ),
-        ({"contact__pairs": {"clip-clip": {"friction": 0.1}}}, "contact.pairs.clip-clip", "with itself"),
+        ({"contact__pairs": {"ball-ball": {"friction": 0.1}}}, "contact.pairs.ball-ball", "not 'ball' twice"),
+        ({"contact__pairs": {"clip-clip": {"method": "tied"}}}, "bodies.clip.self_contact", "tied' finds"),
         ({"shape__method": "cpdi2"}, "bodies.clip.self_contact", "cannot be divided"),
         ({"bodies__clip__volumetric": "averaged"}, "bodies.clip.self_contact", "pointwise"),
         ({"bodies__clip__rotation": "spin"}, "bodies.clip.rotation", "'exact' or 'lumped'"),
@@ -283,3 +304,9 @@ def test_a_single_body_needs_a_contact():
     del made["bodies"]["ball"], made["contact"]
     with pytest.raises(SceneError, match="contact: missing"):
         Simulation(made)
+
+
+def test_a_body_with_itself_is_one_of_the_scenes_pairs():
+    """By which studies take a pair's name, and records its friction."""
+    made = mpmfw.load_scene(clip(contact__pairs={"clip-clip": {"friction": 0.5}}))
+    assert made.pairs == (("clip", "ball", MU), ("clip", "clip", 0.5))

@@ -644,7 +644,7 @@ def test_points_on_faces_of_cells_move_off_them_with_the_plane(tmp_path):
     for name, x in (("on", 1.2), ("off", 1.23)):
         ball = {"bodies.sphere.geometry.centre": [x, 2.41, 0.01]}
         (tmp_path / name).mkdir()
-        Newton().prepare(load_scene(ARENA / "sphere-slip-rigid.toml", set=ball), tmp_path / name)
+        Newton().prepare(load_scene("rolling-sphere-slip-rigid", set=ball), tmp_path / name)
         facts = json.loads((tmp_path / name / "newton.json").read_text())
         with np.load(tmp_path / name / "points.npz") as points:
             position = points["position"] / 0.4

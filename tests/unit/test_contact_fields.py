@@ -179,7 +179,7 @@ def test_the_command_draws_curves_and_maps(file, space, monkeypatch):
 def test_what_cannot_be_drawn_gets_one_message(file, tmp_path):
     draw, bare = mpmfw.plots.field, mpmfw.run(sliding(time__end=0.05), contact="bardenhagen")
     for call, message in (
-        (lambda: draw(bare, "contact_pressure"), "stored no contact force of surface nodes; expected"),
+        (lambda: draw(bare, "contact_pressure"), "surface nodes: contact at grid nodes and midplane act"),
         (lambda: mpmfw.field(file, "contact_pressur"), "did you mean 'contact_pressure'"),
         (lambda: mpmfw.field(file, "contact_traction_z"), "did you mean 'contact_traction"),
         (lambda: draw(file, "contact_pressure", bodies=["top"]), "no body 'top'; one of block, plane"),

@@ -57,6 +57,15 @@ def pipe(cells: int) -> dict[str, Any]:
     return scene | {"settle": {"tolerance": 1e-4}}
 
 
+def fitted(cells: int) -> dict[str, Any]:
+    """Return the pipe without friction on a rigid shaft, too thick by what the pressure opens the pipe by."""
+    scene, share = pipe(cells), PRESSURE * INNER**2 / (OUTER**2 - INNER**2)
+    wide = INNER + (1.0 + POISSON) * share / YOUNG * ((1.0 - 2.0 * POISSON) * INNER + OUTER**2 / INNER)
+    scene["bodies"]["solid"]["sides"] = scene["bodies"]["solid"]["sides"][1:]
+    scene["bodies"]["shaft"] = {"geometry": _rectangle(0.0, -0.5, wide, 1.0), "rigid": True}
+    return scene | {"contact": {"method": "penalty"}, "allow_overlap": True}
+
+
 def lame(tree: xr.DataTree) -> dict[str, float]:
     """Return the largest errors of the ``hoop`` stress over the inner one's, and that of the ``opening`` [%].
 

@@ -1,4 +1,4 @@
-"""A rigid punch, flat and round, on an elastic half-plane: pressure, and force over displacement."""
+"""A rigid punch, flat, round and a wedge, on an elastic half-plane: pressure, and force over displacement."""
 # cost: 70
 
 import numpy as np
@@ -13,8 +13,12 @@ FORCE = np.pi * MODULUS * HALF_WIDTH**2 / (4.0 * RADIUS)  #: on the whole punch 
 
 def scene(punch, part):
     """Return half of a ``punch`` under ``part`` of the force."""
-    flat = {"type": "rectangle", "lower": [-HALF_WIDTH, 0.0], "upper": [HALF_WIDTH, 0.4]}
-    round_ = {"type": "disc", "centre": [0.0, RADIUS], "radius": RADIUS}
+    rise = 1.5 * FORCE / (MODULUS * HALF_WIDTH)
+    geometry = {
+        "flat": {"type": "rectangle", "lower": [-HALF_WIDTH, 0.0], "upper": [HALF_WIDTH, 0.4]},
+        "round": {"type": "disc", "centre": [0.0, RADIUS], "radius": RADIUS},
+        "wedge": {"type": "polygon", "points": [[0, 0], [1.5, rise], [1.5, 0.4], [-1.5, 0.4], [-1.5, rise]]},
+    }[punch]
     sides = [{"side": "bottom", "fixed": True}] + [{"side": s, "fixed": ["x"]} for s in ("left", "right")]
     return {
         "grid": {"cell_size": 0.1, "lower": [-0.4, -3.4], "upper": [3.4, 0.6]},
@@ -35,7 +39,7 @@ def scene(punch, part):
                 "sides": sides,
             },
             "punch": {
-                "geometry": flat if punch == "flat" else round_,
+                "geometry": geometry,
                 "segment": 0.01,
                 "rigid": {
                     "mass": 1e3, "inertia": 1e3, "held": ["x", "rotation"],
@@ -66,7 +70,7 @@ pressed = Runs(
     "pressed",
     scene,
     methods(),
-    [*places("flat", 0.25), *places("round", 0.25, 1.0)],
+    [*places("flat", 0.25), *places("round", 0.25, 1.0), *places("wedge", 1.0)],
 )
 
 #: Classical contact has no forces of surface nodes.
@@ -100,11 +104,28 @@ def round_(tree, part):
     return {"peak": 100.0 * (peak - 1.0), "width": 100.0 * (width - 1.0)}
 
 
+def wedge(tree):
+    """Return errors [%] of the pressure F / (π b) arcosh(b / x) for 0.2 b < x < 0.7 b, and of b by its first
+    moment (Johnson, eq. 5.13)."""
+    x, pressure = profile(tree)
+    inner = (x > 0.2 * HALF_WIDTH) & (x < 0.7 * HALF_WIDTH)
+    exact = FORCE / (np.pi * HALF_WIDTH) * np.arccosh(HALF_WIDTH / x[inner])
+    position, force, _ = nodes_of(tree, "bed", -1)
+    b = -2.0 * np.pi * force[:, 1] @ position[:, 0] / FORCE
+    return {"pressure": 100.0 * abs(pressure[inner] / exact - 1.0).max(), "b": 100.0 * (b / HALF_WIDTH - 1.0)}
+
+
 @pressed
 def test_pressed(run):
     if run.at("flat*"):
         rows = (("pressure, largest error for x < 0.65 b, {at}", "pressure", 0.0, 5.0, "%"),)
         measure, args = flat, {}
+    elif run.at("wedge*"):
+        rows = (
+            ("pressure, largest error for 0.2 b < x < 0.7 b, {at}", "pressure", 0.0, 5.0, "%"),
+            ("b, error, {at}", "b", 0.0, 5.0, "%"),
+        )
+        measure, args = wedge, {}
     else:
         rows = ("p0, error, {at}", "peak", 0.0, 5.0, "%"), ("b, error, {at}", "width", 0.0, 5.0, "%")
         measure, args = round_, {"part": run.place.make["part"]}

@@ -50,4 +50,11 @@ def test_wheel(run):
 @finest
 def test_finest(run):
     for key, exact in FINEST.items():
-        run.gate(key, run.of(means, key), exact, 0.02 * exact, "mm" if key == "sinkage" else "N", binds=True)
+        run.gate(
+            key,
+            run.of(means, key),
+            exact,
+            (0.98 * exact, 1.02 * exact),
+            "mm" if key == "sinkage" else "N",
+            binds=True,
+        )

@@ -59,6 +59,8 @@ class ContactsByPair(ContactStrategy):
         Acts between all other pairs.
     named
         Contacts by the names of two bodies; several pairs may share one.
+    auto_map
+        Map of surfaces to the grid that ``auto`` stands for.
 
     Raises
     ------
@@ -70,7 +72,7 @@ class ContactsByPair(ContactStrategy):
     stage = "contact"
     history = ("contacts",)
 
-    def __init__(self, base: Any, named: Mapping[tuple[str, str], Any]) -> None:
+    def __init__(self, base: Any, named: Mapping[tuple[str, str], Any], auto_map: Any) -> None:
         super().__init__()
         self.base = type(base).from_options(base.options)
         self.named = named
@@ -94,7 +96,7 @@ class ContactsByPair(ContactStrategy):
         others = set().union(*labels.values())
         self.base.detection.acts_on = lambda pair: pair.label not in others
         self.contacts: tuple[Any, ...] = (self.base, *labels)
-        self._combine()
+        self._combine(auto_map)
         self.manager = make_manager()
         for contact in reversed(self.contacts):  # pluggy calls the last registered first
             register(self.manager, contact, contact.name)
@@ -102,10 +104,11 @@ class ContactsByPair(ContactStrategy):
         register(self.manager, self.rigid_motion, self.rigid_motion.name)
         self.hook: Any = BoundHooks(self.manager, lambda stage: stage)
 
-    def _combine(self) -> None:
+    def _combine(self, auto_map: Any) -> None:
         """Set the facts that all contacts have together."""
         contacts, base = self.contacts, self.base
-        maps = {each.surface_map for each in contacts if each.needs_surface}
+        given = {each.surface_map for each in contacts if each.needs_surface}
+        maps = {auto_map if each == "auto" else each for each in given}
         if len(maps) > 1:
             raise SceneError(f"contacts with map {' and '.join(sorted(maps))}; expected one", key="contact")
         self.surface_map = maps.pop() if maps else "auto"

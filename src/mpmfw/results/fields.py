@@ -73,8 +73,9 @@ def pressed_bodies(tree: xr.DataTree, selection: str | Sequence[str] | None = No
     """
     stored = [body for body in surfaces_of(tree) if "force" in tree[f"surface/{body}"].data_vars]
     if not stored:
-        expected = "a contact on surfaces, such as penalty, and output.surface = true"
-        raise SceneError(f"the run stored no contact force of surface nodes; expected {expected}")
+        expected = "penalty, lcp or another contact on surface nodes, and output.surface = true"
+        text = "contact at grid nodes and midplane act at other places"
+        raise SceneError(f"the run stored no contact force of surface nodes: {text}; expected {expected}")
     if selection is not None:
         names = [selection] if isinstance(selection, str) else selection
         return [checked_name("body", name, stored) for name in names]

@@ -62,7 +62,7 @@ def build(
         contact = scene.contact and _plugin("contact", scene.contact.method, scene.contact.options)
     if contact is not None:
         _check_dimensions(scene, contact, "contact.method")
-        contact = _by_pair(scene, contact)
+        contact = _by_pair(scene, contact, "mass_weighted" if shape.massless_boundary else "plain")
     check_memory(scene)
     layouts = lay_out(scene)
     materials = {
@@ -72,8 +72,8 @@ def build(
     return _put_together(scene, layouts, shape, contact, materials, loads or {})
 
 
-def _by_pair(scene: Scene, contact: ContactStrategy) -> ContactStrategy:
-    """Return the contact of all pairs, or several where pairs name their own."""
+def _by_pair(scene: Scene, contact: ContactStrategy, surface_map: str) -> ContactStrategy:
+    """Return the contact of all pairs, or several where pairs name their own; ``auto`` is ``surface_map``."""
     given = [] if scene.contact is None else [pair for pair in scene.contact.pairs if pair.method]
     if not given:
         return contact
@@ -86,7 +86,7 @@ def _by_pair(scene: Scene, contact: ContactStrategy) -> ContactStrategy:
         _check_dimensions(scene, one, f"contact.pairs.{'-'.join(pair.bodies)}.method")
         made.append(((pair.method, pair.options), one))
         named[pair.bodies] = one
-    return ContactsByPair(contact, named)
+    return ContactsByPair(contact, named, surface_map)
 
 
 def build_some(whole: Setup, which: Sequence[int]) -> Setup:

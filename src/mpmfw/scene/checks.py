@@ -135,9 +135,10 @@ def _contact(scene: Tables) -> Iterator[Problem]:
         for k, name in enumerate(pair.bodies):
             if name not in scene.bodies:
                 yield unknown_name((*path, k), name, list(scene.bodies), "no such body: ")
-        if len(set(pair.bodies)) == 1:
-            itself = "contact of a body with itself takes method and friction of [contact]"
-            yield Problem(path, f"a pair is two bodies, not '{pair.bodies[0]}' twice; {itself}")
+        itself = scene.bodies.get(pair.bodies[0]) if len(set(pair.bodies)) == 1 else None
+        if itself is not None and not itself.self_contact:
+            text = f"expected two bodies, not '{pair.bodies[0]}' twice; or self_contact = true of this body"
+            yield Problem(path, text)
         elif seen.setdefault(frozenset(pair.bodies), index) != index:
             first = scene.contact.pairs[seen[frozenset(pair.bodies)]]
             yield Problem(path, f"the same bodies as the pair '{'-'.join(first.bodies)}' before")

@@ -36,11 +36,12 @@ class Scene(Tables):
 
     @property
     def pairs(self) -> tuple[tuple[str, str, float], ...]:
-        """All pairs of bodies in the scene's order, each with its friction coefficient."""
+        """All pairs of bodies in the scene's order, then bodies with themselves, each with its friction."""
         contact = self.contact
         default, named = (0.0, ()) if contact is None else (float(contact.friction), contact.pairs)
         given = {frozenset(pair.bodies): pair.friction for pair in named}
-        ends = itertools.combinations(self.bodies, 2)
+        itself = [(name, name) for name, body in self.bodies.items() if body.self_contact]
+        ends = itertools.chain(itertools.combinations(self.bodies, 2), itself)
         found = [(a, b, given.get(frozenset((a, b)))) for a, b in ends]
         return tuple((a, b, default if mu is None else float(mu)) for a, b, mu in found)
 

@@ -311,12 +311,13 @@ class SelfContact:
         """Return the second nodes; raise SceneError where contact, shape or an option do not go with them."""
         bodies = [body for body in setup.bodies if setup.scene.bodies[body.name].self_contact]
         assert setup.contact is not None
-        contact = setup.contact.between(bodies[0].name, bodies[0].name)
+        itself = [setup.contact.between(body.name, body.name) for body in bodies]
         between = [setup.contact.between(a.name, b.name) for a in bodies for b in setup.bodies]
         found = [(getattr(each, "detection", None), each.label) for each in between]
         at_nodes = [label for each, label in found if "facets" not in getattr(each, "provides", ())]
-        if not getattr(getattr(contact, "detection", None), "finds_own", False):
-            problem = f"contact '{contact.label}' finds other bodies alone; expected penalty or lcp"
+        others = [one for one in itself if not getattr(getattr(one, "detection", 0), "finds_own", False)]
+        if others:
+            problem = f"contact '{others[0].label}' finds other bodies alone; expected penalty or lcp"
         elif at_nodes:
             problem = f"contact '{at_nodes[0]}' would miss its second nodes; expected contact on surfaces"
         elif not setup.shape_function.divisible:

@@ -1,0 +1,131 @@
+"""Rolling on rigid planes: a cylinder and a sphere, and a free rigid cylinder on an elastic plane."""
+# cost: 300
+
+import numpy as np
+import sphere_rolling
+from rolling import BODY, NO_SLIP, RADIUS, SERIES_ONLY, SLIP, errors
+
+from mpmfw.scene import load_scene
+from mpmfw.validation import CLASSICAL, Place, Runs, each, full, known_red, methods, together
+
+METHODS = [*methods(), *methods(["lcp", CLASSICAL[1]], when="full")]
+#: The cylinder settles under the load that it has on the tilted plane.
+SETTLED = {SLIP: {**SERIES_ONLY, "settle.gravity": {"vector": [0.0, -5.0]}}, NO_SLIP: SERIES_ONLY}
+
+NAMES = {
+    "displacement": "displacement at 10 m",
+    "acceleration": "fitted acceleration",
+    "spin": "spin at 10 m",
+}
+
+
+def place(n, when="full", **make):
+    """Return a place with so many cells in the radius."""
+    return Place(f"R/h = {n}", {"grid.cell_size": RADIUS / n}, make=make, when=when)
+
+
+def free(scene):
+    """Return a shipped scene with a rigid cylinder of the same density on its elastic plane."""
+    given = load_scene(scene).to_mapping()
+    body = {"geometry": given["bodies"][BODY]["geometry"], "segment": "0.25 cells"}
+    given["bodies"][BODY] = {**body, "rigid": {"density": 1000.0}}
+    return given
+
+
+planes, finest, freed, spheres = [], [], [], []
+for roll, settled in SETTLED.items():
+    name, scene = roll.name, f"{roll.scene}-rigid"
+    planes.append(Runs(name, scene, METHODS, [place(4, ""), place(8)], set=settled))
+    finest.append(Runs(f"{name}, finest", scene, methods(["penalty", "lcp"]), [place(16)], set=settled))
+    at = [place(4, scene=roll.scene), place(8, scene=roll.scene)]
+    freed.append(Runs(f"{name}, rigid cylinder", free, METHODS, at, set=settled))
+    ball = scene.replace("cylinder", "sphere")
+    spheres.append(Runs(name, ball, METHODS, [place(4)], set=SERIES_ONLY, when="full"))
+    spheres.append(Runs(f"{name}, finer", ball, methods(), [place(8)], set=SERIES_ONLY, when="full"))
+
+
+@known_red(
+    "penalty, cpdi",
+    "no slip: fitted acceleration, error, R/h = 4",
+    "rolling resistance, as of the disc on the flat; -0.4 % with finer cells",
+)
+@each(*planes, *finest, *freed)
+def test_cylinder(run):
+    roll = run.runs.partition(",")[0]
+    for key, name in NAMES.items():
+        bound = key == "acceleration" and run.at("*4") and run.runs == roll
+        value = run.of(errors, key, roll=roll)
+        run.gate(
+            f"{run.runs}: {name}, error, {run.place.at}", value, "rigid 0 %", 0.1 if bound else None, "%"
+        )
+
+
+@full
+@together(*planes, *finest)
+def test_against_the_finest(case, runs):
+    for roll in (SLIP.name, NO_SLIP.name):
+        found = {
+            (run.method.contact, run.place.at): errors(run.results, roll)
+            for run in runs
+            if run.runs.partition(",")[0] == roll and run.method.contact in ("penalty", "lcp")
+        }
+        exact = found["penalty", "R/h = 16"]
+        for (law, at), own in found.items():
+            for key, limit in (("displacement", 0.3), ("spin", 0.5)):
+                binds = law == "penalty" and at == "R/h = 4"
+                quantity, value = f"{roll}: {key} at 10 m less the finest's, {at}", own[key] - exact[key]
+                case.gate(quantity, value, 0.0, limit, "%", method=f"{law}, cpdi", binds=binds)
+
+
+@known_red(
+    "penalty, cpdi",
+    "sphere, no slip: fitted angular acceleration, error, R/h = 4",
+    "creep of the elastic sphere, as on the elastic plane; -0.71 % with R/h = 8",
+)
+@each(*spheres)
+def test_sphere(run):
+    slips = run.runs.startswith("slip")
+    limits = (1.0, 0.5, 2.0) if slips else (0.5, 0.5, 1.5)
+    for quantity, most in zip(
+        ("displacement", "fitted acceleration", "fitted angular acceleration"), limits, strict=True
+    ):
+        value = run.of(sphere_rolling.errors, quantity)
+        run.gate(f"sphere, {run.runs}: {quantity}, error, {run.place.at}", value, 0.0, most, "%")
+
+
+SLOWS = "disc on the flat: velocity after ten turns, change"
+
+
+def level():
+    """Return the cylinder that rolls without slip on a level plane, by ten turns at 10 m/s."""
+    given, speed = load_scene(f"{NO_SLIP.scene}-rigid").to_mapping(), 10.0
+    down, far = {"vector": [0.0, -10.0]}, 110.0
+    given["bodies"][BODY] |= {"velocity": [speed, 0.0], "angular_velocity": -speed / RADIUS}
+    given["grid"]["upper"][0] = given["bodies"]["plane"]["geometry"]["upper"][0] = far
+    given["time"] = {"end": 20.0 * np.pi * RADIUS / speed, "output_interval": 0.05}
+    del given["reference"]
+    return given | {"gravity": down, "settle": given["settle"] | {"gravity": down}}
+
+
+def slows(tree):
+    """Return the change of the disc's velocity, and how much of the energy lost the transfer took [%]."""
+    series = tree["series"].to_dataset()
+    velocity = series["mean_velocity"].sel(body=BODY, axis="x").values
+    kinetic = series["kinetic_energy"].sel(body=BODY).values
+    took = series["transfer_dissipation"].values[-1] / (kinetic[0] - kinetic[-1])
+    return {"velocity": 100.0 * (velocity[-5:].mean() / velocity[0] - 1.0), "transfer": 100.0 * took}
+
+
+@known_red("penalty, cpdi", f"{SLOWS}, R/h = 2", "rolling resistance")
+@known_red(
+    "penalty, cpdi",
+    f"{SLOWS}, R/h = 4",
+    "rolling resistance, whose share of the weight grows with the velocity",
+)
+@Runs("flat", level, METHODS, [place(2), place(4)], set={**SERIES_ONLY, "output.ledger": True}, when="full")
+def test_flat(run):
+    run.gates(
+        slows,
+        (SLOWS + ", {at}", "velocity", 0.0, 0.5, "%"),
+        ("disc on the flat: part of the loss that the transfer took, {at}", "transfer", "", None, "%"),
+    )

@@ -1,0 +1,157 @@
+"""Rigid tools: a band round a drum, a grip that lifts a block, and a disc that rebounds."""
+# cost: 60
+
+import numpy as np
+
+from mpmfw.validation import CLASSICAL, Place, Runs, methods
+
+RADIUS, THICK, FRICTION, PULL = 2.0, 0.2, 0.3, 4e3  #: of the drum and the band [m], μ, tension [N/m]
+EDGE, GRAVITY = 0.4, 10.0  #: of the gripped block [m], [m/s²]
+#: Velocity of the disc after the impact over that before it, with cells of a 20th of its radius.
+FINEST = 0.4852
+METHODS = [*methods(), *methods(["lcp", CLASSICAL[1]], when="full")]
+
+
+def scene(cell, end, lower, upper, friction, bodies, **more):
+    """Return a scene of rubber."""
+    rubber = {"model": "linear_elastic", "density": 1e3, "youngs_modulus": 1e6, "poissons_ratio": 0.3}
+    rubber["damping"] = {"bulk": "2 ms", "shear": "2 ms"}
+    soft = {"material": "rubber", "particles": {"size": "0.5 cells"}, "segment": "0.25 cells"}
+    return {
+        "grid": {"cell_size": cell, "lower": lower, "upper": upper},
+        "time": {"end": end, "output_interval": end / 100.0},
+        "shape": {"method": "cpdi"},
+        "contact": {"method": "penalty", "friction": friction},
+        "materials": {"rubber": rubber},
+        "bodies": {name: body if "rigid" in body else {**soft, **body} for name, body in bodies.items()},
+        "output": {"particles": False, "surface": False},
+        **more,
+    }
+
+
+def band(cell):
+    """Return a band round a quarter of a drum that turns; one end is held, the other pulled."""
+    angle = np.linspace(0.0, 0.5 * np.pi, 64)
+    arc, leg = np.stack([np.sin(angle), np.cos(angle)], axis=1), 0.5
+    near, far = 1.0002 * RADIUS, RADIUS + THICK
+    points = [[-leg, near], *(near * arc), [near, -leg], [far, -leg], *(far * arc[::-1]), [-leg, far]]
+    bodies = {
+        "band": {
+            "geometry": {"type": "polygon", "points": np.array(points).tolist()},
+            "sides": [{"side": "left", "fixed": True}, {"side": "bottom", "pressure": -PULL / THICK}],
+        },
+        "drum": {
+            "geometry": {"type": "disc", "centre": [0.0, 0.0], "radius": RADIUS},
+            "segment": 0.02,
+            "rigid": {"motion": {"angular_velocity": [[0.0, 0.0], [0.2, -0.3]]}},
+        },
+    }
+    lower, upper, drag = [-0.8, -0.8], [2.6, 2.6], {"calm": {"model": "drag", "rate": 20.0}}
+    return scene(cell, 0.8, lower, upper, FRICTION, bodies, settle={"tolerance": 1e-2}, loads=drag)
+
+
+def tension(tree):
+    """Return the error [%] of the tension of the band against e^(μ φ R / (R + t/2)) times the pull."""
+    reaction = tree["series"]["side_force"].sel(body="band", side="left", axis="x").values
+    exact = PULL * np.exp(FRICTION * 0.5 * np.pi * RADIUS / (RADIUS + 0.5 * THICK))
+    return 100.0 * (abs(reaction[-10:].mean()) / exact - 1.0)
+
+
+def place(name, sizes, **make):
+    """Return places with the given cells, the first of them in the reduced version as well."""
+    return [
+        Place(f"{name}, h = {1e3 * cell:g} mm", make={"cell": cell, **make}, when="full" if k else "")
+        for k, cell in enumerate(sizes)
+    ]
+
+
+@Runs("band", band, METHODS, place("band", (0.1, 0.05)))
+def test_band(run):
+    run.gate(f"tension of the band, error, {run.place.at}", run.of(tension), 0.0, 3.0, "%")
+
+
+def grip(cell, friction):
+    """Return a block that two plates press by 1 % each, and lift by 20 mm once gravity acts."""
+    bodies = {"block": {"geometry": {"type": "rectangle", "lower": [0.0, 0.0], "upper": [EDGE, EDGE]}}}
+    for name, x, way in (("left", -0.2, 0.04), ("right", EDGE, -0.04)):
+        table = [[0.0, way, 0.0], [0.1, way, 0.0], [0.11, 0, 0], [0.4, 0, 0], [0.5, 0, 0.2], [0.6, 0, 0]]
+        plate = {"type": "rectangle", "lower": [x, -1.3], "upper": [x + 0.2, 0.7]}
+        bodies[name] = {"geometry": plate, "rigid": {"motion": {"velocity": table}}}
+    gravity = {"table": [[0.15, 0.0, 0.0], [0.3, 0.0, -GRAVITY]]}
+    return scene(cell, 0.8, [-0.3, -1.1], [0.7, 0.9], friction, bodies, gravity=gravity)
+
+
+def held(tree, friction):
+    """Return errors of the weight on the plates [%], of the block's way [mm], and of its fall against
+    g − 2 μ N / m with the force N that presses [% of g], over the last 0.2 s."""
+    series, mass = tree["series"].to_dataset(), 1e3 * EDGE**2
+    time, y = series["time"].values, series["centre_of_mass"].sel(body="block", axis="y").values
+    late = time > 0.599
+    forces = series["reaction"].sel(body=["left", "right"]).values[late].mean(axis=0)
+    fall = -2.0 * np.polyfit(time[late], y[late], 2)[0]
+    slips = GRAVITY - friction * np.abs(forces[:, 0]).sum() / mass
+    return {
+        "weight": 100.0 * (-forces[:, 1].sum() / (mass * GRAVITY) - 1.0),
+        "way": 1e3 * (y[-1] - y[time < 0.151][-1]) - 20.0,
+        "fall": 100.0 * (fall - slips) / GRAVITY,
+    }
+
+
+@Runs(
+    "grip",
+    grip,
+    METHODS,
+    place("μ = 0.3", (0.1, 0.05), friction=0.3) + place("μ = 0.05", (0.1, 0.05), friction=0.05),
+)
+def test_grip(run):
+    friction = run.place.make["friction"]
+    rows = (("fall of the block, error, {at}", "fall", 0.0, 2.0, "% of g"),)
+    if friction == 0.3:
+        rows = (
+            ("weight on the plates, error, {at}", "weight", 0.0, 5.0, "%"),
+            ("way of the block less the plates', {at}", "way", 0.0, 2.0, "mm"),
+        )
+    run.gates(held, *rows, friction=friction)
+
+
+def rebound(cell):
+    """Return a free rigid disc that falls on an elastic block in flight."""
+    disc = {
+        "geometry": {"type": "disc", "centre": [0.1, 0.26], "radius": 0.25},
+        "segment": 0.01,
+        "rigid": {"density": 1e3},
+        "velocity": [0.0, -1.0],
+    }
+    block = {"geometry": {"type": "rectangle", "lower": [-0.6, -0.5], "upper": [0.6, 0.0]}}
+    bodies, output = {"block": block, "disc": disc}, {"particles": False, "surface": False, "ledger": True}
+    return scene(cell, 0.15, [-1.0, -1.1], [1.0, 1.0], FRICTION, bodies, output=output)
+
+
+def bounced(tree):
+    """Return the ``velocity`` of the disc away from the block over that before, the ``energy`` at its largest
+    over the first, and the largest change of ``momentum`` over the disc's."""
+    series = tree["series"].to_dataset()
+    velocity = series["mean_velocity"].sel(axis="y").values
+    momentum = series["linear_momentum"].sum("body").values
+    energy = series["total_energy"].sum("body").values
+    return {
+        "velocity": float(velocity[-1, 1] - velocity[-1, 0]),
+        "energy": float(energy.max() / energy[0]),
+        "momentum": float(np.abs(momentum - momentum[0]).max() / np.abs(momentum[0]).max()),
+    }
+
+
+@Runs("rebound", rebound, METHODS, place("rebound", (0.05, 0.025)))
+def test_rebound(run):
+    error = 100.0 * (run.of(bounced, "velocity") / FINEST - 1.0)
+    run.gate(f"restitution against the finest run, error, {run.place.at}", error, 0.0, 5.0, "%")
+    run.gates(
+        bounced,
+        ("largest energy over the first, {at}", "energy", 1.0, (0.0, 1.001)),
+        ("largest change of momentum, {at}", "momentum", 0.0, 1e-12),
+    )
+
+
+@Runs("finest", rebound, places=place("rebound", (0.0125,)), when="full")
+def test_finest(run):
+    run.gate("restitution", run.of(bounced, "velocity"), FINEST, (0.99 * FINEST, 1.01 * FINEST))
