@@ -20,6 +20,7 @@ from pydantic import Field
 from mpmfw.api import ContactRows, Grid, OptionsModel, Particles, Setup, Stencil
 from mpmfw.api.types import IntArray, Surface
 from mpmfw.contact.surfaces import OnFacets
+from mpmfw.contact.surfaces.assembly import has_weights
 from mpmfw.contact.surfaces.near_facets import NearFacets
 from mpmfw.contact.surfaces.outline import hidden, opposition
 from mpmfw.kernels import device, kernel, scratch
@@ -158,6 +159,10 @@ def write_midlines(
             low, high = common_part(ends, other_ends)
             middle = gap_at(0.5 * (low + high), ends, other_ends)
             if low > high or middle > reach or middle < -DEEPEST * reach:
+                continue
+            if not has_weights(outline.facets[m, 0], other, outline.facets, table):
+                continue
+            if not has_weights(outline.facets[other, 0], m, outline.facets, table):
                 continue
             if c + 2 > len(rows.pair) or top + 8 * widest > len(rows.dof):
                 return -1

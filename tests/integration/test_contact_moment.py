@@ -5,8 +5,10 @@ import pytest
 
 import mpmfw
 from mpmfw.errors import SceneError
+from mpmfw.runs.simulation import Simulation
+from mpmfw.scene import load_scene
 from mpmfw_testing.contact.motion import moment
-from scenes_for_tests import box, solid, two_blocks, with_changes
+from scenes_for_tests import box, scene_of, solid, two_blocks, with_changes
 
 
 def cubes(method, **changes):
@@ -89,3 +91,21 @@ def test_mean_over_an_interval_is_the_mean_of_its_steps():
 def test_a_point_of_the_wrong_dimension_is_refused():
     with pytest.raises(SceneError, match=r"output\.contact_moment.*2"):
         recorded(two_blocks("penalty"), [0.0, 0.0, 0.0])
+
+
+@pytest.mark.parametrize("method", ["penalty", "lcp", "midplane"])
+def test_nodes_that_have_left_their_points_push_nothing(method):
+    """Nothing would take the opposite force: a body that comes upon them goes on with its momentum."""
+    bodies = {
+        "still": solid([-0.5, 0.0], [0.5, 0.5], 0.125),
+        "comes": solid([-0.5, -1.75], [0.5, -1.25], 0.125, velocity=[0.0, 2.0]),
+    }
+    scene = scene_of(bodies, 0.25, [-2.0, -3.0], [2.0, 2.0], end=0.1, contact={"method": method})
+    simulation = Simulation(load_scene(scene))
+    simulation.start()
+    surface, particles = simulation.state.surface, simulation.state.particles
+    surface.position[surface.of(0)] -= np.where(surface.position[surface.of(0)] < 1e-9, [0.0, 1.24], 0.0)
+    start = particles.mass @ particles.velocity
+    for _ in range(40):
+        simulation.step()
+    np.testing.assert_allclose(particles.mass @ particles.velocity, start, atol=1e-9 * start[1])

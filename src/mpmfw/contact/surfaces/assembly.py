@@ -188,6 +188,18 @@ def width_of(s: int, m: int, facets: Ints, row: Ints) -> int:
 
 
 @device
+def has_weights(s: int, m: int, facets: Ints, table: Table) -> bool:
+    """Return True unless node s or one of facet m has left its points, so that it has no weights."""
+    for corner in range(-1, facets.shape[1]):
+        p, has = s if corner < 0 else facets[m, corner], False
+        for k in entries(table.row, p):
+            has = has or table.weight[k] != 0.0
+        if not has:
+            return False
+    return True
+
+
+@device
 def next_slot(s: int, last: int, facet: Ints) -> int:
     """Slot of node s with the lowest facet beyond ``last``; −1 if there is none."""
     following = -1
@@ -220,7 +232,8 @@ def assemble(
 
     A node counts with its tributary area, or with half of it where its body and the master are of the same
     ``rank`` (body,): each is then slave once. ``across``: only what lies across the normal is a row's area;
-    ``ties``: of two equally close facets both count. ``place`` is scratch (:func:`add_point`).
+    ``ties``: of two equally close facets both count. ``place`` is scratch (:func:`add_point`). A node that
+    has left its points has no row: nothing would take the opposite force.
     """
     c, top, body, dim = 0, 0, outline.body, len(spacing)
     share, normal = scratch.vector(spacing), scratch.vector(spacing)
@@ -241,7 +254,7 @@ def assemble(
                 )
             for visit in range(2):
                 taken = 1.0 - part if visit == 0 else part
-                if taken == 0.0:
+                if taken == 0.0 or not has_weights(s, m if visit == 0 else other, outline.facets, table):
                     continue
                 if visit == 1:
                     m = other
