@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from mpmfw.kernels import Floats, Ints, Struct, device, kernel
-from mpmfw.step import threads
+from mpmfw.step import team
 
 
 class Points(Struct):
@@ -79,14 +79,14 @@ def test_a_copy_has_arrays_of_its_own():
 @kernel
 def write_number(numbers, t):
     """Write t + 1 as thread t does."""
-    threads.write(numbers, t, t + 1)
+    team.write(numbers, t, t + 1)
 
 
 def test_numbers_that_different_threads_write_share_no_line_of_the_cache():
     """Nearer ones would take the line from each other at every look."""
-    numbers = np.zeros(8 * threads.APART, dtype=np.int64)
+    numbers = np.zeros(8 * team.APART, dtype=np.int64)
     for t in range(4):
         write_number(numbers, t)
     (places,) = np.nonzero(numbers)
     assert set(np.diff(places) * numbers.itemsize) == {64}
-    assert [threads.wait(numbers, t, t + 1, 1) for t in range(4)] == [True] * 4
+    assert [team.wait(numbers, t, t + 1, 1) for t in range(4)] == [True] * 4
