@@ -67,6 +67,7 @@ def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
             exact = time.outputs == "exact"
             simulation.step_towards(min(time.output_interval, time.end) if exact else time.end)
         first_step, limits = simulation.state.dt, simulation.limits()
+        simulation.frame()  # from its first output on the ledger measures every step
         for _ in range(WARM_UP):
             simulation.step()
         outputs = outputs_of(simulation.scene)
