@@ -347,3 +347,8 @@ def test_the_command_goes_on_where_it_was_interrupted(path, whole):
     assert re.match(rf"{path}: continues at \S+ s of 0.02 s\n", done.stderr)
     assert done.stdout == f"{path}\n"
     same_results(path, whole)
+
+
+def test_an_interruption_in_settling_says_so(path):
+    assert "interrupted in settling, before time zero: " in str(stopped(SETTLING, path, 9))
+    assert called("resume", path).stderr.startswith(f"{path}: continues in settling, before time zero\n")

@@ -47,13 +47,12 @@ def resume(
     trust: args.Trust = False,
 ) -> None:
     """Continue RUN.nc from its last checkpoint, with the same results as without the interruption."""
-    from mpmfw.runs.run import resumed, run_on
+    from mpmfw.runs.run import moment, resumed, run_on
 
     with resumed(results, None, None, force, checkpoint, threads, trust) as checkpoints:
         simulation = checkpoints.simulation
-        end = simulation.scene.time.end
-        typer.echo(f"{results}: continues at {simulation.state.time:.6g} s of {end:g} s", err=True)
-        with run_progress(end) as progress:
+        typer.echo(f"{results}: continues {moment(simulation)}", err=True)
+        with run_progress(simulation.scene.time.end) as progress:
             run_on(checkpoints, progress)
     typer.echo(str(results))
 

@@ -250,9 +250,16 @@ def run_on(checkpoints: Checkpoints, progress: Callable[[float, int], None] | No
     return writer
 
 
+def moment(simulation: Simulation) -> str:
+    """Return where a run is, in words: its time is that of the motion, after settling."""
+    if simulation.scene.settle is not None and not simulation.started:
+        return "in settling, before time zero"
+    return f"at {simulation.state.time:.6g} s of {simulation.scene.time.end:g} s"
+
+
 def _how_to_go_on(checkpoints: Checkpoints) -> str:
     simulation, writer = checkpoints.simulation, checkpoints.writer
-    text = f"interrupted at {simulation.state.time:.6g} s of {simulation.scene.time.end:g} s"
+    text = f"interrupted {moment(simulation)}"
     how = "run it again for the rest"
     if checkpoints.path is not None and os.path.isfile(checkpoints.path):
         objects = f"mpmfw.resume({writer.path!r}, contact= or shape= as before)"
