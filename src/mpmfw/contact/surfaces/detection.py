@@ -219,11 +219,14 @@ class Surfaces(OnFacets):
         """Fill the candidates; return their number. Raise SimulationError if bodies crossed."""
         if not self.near.update() and self.count == 0:
             return 0
-        count = find_candidates(
-            self.radius, self.surface, self.near.near, self.candidates, self.through, self.state.grid.spacing,
-        )  # fmt: skip
-        if self.through[0] <= CROSSED * self.cell_size:
-            return count
+        given = self.radius, self.surface, self.near.near, self.candidates, self.through
+        for _ in range(2):  # again without nodes that have left their points, which bodies pass
+            count = find_candidates(*given, self.state.grid.spacing)
+            if self.through[0] <= CROSSED * self.cell_size:
+                return count
+            table, row = self.surface.table, self.surface.table.row[: self.surface.count]
+            left = ~np.logical_or.reduceat(table.weight != 0.0, row)
+            self.candidates.gap[left] = np.inf
         beyond, node, other = float(self.through[0]), int(self.through[1]), int(self.through[2])
         ends = {int(self.surface.body[node]), other}
         pair = next(pair for pair in self.state.pairs if {pair.first, pair.second} == ends)
