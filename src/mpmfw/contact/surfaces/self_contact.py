@@ -223,9 +223,12 @@ def joined_nodes(surface: Surface, own: slice, facets: IntArray, normal: FloatAr
         a, b = np.nonzero(dijkstra(edges, directed=False, indices=part, limit=length) < np.inf)
         rows.append(part[a])
         columns.append(b)
-    s, t = own.start + cKDTree(x[own]).query_pairs(length, output_type="ndarray").T
-    way = x[t] - x[s]
+    tree = cKDTree(x[own])
+    s, t = own.start + tree.query_pairs(length, output_type="ndarray").T
+    way, middle = x[t] - x[s], 0.5 * (x[s] + x[t])
+    next_to = own.start + tree.query(middle)[1]
     behind = (dots(way, normal[s]) < 0.0) & (dots(way, normal[t]) > 0.0)
+    behind &= dots(middle - x[next_to], normal[next_to]) < 0.0
     at = (np.concatenate([*rows, s[behind], t[behind]]), np.concatenate([*columns, t[behind], s[behind]]))
     return csr_array(coo_array((np.ones(len(at[0]), dtype=np.int8), at), shape=(n, n)))
 
