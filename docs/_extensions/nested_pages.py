@@ -1,4 +1,4 @@
-"""What only the site needs: lists of pages below a page, links to the built gallery, widths of figures."""
+"""Add lists of subpages, links to the gallery, and widths of figures to the site."""
 
 from __future__ import annotations
 

@@ -28,10 +28,10 @@ _arrayobj: Any = arrayobj  # numba has no annotations here
 #: Numbers between two that different threads write: as many as a line of the cache has.
 APART = 8
 
-#: How often a thread looks whether there is something to do before it sleeps: 0.1 ms.
+#: Reads of a number before a thread that waits for work sleeps, 0.1 ms.
 LOOKS = 300_000
 
-#: As often the thread that calls looks away, 3 µs, while the others need the interpreter's lock.
+#: Reads during which the calling thread leaves the interpreter's lock to the others, 3 µs.
 FIRST_LOOKS = 48_000
 
 #: Sleep of the thread that calls, when another has none of the cores [s].
@@ -93,7 +93,8 @@ def end(numbers: Ints, t: int, value: int, looks: int) -> bool:
 
 
 class Team:
-    """The threads themselves. Part 0 is the caller's; whoever is free takes the next part, the caller too."""
+    """Threads that share the parts of an operation. The caller does part 0; each free thread, and the caller,
+    takes the next part."""
 
     def __init__(self, count: int) -> None:
         self.count, self.round, self.ended = count, 0, False
@@ -149,7 +150,7 @@ class Team:
             self.results[t] = error
 
     def _work(self, k: int) -> None:
-        """What thread k does until it is dismissed."""
+        """Do parts as thread k until the team ends."""
         seen = 0
         while not self.ended:
             taken = self._take()
