@@ -274,7 +274,10 @@ ROWS: dict[str, tuple[dict[str, Any], str, Any, Any]] = {
     "Side.fixed": (held(), SIDES, HELD, [{"side": "bottom", "fixed": ["x"]}]),
     "Side.velocity": (
         *(held(), SIDES),
-        *([{"side": "top", "velocity": [0, 1]}], [{"side": "top", "velocity": ["free", 1]}]),
+        *(
+            [{"side": "top", "velocity": [0, 1]}],
+            [{"side": "top", "velocity": [[0, "free", 1], [1, "free", 2]]}],
+        ),
     ),
     **{
         f"Side.{key}": (held(), SIDES, [{"side": "top", key: first}], [{"side": "top", key: second}])

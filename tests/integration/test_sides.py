@@ -4,10 +4,12 @@ import math
 
 import numpy as np
 import pytest
+from test_restart import stop_and_go_on
 
 import mpmfw
 from mpmfw.errors import SceneError
 from mpmfw.runs.simulation import Simulation
+from mpmfw.state.fields import SIDES
 from scenes_for_tests import BULK, DENSITY, SHEAR, block, box, disc, one_body, with_changes
 
 SPEED = math.sqrt((BULK + 4.0 * SHEAR / 3.0) / DENSITY)
@@ -114,6 +116,80 @@ def test_forces_of_sides_are_what_changes_the_momentum_and_do_the_work(scheme, a
     assert work[0] == 0.0
     assert work[1] == pytest.approx(float(series["external_work"][-1]), rel=0.02)  # of the mean velocity
     assert np.isnan(series["side_force"].sel(side="left")).all()
+
+
+def in_time(*speeds, scheme="usl", **changes):
+    """A square whose top has these speeds along y, 0.1 s apart."""
+    rows = [[0.1 * k, "free", speed] for k, speed in enumerate(speeds)]
+    sides = [{"side": "bottom", "fixed": ["y"]}, {"side": "top", "velocity": rows}]
+    end = 0.1 * (len(speeds) - 1)
+    return block(
+        bodies__solid__sides=sides, time={"end": end, "output_interval": 0.005}, output={"ledger": True},
+        stepping={"scheme": scheme}, **changes,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("scheme", ["usl", "musl", "usf"])
+def test_a_side_takes_velocities_over_time(scheme, tmp_path):
+    """It moves by their integral, does their work, and goes on to the bit."""
+    scene = in_time(0.0, -0.3, 0.1, 0.1, scheme=scheme)
+    sim = Simulation(scene)
+    frames = []
+    sim.run(write=lambda frame: frames.append(frame.series))
+    constraint = sim.manager.get_plugin("constraint")
+    begin = Simulation(scene).manager.get_plugin("constraint").planes.place
+    np.testing.assert_allclose((constraint.planes.place - begin), [0.0, -0.015], rtol=1e-9, atol=1e-15)
+    series = {
+        k: np.array([frame[k] for frame in frames]) for k in ("side_force", "side_work", "linear_momentum")
+    }
+    times = np.linspace(0.0, 0.3, len(frames))
+    force, top = series["side_force"][1:, 0], SIDES.index("top")
+    change = np.diff(series["linear_momentum"][:, 0], axis=0)
+    np.testing.assert_allclose(
+        np.nansum(force, axis=1) * np.diff(times)[:, None], change, rtol=1e-6, atol=1e-6
+    )
+    speed = np.interp(0.5 * (times[1:] + times[:-1]), [0.0, 0.1, 0.2, 0.3], [0.0, -0.3, 0.1, 0.1])
+    work = (force[:, top, 1] * speed) @ np.diff(times)
+    assert series["side_work"][-1, 0, top] == pytest.approx(work, rel=2e-3)
+    assert frames[-1]["external_work"] == pytest.approx(work, rel=0.06)  # of the mean velocity
+    stop_and_go_on(lambda: Simulation(scene), tmp_path / "saved", 40)
+
+
+def test_a_table_of_one_velocity_is_that_velocity():
+    scene, ends = in_time(-0.2, -0.2), []
+    for velocity in (scene["bodies"]["solid"]["sides"][1]["velocity"], ["free", -0.2]):
+        scene["bodies"]["solid"]["sides"][1]["velocity"] = velocity
+        sim = Simulation(scene)
+        sim.run()
+        ends.append(sim.state.particles.position.copy())
+    np.testing.assert_allclose(*ends, rtol=1e-12)
+
+
+def test_a_side_with_a_table_stands_still_while_the_scene_settles():
+    scene = in_time(-0.2, 0.2, gravity={"vector": [0.0, -10.0]}, settle={"tolerance": 1e-2})
+    sim, places = Simulation(scene), []
+    constraint = sim.manager.get_plugin("constraint")
+    sim.run(after_step=lambda: places.append((sim.started, *constraint.planes.place)))
+    assert {tuple(place) for started, *place in places if not started} == {tuple(places[0][1:])}
+
+
+@pytest.mark.parametrize(
+    ("rows", "said"),
+    [
+        ([[0, "free", 1], [1, 0, 1]], "leaves a component free in some rows"),
+        ([[0, "free", "free"], [1, "free", "free"]], "every component is free"),
+        ([[0, 0, 1], [0, 0, 2]], "times must increase"),
+        ([[0, 0, 1, 1], [1, 0, 1, 1]], "expected the time and 2 components"),
+        ([[0, 0, 0], [1, 0.5, 0]], r"prescribes 0.5 m/s along x at 1 s, but side 'bottom', with which"),
+        ([["0 s", "free", 0], ["0.2 s", "free", -10]], "meets side 'bottom' at 0.2 s"),
+    ],
+)
+def test_wrong_velocities_over_time_are_refused(rows, said):
+    sides = [{"side": "bottom", "fixed": True}, {"side": "right", "velocity": rows}]
+    if "meets" in said:
+        sides[1]["side"] = "top"
+    with pytest.raises(SceneError, match=said):
+        Simulation(block(bodies__solid__sides=sides, time__end=0.5))
 
 
 def test_pressure_acts_on_a_turned_bodys_own_side():

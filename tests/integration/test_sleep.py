@@ -111,6 +111,10 @@ def test_a_load_that_changes_wakes():
     moved = awake.series[-1]["centre_of_mass"][0]
     np.testing.assert_allclose(slept.series[-1]["centre_of_mass"][0], moved, rtol=1e-6, atol=1e-9)
     assert moved[0] > 0.1
+    side["velocity"] = [[0.0, 0.0, "free"], [0.5, 0.0, "free"], [0.6, 1.0, "free"]]
+    del side["pressure"]
+    watch = Watch(scene(pushed, **SLEEP))
+    assert [names for _, names in watch.changes] == [{"pushed", "other"}, {"other"}]
     gravity = {"table": [[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [0.6, 0.0, -5.0]]}
     watch = Watch(scene({**pushed, "pushed": block([0.0, 0.0], [1.0, 1.0])}, gravity=gravity, **SLEEP))
     assert [names for _, names in watch.changes] == [{"pushed", "other"}, set()]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +13,7 @@ from mpmfw.effects.side_rows import AXIS, PlaneSides, SideTable, list_rows, meet
 from mpmfw.errors import SceneError
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import FLAT, Acts, Setup
+from mpmfw.scene.sides import motion_of
 from mpmfw.state.fields import SIDES, AnyArray, Field, FloatArray
 from mpmfw.state.history import IndexMap
 from mpmfw.state.structs import Body, Grid
@@ -50,7 +52,7 @@ class Constraint:
 
     def __init__(self, setup: Setup, sides: list[tuple[Body, Side]]) -> None:
         shape, bodies = setup.shape_function, [body for body, _ in sides]
-        self.bodies, self.degree = bodies, shape.boundary_degree
+        self.bodies, self.degree, self.state = bodies, shape.boundary_degree, setup.state
         #: Calls in each step that move the body: that of MUSL after the second projection moves nothing.
         self.calls = self.left = 2 if setup.scheme == "usf" else 1
         self.works = np.zeros(len(sides))  #: of each side on its body so far [J/m]
@@ -70,19 +72,26 @@ class Constraint:
         faces = [_face_of(setup, body, side) for body, side in sides]
         #: unit vectors along the body's own axes, (n_sides, dim, dim), one a row
         self.directions = np.array([setup.scene.bodies[body.name].geometry.axes for body in bodies])
-        #: components along these, (n_sides, dim) [m/s]; NaN leaves one free
-        self.velocity = np.array([_velocity(side, setup.dim) for _, side in sides])
-        self.pace = np.nan_to_num(self.velocity)
+        self.tables = [motion_of(side, setup.dim) for _, side in sides]
         self.planes = _planes(setup, bodies, faces, self.degree, 2 if shape.staggered else 1)
         self.relaxation = RELAXATION if len(self.planes.weight) else 1.0
         along = [axes @ normal for axes, (normal, _) in zip(self.directions, faces, strict=True)]
         own = [int(np.abs(each).argmax()) for each in along]
-        #: along the normal, (n_sides,) [m/s]; NaN where it is free
-        self.speeds = np.array([each[k] * v[k] for each, k, v in zip(along, own, self.velocity, strict=True)])
+        signs = np.array([each[k] for each, k in zip(along, own, strict=True)])
+        self.along = np.arange(len(sides)), own, signs
+        self._prescribe([table.at(0.0) for table in self.tables])
         self.free = np.flatnonzero(np.isnan(self.speeds)).tolist()
         self.motions = np.zeros(len(sides))
         self.agreed = AGREED * max(body.wave_speed for body in bodies)
         self.frame, self.listed = -1, False  #: whether the rows are those of this step
+
+    def _prescribe(self, velocity: Sequence[FloatArray]) -> None:
+        #: components along ``directions``, (n_sides, dim) [m/s]; NaN leaves one free
+        self.velocity = np.array(velocity)
+        self.pace = np.nan_to_num(self.velocity)
+        side, component, sign = self.along
+        #: along the normal, (n_sides,) [m/s]; NaN where it is free
+        self.speeds = sign * self.velocity[side, component]
 
     @property
     def work(self) -> float:
@@ -92,7 +101,9 @@ class Constraint:
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
         held = setup.held_sides
-        return Acts(", ".join(f"{body.name} {side.side}" for body, side in held), [cls(setup, held)])
+        in_time = any(len(motion_of(side, setup.dim).times) > 1 for _, side in held)
+        made = (ConstraintInTime if in_time else cls)(setup, held)
+        return Acts(", ".join(f"{body.name} {side.side}" for body, side in held), [made])
 
     def while_settling(self, asked: Settle | None) -> None:
         """Hold moving sides where they are, until ``asked`` is None."""
@@ -222,6 +233,15 @@ class Constraint:
         return series
 
 
+class ConstraintInTime(Constraint):
+    """Prescribed sides, of which some change their velocity in time."""
+
+    @hookimpl
+    def after_momentum_projection(self, dt: float) -> None:
+        """Take the velocities' means over the step of ``dt`` [s]."""
+        self._prescribe([table.mean(self.state.time, dt) for table in self.tables])
+
+
 def _planes(
     setup: Setup, bodies: list[Body], faces: list[tuple[FloatArray, float]], degree: int, grids: int
 ) -> PlaneSides:
@@ -263,12 +283,3 @@ def _face_of(setup: Setup, body: Body, side: Side) -> tuple[FloatArray, float]:
             f"no part of the outline lies along the side '{side.side}'", key=f"bodies.{body.name}.sides"
         )
     return normal, place
-
-
-def _velocity(side: Side, dim: int) -> FloatArray:
-    """Return the velocity of a side, (dim,) [m/s], NaN where it is free."""
-    if side.velocity is not None:
-        return np.array([np.nan if isinstance(v, str) or v is None else float(v) for v in side.velocity])
-    if side.fixed is None or side.fixed is True:
-        return np.zeros(dim)
-    return np.array([0.0 if name in side.fixed else np.nan for name in "xyz"[:dim]])

@@ -15,6 +15,7 @@ import numpy as np
 
 from mpmfw.effects.settling import longest_settling
 from mpmfw.runs.limits import outputs_of, steps_of
+from mpmfw.scene.sides import motion_of
 from mpmfw.state.fields import STEP_STAGES, FloatArray
 from mpmfw.step.schemes import interpolate
 
@@ -149,8 +150,7 @@ def driven_speed(simulation: Simulation) -> FloatArray:
     speed = np.zeros(simulation.scene.dim)
     for body in simulation.scene.bodies.values():
         for side in body.sides:
-            for axis, value in enumerate(side.velocity or ()):
-                speed[axis] = max(speed[axis], 0.0 if isinstance(value, str) else abs(float(value)))
+            speed = np.fmax(speed, np.abs(motion_of(side, len(speed)).values).max(axis=0))
     return speed
 
 

@@ -91,7 +91,10 @@ class Sleep:
         self._records = {name: f"{contact.name}/{name}" for name in IMPULSES}
         self._loads = [each for each in setup.plugins if isinstance(each, BodyLoad | SurfaceLoad)]
         self._gravity = setup.plugin("gravity")
-        self._forces_change = bool(self._loads or (self._gravity and len(self._gravity.table.times) > 1))
+        self._sides = setup.plugin("constraint")
+        tables = [each.table for each in (self._gravity,) if each]
+        tables += self._sides.tables if self._sides else []
+        self._forces_change = bool(self._loads or any(len(table.times) > 1 for table in tables))
 
     @property
     def running(self) -> Any:
@@ -154,7 +157,8 @@ class Sleep:
         woken, sleepers = np.zeros_like(self.inactive), np.flatnonzero(self.inactive)
         for body in sleepers.tolist() if self._forces_change else ():
             then, now = (self._forces(body, at)[0] for at in (float(self.slept[body]), time))
-            woken[body] = not all(np.array_equal(*each) for each in zip(then, now, strict=True))
+            alike = (np.array_equal(*each, equal_nan=True) for each in zip(then, now, strict=True))
+            woken[body] = not all(alike)
         grid = self.running.state.grid
         if self.active is not None and grid.frame != self.frame:
             self.frame = grid.frame
@@ -169,7 +173,8 @@ class Sleep:
             self._divide()
 
     def _forces(self, body: int, time: float) -> tuple[list[AnyArray], float]:
-        """Return gravity [m/s²] and loads [N or Pa], and their acceleration [m/s²]."""
+        """Return gravity [m/s²], loads [N or Pa] and velocities of sides [m/s]; and the acceleration of the
+        first two [m/s²]."""
         state, own = self.full.state, self.full.state.bodies[body]
         mass = float(state.particles.mass[own.particles].sum())
         values: list[AnyArray] = [] if self._gravity is None else [self._gravity.at(time)]
@@ -184,6 +189,9 @@ class Sleep:
                 facets = LoadedFacets(state, which)
                 values.append(load.traction(facets, time))
                 total += facets.area @ values[-1]
+        if self._sides is not None:
+            sides = zip(self._sides.bodies, self._sides.tables, strict=True)
+            values += [table.at(time) for each, table in sides if each is own]
         return values, float(np.linalg.norm(total)) / mass
 
     def gather(self, time: float) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from mpmfw.scene.problem import Path, Problem
 from mpmfw.scene.rigid import acts_along
+from mpmfw.scene.sides import rows_of
 from mpmfw.scene.tables import Body, Gravity, RigidBody, Tables
 
 
@@ -90,7 +91,10 @@ def _sides(body: Body, path: Path) -> Iterator[Problem]:
     if not np.array_equal(body.geometry.axes, np.eye(2)):
         return
     for index, side in enumerate(body.sides):
-        if side.side == "left" and side.velocity is not None and side.velocity[0] not in (0.0, "free"):
-            given = f"{side.velocity[0]:g} m/s along x"
-            message = f"{given}, but the side lies on the axis, which does not move; expected 0 or 'free'"
+        rows = rows_of(side.velocity) if side.side == "left" and side.velocity is not None else ()
+        if given := next((row[1] for row in rows if row[1] not in (0.0, "free")), None):
+            message = (
+                f"{given:g} m/s along x, but the side lies on the axis, which does not move; expected 0 or "
+                "'free'"
+            )
             yield Problem((*path, "sides", index, "velocity"), message)

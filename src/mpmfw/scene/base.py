@@ -68,8 +68,8 @@ _Component = Annotated[
     Annotated[Literal["free"], Tag("free")] | Annotated[Velocity, Tag("value")],
     Discriminator(lambda value: "free" if value == "free" else "value"),
 ]
-#: Velocity of a side; ``"free"`` for a component that is left to the body.
-SideVelocity = Annotated[tuple[_Component, ...], Strict(False), _PLANE_OR_SPACE]
+#: Velocity of a side, or rows (t, v_x, v_y[, v_z]); ``"free"`` for a component that is left to the body.
+SideVelocity = vector_in_time(_Component)
 
 #: One row of a table of gravity: time, then the components.
 GravityRow = row_in_time(Acceleration)

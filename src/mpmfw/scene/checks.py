@@ -14,7 +14,7 @@ from mpmfw.scene.axisymmetry import check_axisymmetry
 from mpmfw.scene.options import NAMED
 from mpmfw.scene.problem import Path, Problem, one_form
 from mpmfw.scene.rigid import check_rigid, check_spin
-from mpmfw.scene.sides import AXIS, check_sides
+from mpmfw.scene.sides import AXIS, check_sides, rows_of
 from mpmfw.scene.tables import Body, Gravity, RigidBody, Side, Tables
 from mpmfw.scene.wording import unknown_name
 from mpmfw.units import problems_in_time, wrong_length
@@ -264,7 +264,9 @@ def _side(body: Body, path: Path, index: int, dim: int) -> Iterator[Problem]:
     yield from one_form(path, given, *conditions)
     fixed, shape = side.fixed if isinstance(side.fixed, tuple) else (), body.geometry.type
     plane = side.side in AXIS
-    still = side.velocity is not None and all(component == "free" for component in side.velocity)
+    rows = () if side.velocity is None else rows_of(side.velocity)
+    free = [[value == "free" for value in column] for column in zip(*rows, strict=False)][1:]
+    mixed = any(any(each) and not all(each) for each in free)
     refused = (
         (dim == 2 and side.side in ("back", "front"), "side", f"'{side.side}' is a side in 3D"),
         (
@@ -275,7 +277,8 @@ def _side(body: Body, path: Path, index: int, dim: int) -> Iterator[Problem]:
         (not plane and not side.is_loaded, "side", f"'{side.side}' takes a load; expected a plane side"),
         ("z" in fixed and dim == 2, "fixed", "'z' is a component in 3D; expected x or y"),
         (len(set(fixed)) != len(fixed), "fixed", "names a component twice"),
-        (still, "velocity", "has no effect: every component is free"),
+        (bool(free) and np.all(free), "velocity", "has no effect: every component is free"),
+        (mixed, "velocity", "leaves a component free in some rows; expected in all of them, or in none"),
     )
     yield from (Problem((*path, key), message) for wrong, key, message in refused if wrong)
     yield from _in_time(side.velocity, (*path, "velocity"), dim)

@@ -4,13 +4,30 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
 
 from mpmfw.scene.problem import Path, Problem
 from mpmfw.scene.tables import Body, Side
+from mpmfw.units import TimeTable
 
 #: Axis of the body across each side, and the sides at its upper end.
 AXIS = {"left": 0, "right": 0, "bottom": 1, "top": 1, "back": 2, "front": 2}
 UPPER = ("right", "top", "front")
+
+
+def rows_of(velocity: Any) -> tuple[Any, ...]:
+    """Return the rows (t, v_x, v_y[, v_z]) of a side's velocity, one of a constant one."""
+    return velocity if isinstance(velocity[0], tuple) else ((0.0, *velocity),)
+
+
+def motion_of(side: Side, dim: int) -> TimeTable:
+    """Return the prescribed velocity of a side, (dim,) [m/s]; NaN for a component that is free."""
+    if side.velocity is not None:
+        return TimeTable([[np.nan if v == "free" else v for v in row] for row in rows_of(side.velocity)])
+    fixed = "xyz" if side.fixed is True else side.fixed or ()
+    return TimeTable.constant([0.0 if name in fixed else np.nan for name in "xyz"[:dim]])
 
 
 def check_sides(body: Body, path: Path, dim: int, end: float) -> Iterator[Problem]:
@@ -19,7 +36,7 @@ def check_sides(body: Body, path: Path, dim: int, end: float) -> Iterator[Proble
     for (_, first), (index, second) in itertools.combinations(plane, 2):
         at = (*path, "sides", index)
         if AXIS[first.side] == AXIS[second.side] and first.side != second.side:
-            if text := _meeting(body, first, second, end):
+            if text := _meeting(body, first, second, dim, end):
                 yield Problem(at, text)
         elif first.side == second.side or body.geometry.type in ("rectangle", "box"):
             yield from _contradicting(first, second, at, dim)
@@ -28,39 +45,37 @@ def check_sides(body: Body, path: Path, dim: int, end: float) -> Iterator[Proble
 def _contradicting(first: Side, second: Side, at: Path, dim: int) -> Iterator[Problem]:
     """Return components that both sides prescribe, with different values, on nodes that they share."""
     where = "" if first.side == second.side else ", with which it shares a corner,"
+    one, other = motion_of(first, dim), motion_of(second, dim)
+    times = np.union1d(one.times, other.times)
+    values = np.array([[table.at(time) for table in (one, other)] for time in times])
     for axis in range(dim):
-        one, other = _component(first, axis), _component(second, axis)
-        if one is not None and other is not None and one != other:
-            name = "xyz"[axis]
+        own, given = values[:, :, axis].T
+        if (differ := ~np.isnan(own + given) & (own != given)).any():
+            k, name = differ.argmax(), "xyz"[axis]
+            when = f" at {times[k]:g} s" if len(times) > 1 else ""
             message = (
-                f"prescribes {other:g} m/s along {name}, but side '{first.side}'{where} prescribes {one:g} "
-                f"m/s; expected the same value, or '{name}' free on one of them"
+                f"prescribes {given[k]:g} m/s along {name}{when}, but side '{first.side}'{where} prescribes "
+                f"{own[k]:g} m/s; expected the same value, or '{name}' free on one of them"
             )
             yield Problem(at, message)
 
 
-def _meeting(body: Body, first: Side, second: Side, end: float) -> str:
+def _meeting(body: Body, first: Side, second: Side, dim: int, end: float) -> str:
     """Return when two opposite sides meet; empty if they do not before the end."""
     lower, upper = (second, first) if first.side in UPPER else (first, second)
-    axis = AXIS[lower.side]
-    below, above = _component(lower, axis), _component(upper, axis)
-    if below is None or above is None or body.geometry.type == "mesh":
+    if body.geometry.type == "mesh":
         return ""
+    axis, below, above = AXIS[lower.side], motion_of(lower, dim), motion_of(upper, dim)
     low, high = body.geometry.bounds[:, axis]
-    approach = below - above
-    if approach * end < high - low:
+    times = np.union1d(np.linspace(0.0, end, 101), [*below.times, *above.times])
+    times = times[(times >= 0.0) & (times <= end)]
+    approach = np.array([(below.at(time) - above.at(time))[axis] for time in times])
+    travelled = np.append(0.0, np.cumsum(0.5 * np.diff(times) * (approach[1:] + approach[:-1])))
+    k = int((travelled >= high - low).argmax())
+    if k == 0:
         return ""
+    time = np.interp(high - low, travelled[k - 1 : k + 1], times[k - 1 : k + 1])
     return (
-        f"meets side '{first.side}' at {(high - low) / approach:.4g} s, before time.end: their velocities "
+        f"meets side '{first.side}' at {time:.4g} s, before time.end: their velocities "
         f"compress the body to nothing; expected time.end, which is {end:g} s, to be earlier"
     )
-
-
-def _component(side: Side, axis: int) -> float | None:
-    """Return the prescribed velocity along an axis [m/s], None if the side leaves it free."""
-    if side.velocity is not None and axis < len(side.velocity):
-        value = side.velocity[axis]
-        return None if isinstance(value, str) else float(value)
-    if side.fixed is True or (side.fixed is not None and "xyz"[axis] in side.fixed):
-        return 0.0
-    return None

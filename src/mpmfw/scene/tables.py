@@ -157,8 +157,8 @@ class Material(Table):
 class Side(Table):
     """A condition on a side: fixed components, a velocity [m/s], a pressure or traction [Pa], a force [N].
 
-    The force acts on the whole side over the body's thickness, spread evenly. A load is constant, or rows of
-    a time [s] and its values: linear in between, constant outside."""
+    The force acts on the whole side over the body's thickness, spread evenly. All but fixed are constant, or
+    rows of a time [s] and its values: linear in between, constant outside."""
 
     #: A plane side, or for a load the whole outside of the body, or all its holes.
     side: Literal["left", "right", "bottom", "top", "back", "front", "outer", "inner"]
