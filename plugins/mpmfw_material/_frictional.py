@@ -143,14 +143,14 @@ def return_stress(
 
 @kernel
 def frictional_stress(
-    first: int, last: int, deformation_gradient: Floats, flow: Flow, opened: Floats, stress: Floats,
-    bulk: float, shear: float, surface: tuple[float, float, float], tension: float, cone: bool,
+    first: int, last: int, deformation_gradient: Floats, volume: Floats, flow: Flow, opened: Floats,
+    stress: Floats, bulk: float, shear: float, surface: tuple[float, float, float], tension: float, cone: bool,
     spacing: tuple[float, ...], axes: int,
 ) -> None:  # fmt: skip
     """σ = τ / J, with τ_a = (K − 2 G / 3) Σ ε + 2 G ε_a of ε = ½ ln F C_p⁻¹ Fᵀ, returned to the surface.
 
     Plastic work is that of the stress after the return. Volume that tension ``opened`` (n,), as a logarithm,
-    closes before there is pressure again. Beyond ``SEPARATED`` it opens no further, and F becomes smaller.
+    closes before there is pressure again. Beyond ``SEPARATED`` it opens no further: F and V become smaller.
     """
     dim = len(spacing)
     f, matrix = scratch.matrix(SPACE, SPACE), scratch.matrix(SPACE, SPACE)
@@ -192,6 +192,7 @@ def frictional_stress(
             if opened[p] > SEPARATED or distorted:
                 excess = max(opened[p] - SEPARATED, 0.0)
                 opened[p] -= excess
+                volume[p] *= math.exp(-excess)
                 restart_shape(f, jacobian, excess, axes, deformation_gradient[p])
                 invert(f, matrix, SPACE)
             push_forward(matrix, b, flow.metric[p])
@@ -256,8 +257,8 @@ class Frictional(Plastic):
     @hookimpl
     def update_stress(self, particles: Particles) -> None:
         self.over_points(
-            frictional_stress, particles, particles.deformation_gradient, self.flow, self.opened,
-            particles.stress, *self.constants, self.spacing, self.axes
+            frictional_stress, particles, particles.deformation_gradient, particles.volume, self.flow,
+            self.opened, particles.stress, *self.constants, self.spacing, self.axes
         )  # fmt: skip
 
     def set_stress(self, own: slice, stress: FloatArray) -> bool:

@@ -182,6 +182,12 @@ PLANTED = {
         "changes-nothing-else": (
             solid("EverybodysStress", "update_stress", "self.slices", "[slice(None)]"),
         ),
+        "volume": (
+            solid("ShrinksUnsaid", "update_stress",
+                "particles.stress[own]",
+                "far = np.linalg.det(particles.deformation_gradient[own]) > 2.0\n"
+                "particles.deformation_gradient[own][far] *= 0.99\nparticles.stress[own]"),
+        ),
         "each-for-itself": (
             solid("MeanPressure", "stress", "return found",
                 "p = np.einsum('nii->n', found)[:, None, None] / f.shape[1]\n"

@@ -37,7 +37,9 @@ class Point(PlasticPoint):
 
     def write(self, f, flow, stress, spacing):
         """σ at F."""
-        frictional_stress(0, 1, f, flow, self.opened, stress, *self.constants, spacing, len(spacing))
+        frictional_stress(
+            0, 1, f, np.ones(1), flow, self.opened, stress, *self.constants, spacing, len(spacing)
+        )
 
     def tried(self, f):
         """τ at F without keeping anything."""

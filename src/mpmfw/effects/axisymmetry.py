@@ -151,7 +151,7 @@ class Axisymmetry:
 
     @hookimpl(trylast=True)
     def update_stress(self) -> None:
-        """Copy stress and L in the plane; refuse a material without hoop stress."""
+        """Copy stress, L and F in the plane; refuse a material without hoop stress."""
         if not self.checked:
             self.checked = True
             for material in self.materials.values():
@@ -161,6 +161,7 @@ class Axisymmetry:
                         "(n, 3, 3) where grid.axisymmetric = true, as setup.state.grid.tensor_spacing says"
                     )
         self.plane.stress[...] = self.stress[:, :2, :2]
+        self.plane.deformation_gradient[...] = self.deformation_gradient[:, :2, :2]
         self.plane.velocity_gradient[...] = self.velocity_gradient[:, :2, :2]
 
     @hookimpl

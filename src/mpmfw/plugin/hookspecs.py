@@ -130,7 +130,8 @@ class HookSpecs:
     def update_stress(self, particles: Particles, dt: float) -> None:
         """Step 6: σ of the material's bodies from F. May change their ``particles.stress``.
 
-        Of bodies of revolution F and σ are (n, 3, 3)."""
+        Of bodies of revolution F and σ are (n, 3, 3). A material that forgets its shape may also restart F at
+        large strain, and must change V with it: V = det F V⁰."""
 
     @hookspec
     def end_step(self, state: State) -> None:
