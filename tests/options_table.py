@@ -271,6 +271,10 @@ ROWS: dict[str, tuple[dict[str, Any], str, Any, Any]] = {
         )
     },
     "Side.side": (held(), SIDES, HELD, [{"side": "right", "fixed": True}]),
+    "Side.within": (
+        *(held(), SIDES, [{"side": "top", "pressure": 1e4}]),
+        [{"side": "top", "pressure": 1e4, "within": [[-1.0, -1.0], [0.0, 1.0]]}],
+    ),
     "Side.fixed": (held(), SIDES, HELD, [{"side": "bottom", "fixed": ["x"]}]),
     "Side.velocity": (
         *(held(), SIDES),

@@ -144,8 +144,8 @@ def return_stress(
 @kernel
 def frictional_stress(
     first: int, last: int, deformation_gradient: Floats, volume: Floats, flow: Flow, opened: Floats,
-    stress: Floats, bulk: float, shear: float, surface: tuple[float, float, float], tension: float, cone: bool,
-    spacing: tuple[float, ...], axes: int,
+    stress: Floats, bulk: float, shear: float, surface: tuple[float, float, float], tension: float,
+    cone: bool, spacing: tuple[float, ...], axes: int,
 ) -> None:  # fmt: skip
     """σ = τ / J, with τ_a = (K − 2 G / 3) Σ ε + 2 G ε_a of ε = ½ ln F C_p⁻¹ Fᵀ, returned to the surface.
 

@@ -11,6 +11,7 @@ from mpmfw.api import SurfaceLoad
 from mpmfw.errors import SceneError
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
+from msh_files import write_msh
 from scenes_for_tests import BULK, DENSITY, SHEAR, SOFT, block, box, disc, one_body, two_blocks
 
 LAME, P_WAVE = BULK - 2.0 * SHEAR / 3.0, BULK + 4.0 * SHEAR / 3.0
@@ -109,6 +110,54 @@ def test_a_load_on_a_side_gives_its_impulse_in_any_direction(key, make):
     load = [3.0, -2.0, 1.0][: 2 if make is block else 3]
     scene = make(bodies__solid__sides=[{"side": "top", key: load}], materials__soft=HOOKE, time__step=STEP)
     np.testing.assert_allclose(momentum(after(20, scene)), np.multiply(load, 20 * STEP), rtol=1e-6)
+
+
+ROOF = [[-1.0, 0.001], [1.0, 0.6]]
+HOUSE = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.0], [-0.5, 0.0], [0.0, 0.5]]
+
+
+def house(folder, dim, within, **load):
+    """A body of a file, with a gable roof of 45 degrees, and the loads within two boxes of its outside."""
+    path = folder / ("house.msh" if dim == 2 else "house.stl")
+    if dim == 2:
+        write_msh(
+            path, [[*corner, 0.0] for corner in HOUSE], {"quad": [[0, 1, 2, 3]], "triangle": [[3, 2, 4]]}
+        )
+    else:
+        points = [[*corner, z] for corner in HOUSE for z in (-0.5, 0.5)]
+        pytest.importorskip("trimesh").PointCloud(points).convex_hull.export(path)
+    geometry = {"type": "mesh" if dim == 2 else "surface_mesh", "path": str(path)}
+    boxes = [[[*corner, z][:dim] for corner, z in zip(box, (-0.49, 0.49), strict=True)] for box in within]
+    sides = [{"side": "outer", "within": box, **load} for box in boxes]
+    return one_body(geometry, size=0.125, bodies__solid__sides=sides, materials__soft=HOOKE, time__step=STEP)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_a_load_acts_on_a_region_of_a_files_surface(tmp_path, dim):
+    """One slope of a roof, of √½ m or m² and n = (1, 1)/√2; both slopes keep the balance along x."""
+    right, left = [[0.0, 0.001], [1.0, 0.6]], [[-1.0, 0.001], [0.0, 0.6]]
+    for within, exact in (([right], [-0.5, -0.5]), ([right, left], [0.0, -1.0]), ([ROOF], [0.0, -1.0])):
+        found = momentum(after(20, house(tmp_path, dim, within, pressure=1.0)))
+        np.testing.assert_allclose(found[:2], np.multiply(exact, 20 * STEP), rtol=1e-5, atol=1e-8)
+    found = momentum(after(20, house(tmp_path, dim, [right], force=[3.0, -2.0, 1.0][:dim])))
+    np.testing.assert_allclose(found, np.multiply([3.0, -2.0, 1.0][:dim], 20 * STEP), rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("side", "message"),
+    [
+        ({"fixed": True}, r"sides\[0\].within: expected a load"),
+        ({"pressure": 1.0, "within": [[1.0, 0.0], [0.0, 1.0]]}, "first corner must be below the second"),
+        ({"pressure": 1.0, "within": [[1.0, 0.0, 0.0], [2.0, 1.0]]}, "has 3 entries; expected 2"),
+        (
+            {"pressure": 1.0, "within": [[3.0, 3.0], [4.0, 4.0]]},
+            "no surface facet lies on the side top within",
+        ),
+    ],
+)
+def test_regions_without_sense_are_refused(side, message):
+    with pytest.raises(SceneError, match=message):
+        Simulation(block(bodies__solid__sides=[{"side": "top", "within": ROOF, **side}]))
 
 
 ROWS = [[1e-3, 0.0, 0.0], [2e-3, 4.0, 2.0]]

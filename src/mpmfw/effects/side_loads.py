@@ -26,7 +26,7 @@ class SideLoad(SurfaceLoad):
     def __init__(self, body: Body, side: Side, facets: IntArray) -> None:
         super().__init__()
         self.key = next(key for key in ("pressure", "traction", "force") if getattr(side, key) is not None)
-        self.name = self.title = f"{self.key} on {body.name} {side.side}"  # type: ignore[misc]
+        self.name = self.title = f"{self.key} on {body.name} {_part(side)}"  # type: ignore[misc]
         self.bodies, self.facets = (body,), facets
         self.table = TimeTable.of(getattr(side, self.key))
 
@@ -55,13 +55,21 @@ def from_setup(setup: Setup) -> Acts:
         else:
             on_side = _facets_of_part(setup, surface.facets[own], inner=side.side == "inner")
         loaded = np.asarray(own.start + on_side, dtype=np.int64)
+        if side.within is not None:
+            centre = surface.position[surface.facets[loaded]].mean(axis=1)
+            loaded = loaded[((centre >= side.within[0]) & (centre <= side.within[1])).all(axis=1)]
         if len(loaded) == 0:
             raise SceneError(
-                f"no surface facet lies on the side '{side.side}'", key=f"bodies.{body.name}.sides"
+                f"no surface facet lies on the side {_part(side)}", key=f"bodies.{body.name}.sides"
             )
         loads.append(SideLoad(body, side, loaded))
-    sides = ", ".join(f"{body.name} {side.side}" for body, side in setup.loaded_sides)
+    sides = ", ".join(f"{body.name} {_part(side)}" for body, side in setup.loaded_sides)
     return Acts(sides, loads)
+
+
+def _part(side: Side) -> str:
+    """Return the name of a side, with the box within which it is loaded."""
+    return side.side if side.within is None else f"{side.side} within {side.within}"
 
 
 def _facets_of_part(setup: Setup, facets: IntArray, *, inner: bool) -> IntArray:

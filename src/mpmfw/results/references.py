@@ -202,7 +202,7 @@ def _pressed(scene: Scene) -> PressedBlocks:
         upright = isinstance(body.geometry, Rectangle) and body.geometry.angle == 0.0
         _need(upright, f"'{name}' is not a rectangle along the axes")
         top, bottom = sides.get("top"), sides.get("bottom")
-        if top is not None and isinstance(top.pressure, float) and bottom is None:
+        if top is not None and isinstance(top.pressure, float) and not top.within and bottom is None:
             ends["upper"] = (name, top.pressure)
         elif bottom is not None and bottom.fixed and top is None:
             ends["lower"] = (name, 0.0)

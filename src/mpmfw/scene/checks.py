@@ -259,11 +259,11 @@ def _surface_mesh(scene: Tables, path: Path, geometry: SurfaceMesh) -> Iterator[
 
 def _side(body: Body, path: Path, index: int, dim: int) -> Iterator[Problem]:
     side = body.sides[index]
-    conditions = [key for key in Side.model_fields if key != "side"]
+    conditions = [key for key in Side.model_fields if key not in ("side", "within")]
     given = sorted(side.model_fields_set & set(conditions))
     yield from one_form(path, given, *conditions)
     fixed, shape = side.fixed if isinstance(side.fixed, tuple) else (), body.geometry.type
-    plane = side.side in AXIS
+    plane, box = side.side in AXIS, tuple(zip(*(side.within or ()), strict=False))
     rows = () if side.velocity is None else rows_of(side.velocity)
     free = [[value == "free" for value in column] for column in zip(*rows, strict=False)][1:]
     mixed = any(any(each) and not all(each) for each in free)
@@ -275,6 +275,8 @@ def _side(body: Body, path: Path, index: int, dim: int) -> Iterator[Problem]:
             f"a {shape} has no plane side; expected outer or inner, and a load",
         ),
         (not plane and not side.is_loaded, "side", f"'{side.side}' takes a load; expected a plane side"),
+        (side.within and not side.is_loaded, "within", "expected a load: a side moves as a whole"),
+        (any(low >= high for low, high in box), "within", "the first corner must be below the second"),
         ("z" in fixed and dim == 2, "fixed", "'z' is a component in 3D; expected x or y"),
         (len(set(fixed)) != len(fixed), "fixed", "names a component twice"),
         (bool(free) and np.all(free), "velocity", "has no effect: every component is free"),
@@ -282,8 +284,11 @@ def _side(body: Body, path: Path, index: int, dim: int) -> Iterator[Problem]:
     )
     yield from (Problem((*path, key), message) for wrong, key, message in refused if wrong)
     yield from _in_time(side.velocity, (*path, "velocity"), dim)
+    for corner in side.within or ():
+        yield from _in_time(corner, (*path, "within"), dim)
     for key, components in (("pressure", 1), ("traction", dim), ("force", dim)):
         yield from _in_time(getattr(side, key), (*path, key), components)
-    before = [other.model_fields_set for other in body.sides[:index] if other.side == side.side]
+    same = [o for o in body.sides[:index] if (o.side, o.within) == (side.side, side.within)]
+    before = [other.model_fields_set for other in same]
     if given != ["fixed"] and any(fields & set(given) for fields in before):
         yield Problem(path, f"a second {' and '.join(given)} for side '{side.side}'", keys=(*given,))

@@ -162,6 +162,8 @@ class Side(Table):
 
     #: A plane side, or for a load the whole outside of the body, or all its holes.
     side: Literal["left", "right", "bottom", "top", "back", "front", "outer", "inner"]
+    #: Corners of a box [m]: a load acts on the side's facets whose centre lies in it at the start.
+    within: Annotated[tuple[Position, Position], Strict(False)] | None = None
     fixed: FixedComponents | None = None
     velocity: SideVelocity | None = None
     pressure: SidePressure | None = None
