@@ -233,6 +233,9 @@ def _problem(scene: Scene, materials: Mapping[str, Any]) -> str:
         options = tables["materials"][name]["options"] or {}
         tables["materials"][name]["options"] = {key: options[key] for key in options if key in given}
     for name, body in tables["bodies"].items():
+        for side in body["sides"]:  # records are older than this key, and lists are not cleaned below
+            if side["within"] is None:
+                del side["within"]
         own = {"material": tables["materials"].get(body["material"])}
         tables["bodies"][name] = {k: v for k, v in body.items() if not is_numerical(f"bodies.body.{k}")} | own
     tables["materials"] = [one for one in materials.values() if next(code_in(one), None)]
