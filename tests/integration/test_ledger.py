@@ -9,9 +9,10 @@ import pytest
 from contact_scenes import impact, rectangle, scene
 from mpmfw import run
 from mpmfw.api import SimulationError
-from mpmfw.effects.ledger import CHECK_EVERY
+from mpmfw.effects.ledger import CHECK_EVERY, LARGE_RESIDUAL
 from mpmfw.effects.ledger_works import GROWTH_LIMIT, EnergyGuard, HalfStep
 from mpmfw.effects.series import negligible_energy
+from mpmfw.errors import ResultsWarning
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene, shipped_scenes
 
@@ -238,3 +239,15 @@ def test_the_ledger_changes_no_digit_of_the_motion():
     without = run(mapping, set={"output.particles": False})["series"].to_dataset()
     xr_equal = without["centre_of_mass"].equals(ledger(mapping, output__gap=True)["centre_of_mass"])
     assert xr_equal
+
+
+@pytest.mark.parametrize("shape", ["linear", "cpdi"])
+def test_a_large_residual_is_told(shape):
+    """Points that cross cells under linear functions change the strain energy without work."""
+    chosen = {"output.ledger": True, "time.end": 0.0006, "grid.cell_size": 0.004}
+    with pytest.warns(ResultsWarning) as warned:
+        series = run("colliding-rings-4-a-cell", "penalty", shape, set=chosen)["series"]
+    error = np.abs(series["energy_residual"] - series.get("half_step_work", 0.0)).max()
+    share = float(error / series["total_energy"].isel(time=0).sum())
+    assert (share > LARGE_RESIDUAL) == (shape == "linear"), share
+    assert any("has no account" in str(one.message) for one in warned) == (shape == "linear")

@@ -24,6 +24,9 @@ from mpmfw.state.structs import Grid, State
 #: Steps between two looks at the strain energy by what stops a run whose energy grows.
 CHECK_EVERY = 20
 
+#: Error of the strain's integration, relative to the energy put in, above which a run warns.
+LARGE_RESIDUAL = 0.2
+
 #: Hooks that change nodal momenta or forces, and the term that such a change counts to; a load names its own.
 TERMS = {
     "after_momentum_projection": "contact",
@@ -77,7 +80,7 @@ class EnergyLedger(Observer):
     }
     history = (
         "running", "work", "gained", "dissipated", "contact_before", "loaded", "motion", "start", "lost",
-        "half_step", "guard", "driven",
+        "half_step", "guard", "driven", "unbalanced", "put_in",
     )  # fmt: skip
     force: FloatArray  #: (n_nodes, dim) [N/m], as it was at the last look
     internal: FloatArray  #: (n_nodes, dim) [N/m], the internal forces
@@ -117,7 +120,7 @@ class EnergyLedger(Observer):
     def _forget(self) -> None:
         self.work = dict.fromkeys(("gravity", "external", "contact", "inertia"), 0.0)
         self.half_step = HalfStep() if self.half_steps else None
-        self.gained = self.dissipated = self.contact_before = 0.0
+        self.gained = self.dissipated = self.contact_before = self.unbalanced = self.put_in = 0.0
         self.driven = 0.0 if self.reaction is None else float(self.reaction.work)
         #: energy of the contact springs at the start; None until a step has told
         self.loaded: float | None = None
@@ -240,7 +243,18 @@ class EnergyLedger(Observer):
             values["half_step_work"] = self.half_step.strain
             if self.tells_motion:
                 values["contact_half_step_work"] = self.half_step.contact
+        self.unbalanced = max(self.unbalanced, abs(residual - values.get("half_step_work", 0.0)))
+        put_in = self.start + sum(max(0.0, work) for work in self.work.values())
+        self.put_in = max(self.put_in, put_in)
         return {name: np.asarray(np.float64(value)) for name, value in values.items()}
+
+    @hookimpl
+    def concerns(self) -> list[str]:
+        """Return that the error of the strain's integration is large."""
+        if not self.put_in or self.unbalanced <= LARGE_RESIDUAL * self.put_in:
+            return []
+        share = f"{self.unbalanced / self.put_in:.0%} of the energy put in"
+        return [f"energy_residual: {share} has no account; try smaller cells, or another shape function"]
 
     def _balance(self, state: State) -> float:
         """Return the energy that no term accounts for [J/m]."""

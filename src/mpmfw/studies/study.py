@@ -130,7 +130,8 @@ def positive(name: str, given: float | str, unit: str, expected: str) -> float:
     try:
         number = float(to_si(parse_value(given) if isinstance(given, str) else given, unit))  # type: ignore[arg-type]
     except (ValueError, TypeError) as error:
-        raise SceneError(f"{name} {given}: {error}; expected {expected}") from error
+        reason = str(error).partition(";")[0]
+        raise SceneError(f"{name}: {reason}; expected {expected}") from error
     if not number > 0.0:
         raise SceneError(f"{name}: must be greater than 0, not {given}")
     return number
