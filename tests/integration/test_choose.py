@@ -124,7 +124,7 @@ def no_contact():
         (scene(), {"body": "blok"}, "'blok' is no body of the scene; expected one of block, plane"),
         (SLIDING, {}, 'bodies.block.particles.size: is 0.1 m at every cell size.*expected cells, such as "0.5 cells"'),  # noqa: E501
         (scene(), {"finest": 0.3}, "finest 0.3 m: must be at most half of the coarsest cell, 0.4 m"),
-        (scene(), {"coarsest": "4 kg"}, "coarsest 4 kg: .*expected a cell size such as 0.4 or '4 mm'"),
+        (scene(), {"coarsest": "4 kg"}, "coarsest: .4 kg. .*expected a cell size such as 0.4 or '4 mm'"),
         (scene(), {"error": 1}, "error 1: is an error of 100 %; expected '1 %' or 0.01"),
         (scene(), {"contact": ["penalti"]}, "did you mean 'penalty'"),
         (no_contact(), {"contact": ["penalty"], "measure": "kinetic-energy"}, "contact: the scene has none"),
