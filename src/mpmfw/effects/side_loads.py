@@ -40,7 +40,8 @@ class SideLoad(SurfaceLoad):
         value = self.table.at(time)
         if self.key == "pressure":
             return -value * facets.normal
-        return np.tile(value if self.key == "traction" else value / facets.area.sum(), (len(facets.area), 1))
+        over = 1.0 if self.key == "traction" else facets.area.sum() or np.inf  # no part of the side is left
+        return np.tile(value / over, (len(facets.area), 1))
 
 
 def from_setup(setup: Setup) -> Acts:

@@ -15,7 +15,7 @@ from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Effect, Setup
 from mpmfw.state.fields import MIN_GAP, AnyArray, Field
 from mpmfw.state.structs import Grid, State
-from mpmfw.state.surface import least_gaps, make_surface
+from mpmfw.state.surface import closed_surface, least_gaps, make_surface
 
 SurfaceMap = Literal["plain", "mass_weighted"]
 
@@ -170,7 +170,7 @@ class GapDiagnostic:
     def diagnostics(self, state: State) -> dict[str, AnyArray]:
         """Least of both bodies' node-to-facet distances, (pair,) [m]."""
         first, second = np.ascontiguousarray(state.pair_bodies.T)
-        gaps = least_gaps(state.tracked_surface, first, second, state.grid.spacing)
+        gaps = least_gaps(closed_surface(state.tracked_surface), first, second, state.grid.spacing)
         if state.self_contact is not None:
             gaps = np.where(first == second, state.self_contact.gaps(state.pair_bodies), gaps)
         return {"min_gap": gaps}

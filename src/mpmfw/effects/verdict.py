@@ -13,7 +13,7 @@ from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.state.fields import AnyArray, FloatArray
 from mpmfw.state.structs import State, Surface
-from mpmfw.state.surface import make_surface
+from mpmfw.state.surface import closed_surface, make_surface
 
 #: Penetration beyond that of the start, over the cell size, that gives a warning, and that is suspect.
 DEEP, TOO_DEEP = 0.15, 0.5
@@ -262,18 +262,18 @@ class Outlines:
                 self.carrier[own] = body.particles.start + points.query(self.surface.position[own])[1]
             self.offset = self.surface.position - state.particles.position[self.carrier]
         self.ends = np.zeros((0, 2), dtype=np.int64)  #: bodies of every pair
-        self.start, self.start_normal = self.surface.position.copy(), self._normals(state)
+        self.start, self.start_normal = self.surface.position.copy(), self._normals(self.surface, state)
 
     def _now(self, state: State) -> Surface:
         p = state.particles
         if not self.tracked:
             turned = np.einsum("sij,sj->si", p.deformation_gradient[self.carrier], self.offset)
             self.surface.position[:] = p.position[self.carrier] + turned
-        return self.surface
+        return closed_surface(self.surface)
 
-    def _normals(self, state: State) -> FloatArray:
-        normal = np.zeros_like(self.surface.position)
-        node_normals(self.surface, normal, state.grid.spacing)
+    def _normals(self, surface: Surface, state: State) -> FloatArray:
+        normal = np.zeros_like(surface.position)
+        node_normals(surface, normal, state.grid.spacing)
         return normal
 
     def inside(self, state: State, inside: AnyArray) -> tuple[FloatArray, AnyArray]:
@@ -294,7 +294,7 @@ class Outlines:
         x = surface.position
         order = np.lexsort((x[:, 0], surface.body))
         least_own_gaps(
-            surface.body_first, order, self.start, self.start_normal, x, self._normals(state), gaps,
+            surface.body_first, order, self.start, self.start_normal, x, self._normals(surface, state), gaps,
             state.grid.spacing
         )  # fmt: skip
         return gaps

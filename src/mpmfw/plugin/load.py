@@ -19,6 +19,7 @@ from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 from mpmfw.state.history import IndexMap
 from mpmfw.state.structs import Grid, Particles, State, Stencil
+from mpmfw.state.surface import nodes_left
 
 
 @kernel
@@ -136,7 +137,8 @@ class LoadedFacets:
         self._state, self._which = state, which
         self.position = np.empty((len(which), dim))  #: their centres [m]
         self.normal = np.empty((len(which), dim))  #: outward unit normals
-        self.area = np.empty(len(which))  #: [m²], in the plane times the body's thickness
+        #: [m²], in the plane times the body's thickness; 0 where nodes have left their points
+        self.area = np.empty(len(which))
         measure_facets(
             which, surface.facets, surface.position, self.position, self.normal, self.area, state.grid.spacing
         )
@@ -149,6 +151,7 @@ class LoadedFacets:
         elif state.particles.thickness is not None:
             thickness = np.array([body.thickness for body in state.bodies])
             self.area *= thickness[surface.body[surface.facets[which, 0]]]
+        self.area[nodes_left(surface)[surface.facets[which]].any(axis=1)] = 0.0
 
     @functools.cached_property
     def velocity(self) -> FloatArray:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 
 from mpmfw.geometry.layout import neighbours_of, stars_of, tributaries_of
 from mpmfw.kernels.surfaces import minimum_gaps
-from mpmfw.state.fields import FloatArray, IntArray
+from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 from mpmfw.state.structs import Body, Surface
 
 
@@ -40,6 +42,32 @@ def make_surface(bodies: tuple[Body, ...], n_fields: int, stage: str) -> Surface
         stage=stage,
         rigid_nodes=sum(len(nodes) for body in bodies if body.rigid for nodes in body.outlines),
     )
+
+
+def nodes_left(surface: Surface) -> AnyArray:
+    """Return which nodes have left their points, (n_s,): the table of the step gives them no weights."""
+    if surface.stencil is None:
+        return np.zeros(surface.count, dtype=bool)
+    row = surface.table.row[: surface.count + 1]
+    return ~np.logical_or.reduceat(surface.table.weight[: row[-1]] != 0.0, row[:-1])
+
+
+def closed_surface(surface: Surface) -> Surface:
+    """Return the surface with a membrane between the others instead of nodes that have left their points."""
+    left = nodes_left(surface)
+    if not left.any():
+        return surface
+    from scipy.sparse import csr_array, eye_array
+    from scipy.sparse.csgraph import laplacian
+    from scipy.sparse.linalg import splu
+
+    ends = surface.facets.ravel(), np.roll(surface.facets, 1, axis=1).ravel()
+    edges = csr_array((np.ones(len(ends[0])), ends), shape=(surface.count,) * 2)
+    pull = laplacian(edges, symmetrized=True).tocsr()[left]
+    position, hold = surface.position.copy(), 1e-9  # holds parts of which all nodes have left
+    force = hold * position[left] - pull[:, ~left] @ position[~left]
+    position[left] = splu((pull[:, left] + hold * eye_array(len(force))).tocsc()).solve(force)
+    return dataclasses.replace(surface, position=position)
 
 
 def least_gaps(surface: Surface, first: IntArray, second: IntArray, spacing: tuple[float, ...]) -> FloatArray:

@@ -21,6 +21,7 @@ from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 from mpmfw.state.fields import Field as ArrayField
 from mpmfw.state.history import check_indices
 from mpmfw.state.structs import Grid, Particles, State, Stencil
+from mpmfw.state.surface import nodes_left
 from mpmfw.units import Length
 
 FORCE = ArrayField(
@@ -224,9 +225,7 @@ class Surfaces(OnFacets):
             count = find_candidates(*given, self.state.grid.spacing)
             if self.through[0] <= CROSSED * self.cell_size:
                 return count
-            table, row = self.surface.table, self.surface.table.row[: self.surface.count]
-            left = ~np.logical_or.reduceat(table.weight != 0.0, row)
-            self.candidates.gap[left] = np.inf
+            self.candidates.gap[nodes_left(self.surface)] = np.inf
         beyond, node, other = float(self.through[0]), int(self.through[1]), int(self.through[2])
         ends = {int(self.surface.body[node]), other}
         pair = next(pair for pair in self.state.pairs if {pair.first, pair.second} == ends)

@@ -24,6 +24,7 @@ from mpmfw.kernels.types import Float, Floats, Ints, Nodes, Table
 from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.state.fields import FloatArray, IntArray
 from mpmfw.state.structs import Body, Grid, State, Stencil, Surface
+from mpmfw.state.surface import closed_surface
 
 #: Largest cosine between the normals of nodes that face each other, and of those that may soon do.
 FACING, NEARLY = -0.3, -0.1
@@ -365,7 +366,7 @@ class SelfContact:
     def gaps(self, pairs: IntArray) -> FloatArray:
         """Return the least gap [m] of each of the ``pairs`` (n, 2), infinite for two bodies; of a body with
         itself at most the distance within which nodes are divided."""
-        surface, spacing = self.state.tracked_surface, self.state.grid.spacing
+        surface, spacing = closed_surface(self.state.tracked_surface), self.state.grid.spacing
         gaps = np.full(len(pairs), np.inf)
         node_normals(surface, self.normal, spacing)
         for part in self.parts:
