@@ -16,7 +16,7 @@ from mpmfw.errors import SceneError
 from mpmfw.plots.animation import Movie
 from mpmfw.plots.bodies import Bodies
 from mpmfw.report import pictures, write_report
-from mpmfw.report.turning import _slider
+from mpmfw.report.pictures import _slider
 from mpmfw.results.selection import runs_of
 from scenes_for_tests import ball_on_a_box, two_blocks
 
@@ -205,7 +205,7 @@ def test_a_view_follows_its_controls_and_is_served_to_this_computer_alone(run, m
 
 def test_a_view_shows_texts_of_the_file_as_text(run):
     pytest.importorskip("trame")
-    from mpmfw.plots.viewer import Viewer
+    from mpmfw.plots.space import Viewer
 
     tree, field = mpmfw.open(run), EVIL.replace("/", "")
     for points in tree["particles"].children.values():
@@ -223,7 +223,7 @@ def test_a_view_shows_texts_of_the_file_as_text(run):
 
 @pytest.mark.parametrize("library", ["pyvista", "trame.app"])
 def test_a_view_names_the_one_extra_that_it_needs(run, monkeypatch, library):
-    from mpmfw.plots.viewer import view
+    from mpmfw.plots.space import view
 
     monkeypatch.setitem(sys.modules, library, None)
     with pytest.raises(SceneError, match=rf"{library} is missing: pip install 'mpmfw\[view\]'"):
@@ -232,7 +232,7 @@ def test_a_view_names_the_one_extra_that_it_needs(run, monkeypatch, library):
 
 def test_a_view_of_another_file_says_what_the_file_is(tmp_path):
     pytest.importorskip("trame")
-    from mpmfw.plots.viewer import view
+    from mpmfw.plots.space import view
 
     scene = two_blocks("penalty", time={"end": 1e-3, "output_interval": 1e-3})
     mpmfw.compare(scene, ["none", "penalty"], ["linear"], output=tmp_path / "two.nc")

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from mpmfw.errors import SceneError
-from mpmfw.plots.ranking import profile
+from mpmfw.plots.records import profile
 from mpmfw.studies.ranking import rank, summary
 
 

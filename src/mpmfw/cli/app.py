@@ -16,8 +16,7 @@ from typer import Argument, Option
 from mpmfw._version import __version__
 from mpmfw.cli.compare import compare
 from mpmfw.cli.explain import explain
-from mpmfw.cli.figures import animate, export, plot
-from mpmfw.cli.looking import report, view
+from mpmfw.cli.figures import animate, export, plot, report, view
 from mpmfw.cli.plugins import check, new, plugins, schema
 from mpmfw.cli.run import benchmark, resume, run
 from mpmfw.cli.stability import stability

@@ -252,7 +252,7 @@ def rank(
         typer.echo(f"{method}: {times} {runs} not count: {status}", err=form is not Format.table)
     if output is not None:
         from mpmfw.plots import write_figure
-        from mpmfw.plots.ranking import profiles
+        from mpmfw.plots.records import profiles
 
         write_figure(profiles(found), output)
         typer.echo(str(output), err=form is not Format.table)

@@ -4,8 +4,7 @@ from mpmfw.plots.animation import animate
 from mpmfw.plots.field_figure import field, side_by_side
 from mpmfw.plots.files import figures_of, plot_file, plot_files, write_figure
 from mpmfw.plots.histories import history
-from mpmfw.plots.outlines import positions
-from mpmfw.plots.scene import contact_force, gap_history, motion
+from mpmfw.plots.scene import contact_force, gap_history, motion, positions
 from mpmfw.plots.study import cost_bars, front, stages
 
 __all__ = [

@@ -16,8 +16,8 @@ from matplotlib.figure import Figure
 
 from mpmfw.errors import SceneError
 from mpmfw.plots import style
+from mpmfw.plots.bodies import Box, FieldPanel, Scales, colour_range
 from mpmfw.plots.contact_figure import contact_figure
-from mpmfw.plots.field_panel import Box, FieldPanel, Scales
 from mpmfw.plots.plane_cut import plane_cut
 from mpmfw.plots.space import SpacePanel
 from mpmfw.results.point_fields import CONTACT_FIELDS
@@ -235,25 +235,6 @@ def _scales(
     below, above = min(least for least, _ in found) < low, max(largest for _, largest in found) > high
     extend = ("neither", "min", "max", "both")[below + 2 * above]
     return Scales(norm, colours, size, length, box, max(forces), extend), unit
-
-
-def colour_range(
-    found: Sequence[tuple[float, float]], limits: tuple[float, float] | None
-) -> tuple[float, float, str]:
-    """Return the ends of the scale and the colour map, with zero in its middle."""
-    if limits is not None:
-        low, high = limits
-        if not low < high:
-            raise SceneError(f"limits {low:g}, {high:g}: expected the lower one first")
-        return low, high, "RdBu_r" if low == -high else "viridis"
-    ends = np.array(found)
-    if not np.isfinite(ends).any():
-        raise SceneError("the field has no finite value to draw")
-    low, high = float(np.nanmin(ends[:, 0])), float(np.nanmax(ends[:, 1]))
-    if low < 0.0 < high:
-        return -max(-low, high), max(-low, high), "RdBu_r"
-    half = 0.5 * (abs(low) or 1.0) if low == high else 0.0
-    return low - half, high + half, "viridis"
 
 
 def _with_margin(boxes: FloatArray) -> Box:

@@ -14,8 +14,7 @@ from matplotlib.figure import Figure
 from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.plots import scene
 from mpmfw.plots.histories import history
-from mpmfw.plots.outlines import positions
-from mpmfw.plots.scene import contact_force, motion
+from mpmfw.plots.scene import contact_force, motion, positions
 from mpmfw.plots.stability import stability_figures
 from mpmfw.plots.study import cost_bars, study_figures
 from mpmfw.plots.style import at_last, drawn_reference, drawn_values, journal_style

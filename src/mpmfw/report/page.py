@@ -18,8 +18,7 @@ from matplotlib.figure import Figure
 from mpmfw.errors import SceneError
 from mpmfw.plots import figures_of
 from mpmfw.plots.style import drawn_reference, journal_style
-from mpmfw.report import summary
-from mpmfw.report.differences import differences
+from mpmfw.report.differences import differences, summary_of_comparison, summary_of_run
 from mpmfw.report.pictures import field_differences, slides
 from mpmfw.report.table import CHOICES, COLUMNS, COSTS, column_of, meaning_of, method_dims, shown, table
 from mpmfw.results.references import described
@@ -66,7 +65,7 @@ def write_report(results: Results, path: str | os.PathLike[str]) -> None:
 def _run(tree: xr.DataTree, series: xr.Dataset) -> Mapping[str, Any]:
     notes = json.loads(tree.attrs.get("notes", "[]"))
     return {
-        "summary": summary.of_run(series, tree.attrs),
+        "summary": summary_of_run(series, tree.attrs),
         **slides(tree),
         "figures": figures_of(series),
         "notes": {"run": notes} if notes else {},
@@ -82,7 +81,7 @@ def _comparison(dataset: xr.Dataset) -> Mapping[str, Any]:
     methods = [f"{a}, {b}" for a in dataset["contact"].values for b in dataset["shape"].values]
     found, force = differences(dataset), dataset.get("contact_force")
     return {
-        "summary": summary.of_comparison(rows, labels, methods, found),
+        "summary": summary_of_comparison(rows, labels, methods, found),
         **slides(dataset),
         "reference": described(dataset),
         "compared": True,

@@ -1,22 +1,25 @@
-"""Pictures of a page: fields over time for a slider, and differences of fields."""
+"""Pictures of a page: fields over time for a slider, in space to be turned, and differences of fields."""
 
 from __future__ import annotations
 
 import base64
 import contextlib
+import html
+import importlib
 import io
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from mpmfw.errors import SceneError
 from mpmfw.plots.animation import Movie, frames_at
+from mpmfw.plots.bodies import Bodies, colour_range
 from mpmfw.plots.field_figure import field, labelled
-from mpmfw.plots.style import journal_style
-from mpmfw.report.turning import MOST, turning
+from mpmfw.plots.style import in_brackets, journal_style
 from mpmfw.results.domains import surfaces_of
 from mpmfw.results.point_fields import point_field
 from mpmfw.results.selection import bodies_of, frame_at, frame_of, points_of, times_of
@@ -97,3 +100,96 @@ def field_differences(dataset: xr.Dataset) -> dict[str, tuple[Figure, str]]:
         )
         return {"difference": (field(dataset, _FIELD, against=first), caption)}
     return {}
+
+
+#: Most runs of a page; height of a row [px]; the viewer's place, the scene being 1 wide.
+MOST, _HEIGHT, _EYE = 4, 480, {"x": 1.3, "y": 0.9, "z": 1.9}
+
+
+def turning(
+    trees: Mapping[str, xr.DataTree],
+    times: FloatArray,
+    field: str,
+    limits: tuple[float, float] | None,
+) -> Markup | None:
+    """Return HTML with the script that draws a field of runs in 3D at some times [s]; None without plotly.
+
+    The runs have labels as keys; the first four are drawn. The page loads nothing.
+    """
+    try:
+        subplots = importlib.import_module("plotly.subplots")
+    except ImportError:
+        return None
+    shown = {label: Bodies(tree) for label, tree in list(trees.items())[:MOST]}
+    frames = {label: frames_at(runs.tree, times) for label, runs in shown.items()}
+    columns = min(len(shown), 2)
+    rows = -(-len(shown) // columns)
+    figure = subplots.make_subplots(
+        rows, columns, specs=[[{"type": "scene"}] * columns] * rows, horizontal_spacing=0.02,
+        vertical_spacing=0.05, subplot_titles=[html.escape(label) for label in shown],
+    )  # fmt: skip
+    drawn = [
+        [
+            _trace(runs, body, field, frames[label][step], f"scene{number}")
+            for number, (label, runs) in enumerate(shown.items(), 1)
+            for body in runs.names
+        ]
+        for step in range(len(times))
+    ]
+    figure.add_traces(drawn[-1])
+    figure.frames = [{"name": str(step), "data": traces} for step, traces in enumerate(drawn)]
+    figure.update_layout(height=_HEIGHT * rows + 180, sliders=[_slider(times)])
+    _scale(figure, shown, frames, field, limits)
+    settings = {"displayModeBar": False, "responsive": True, "scrollZoom": True}
+    options = {"auto_play": False, "full_html": False, "div_id": "turning", "include_plotlyjs": True}
+    return Markup(figure.to_html(settings, **options))
+
+
+def _scale(
+    figure: Any,
+    shown: Mapping[str, Bodies],
+    frames: Mapping[str, Sequence[int]],
+    field: str,
+    limits: tuple[float, float] | None,
+) -> None:
+    """Give all scenes and outputs the same colours and axes."""
+    first = next(iter(shown.values()))
+    about = point_field(frame_of(first.tree, f"particles/{first.bodies[0]}", 0), field).attrs
+    ends = [runs.extremes(field, frames[label]) for label, runs in shown.items()]
+    low, high, colours = colour_range(ends, limits)
+    bar = {
+        "title": {"text": html.escape(in_brackets(about["long_name"], about["units"])), "side": "top"},
+        "tickformat": "~s", "orientation": "h", "yref": "container", "y": 1.0,
+        "yanchor": "top", "thickness": 12,
+    }  # fmt: skip
+    figure.update_layout(
+        margin={"l": 10, "r": 10, "t": 110, "b": 0}, showlegend=False,
+        coloraxis={"cmin": low, "cmax": high, "colorscale": colours, "colorbar": bar},
+    )  # fmt: skip
+    boxes = np.array([runs.box(frames[label]) for label, runs in shown.items()])
+    ranges = zip("xyz", boxes.min(axis=(0, 1)).tolist(), boxes.max(axis=(0, 1)).tolist(), strict=True)
+    axes = {f"{axis}axis": {"range": ends, "title": {"text": f"{axis} [m]"}} for axis, *ends in ranges}
+    figure.update_scenes(aspectmode="data", camera={"up": {"x": 0, "y": 1, "z": 0}, "eye": _EYE}, **axes)
+
+
+def _trace(runs: Bodies, body: str, field: str, frame: int, scene: str) -> dict[str, Any]:
+    """Return a body at one output: a surface, else dots."""
+    places, facets = runs.places(body, frame).astype(np.float32), runs.facets(body)
+    trace = dict(zip("xyz", places.T, strict=True), scene=scene, name=html.escape(body))
+    colours: dict[str, Any] = {"color": "lightgrey"}
+    if body in runs.bodies:
+        values = runs.values(body, field, frame).astype(np.float32)
+        colours = {"color" if facets is None else "intensity": values, "coloraxis": "coloraxis"}
+    if facets is None:
+        return trace | {"type": "scatter3d", "mode": "markers", "marker": {"size": 4, **colours}}
+    return trace | {"type": "mesh3d", **dict(zip("ijk", facets.T, strict=True)), **colours}
+
+
+def _slider(times: FloatArray) -> dict[str, Any]:
+    """Return a slider that shows the frames of these times, and begins with the last."""
+    at_once = {"mode": "immediate", "frame": {"duration": 0, "redraw": True}, "transition": {"duration": 0}}
+    steps: list[dict[str, Any]] = [
+        {"label": f"{time:.4g} s", "method": "animate", "args": [[str(step)], at_once]}
+        for step, time in enumerate(times)
+    ]
+    return {"active": len(steps) - 1, "steps": steps, "currentvalue": {"prefix": "t = "}, "pad": {"b": 30}}
