@@ -31,7 +31,7 @@ runs[["centre_of_mass", "angular_velocity", "min_gap", "cpu_time", "steps"]]
 # best settings and with penalty contact it follows the closed form. Displacement alone can mislead: a
 # cylinder may slide at the right speed and hardly turn.
 
-figure = plots.motion([runs])
+figure = plots.motion(runs)
 figure
 
 # %%

@@ -13,7 +13,7 @@ import xarray as xr
 
 import mpmfw
 from mpmfw.errors import SceneError
-from mpmfw.plots.animation import Movie
+from mpmfw.plots.animation import movie
 from mpmfw.plots.bodies import Bodies
 from mpmfw.report import pictures, write_report
 from mpmfw.report.pictures import _slider
@@ -95,14 +95,16 @@ def several():
 
 
 def test_the_slider_ends_with_the_last_output_and_says_what_it_leaves_out(several, monkeypatch):
-    movies = []
-    monkeypatch.setattr(pictures, "Movie", lambda *a, **k: movies.append(Movie(*a, **k)) or movies[-1])
+    drawn = []
+    monkeypatch.setattr(
+        pictures, "movie", lambda trees, *a, **k: drawn.append((trees, a[1])) or movie(trees, *a, **k)
+    )
     monkeypatch.setattr(pictures, "_PICTURES", 3)
     shown = pictures.slides(several)
-    (movie,) = movies
-    assert len(shown["slides"]) == len(movie.times) == 3
-    assert movie.times[-1] == several["particle_time"].values[-1] == pytest.approx(1.3e-2)
-    assert len(movie.frames) == 6
+    ((trees, times),) = drawn
+    assert len(shown["slides"]) == len(times) == 3
+    assert times[-1] == several["particle_time"].values[-1] == pytest.approx(1.3e-2)
+    assert len(trees) == 6
     assert "shows 3 of 14 outputs." in shown["slides_say"]
     assert "2 of 8 runs are left out: none, linear, 0.2; none, linear, 0.3." in shown["slides_say"]
     few = pictures.slides(several.isel(particle_time=slice(3), friction=[0]))
@@ -176,7 +178,7 @@ def test_a_film_in_space_moves(run, tmp_path):
 
 def test_a_view_follows_its_controls_and_is_served_to_this_computer_alone(run, monkeypatch, capsys):
     pytest.importorskip("trame")
-    from mpmfw.plots import viewer
+    from mpmfw.plots import space as viewer
 
     served, pages = {}, []
     real = viewer.Viewer

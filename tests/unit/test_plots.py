@@ -12,7 +12,7 @@ from command_line import called
 from drop_for_tests import drop, drop_scene
 from mpmfw.errors import MpmfwError, SceneError
 from mpmfw.geometry.solids import sphere_surface
-from mpmfw.plots.animation import Movie
+from mpmfw.plots.animation import movie as movie_of
 from mpmfw.plots.plane_cut import cut_lines
 from mpmfw.results.point_fields import point_field, point_fields
 from mpmfw.results.selection import chosen_frames
@@ -190,7 +190,7 @@ def pixels(movie):
 
 
 def test_each_frame_shows_the_data_of_its_time(a, gif):
-    movie = Movie({"": a}, times=a["time"].values)
+    movie = movie_of({"": a}, "von_mises", a["time"].values)
     movie.figure.set_dpi(150)
     for k in range(len(gif)):
         movie.show(k)
@@ -213,7 +213,7 @@ def test_each_frame_shows_the_data_of_its_time(a, gif):
 
 def test_runs_stand_side_by_side_at_the_same_times(a):
     short = mpmfw.run({**drop_scene("gimp"), "time": {"end": 0.004, "output_interval": 0.001}})
-    movie = Movie({"long": a, "short": short}, "velocity", times=a["time"].values[::2])
+    movie = movie_of({"long": a, "short": short}, "velocity", a["time"].values[::2])
     assert movie.frames == {"long": [0, 2, 4], "short": [0, 4, 4]}
     movie.show(1)
     titles = [axes.get_title(loc="left") for axes in movie.figure.axes[:2]]

@@ -41,8 +41,7 @@ def plot(
 
     With --field, a field on the material points of a run, in 3D on a plane, or of the runs of a comparison
     side by side; contact_pressure and contact_traction along the surfaces that touch. With --series, series
-    over time. Several FILEs stand side by side under one colour scale. Without either, several comparisons of
-    a rolling body make one figure, a row each.
+    over time. Several FILEs, with either of these, stand side by side.
     """
     args.check_files(file)
     if field is not None and series:
@@ -54,7 +53,9 @@ def plot(
     for option, value in (("--against", against), ("--plane", plane)):
         if value is not None and len(file) > 1:
             raise SceneError(f"{option} {value}: takes one FILE")
-    alone = field is None and not series and len(file) == 1
+    alone = field is None and not series
+    if alone and len(file) > 1:
+        raise SceneError(f"{file[1]}: expected one FILE, or --field or --series")
     path = _default(file, field, series) if output is None else args.figure_path(output)
     _check_paths(file, path, force or alone)
     from mpmfw import plots
@@ -75,7 +76,7 @@ def plot(
         drawn = plots.history(file if len(file) > 1 else file[0], series, body=name, pair=pair, axis=axis)
         written = [plots.write_figure(drawn, path)]
     else:
-        written = plots.plot_file(file[0], path, force=force) if alone else [plots.plot_files(file, path)]
+        written = plots.plot_file(file[0], path, force=force)
     for one in written:
         typer.echo(str(one))
 
@@ -96,7 +97,7 @@ def _check_paths(file: list[Path], path: Path, force: bool) -> None:
 
 def _default(file: list[Path], field: str | None, series: list[str] | None) -> Path:
     if field is None and not series:
-        return file[0].with_suffix(".png") if len(file) == 1 else file[0].with_name("motion.png")
+        return file[0].with_suffix(".png")
     drawn = field or "-".join(series or ())
     return file[0].with_name(f"{file[0].stem}-{drawn}.png" if len(file) == 1 else f"{drawn}.png")
 

@@ -2,7 +2,7 @@
 
 from mpmfw.plots.animation import animate
 from mpmfw.plots.field_figure import field, side_by_side
-from mpmfw.plots.files import figures_of, plot_file, plot_files, write_figure
+from mpmfw.plots.files import figures_of, plot_file, write_figure
 from mpmfw.plots.histories import history
 from mpmfw.plots.scene import contact_force, gap_history, motion, positions
 from mpmfw.plots.study import cost_bars, front, stages
@@ -18,7 +18,6 @@ __all__ = [
     "history",
     "motion",
     "plot_file",
-    "plot_files",
     "positions",
     "side_by_side",
     "stages",

@@ -8,6 +8,7 @@ import os
 import shutil
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -24,35 +25,15 @@ from mpmfw.state.fields import FloatArray
 _DPI = 150
 
 
-class Movie:
-    """A figure of runs by label, and the times of its frames."""
-
-    def __init__(
-        self,
-        trees: Mapping[str, xr.DataTree],
-        name: str = "von_mises",
-        *,
-        times: FloatArray,
-        bodies: Sequence[str] | None = None,
-        limits: tuple[float, float] | None = None,
-        arrows: bool = False,
-    ) -> None:
-        #: Times that are shown [s].
-        self.times = times.tolist()
-        self.frames = {label: frames_at(tree, times) for label, tree in trees.items()}
-        self._drawing = Drawing(trees, name, self.frames, bodies, limits, arrows=arrows)
-        self.figure = self._drawing.figure
-        self.show(0)
-        self.figure.canvas.draw()
-        self.figure.set_layout_engine("none")  # panels stand still from here on
-
-    def __len__(self) -> int:
-        return len(self.times)
-
-    def show(self, index: int) -> None:
-        """Draw every run at ``times[index]``, or at its last output before."""
-        for label, frames in self.frames.items():
-            self._drawing.show(label, frames[index])
+def movie(trees: Mapping[str, xr.DataTree], name: str, times: FloatArray, **options: Any) -> Drawing:
+    """Return a drawing with the outputs nearest to some times [s]; its panels stand still."""
+    drawing = Drawing(
+        trees, name, {label: frames_at(tree, times) for label, tree in trees.items()}, **options
+    )
+    drawing.show(0)
+    drawing.figure.canvas.draw()
+    drawing.figure.set_layout_engine("none")
+    return drawing
 
 
 def frames_at(tree: xr.DataTree, times: FloatArray) -> list[int]:
@@ -104,17 +85,17 @@ def animate(
     with labelled(results, contact=contact) as trees, mpl.rc_context():
         first = next(iter(trees.values()))
         times = times_of(first)[list(chosen_frames(first, every))]
-        movie = Movie(trees, field, times=times, bodies=bodies, limits=limits, arrows=arrows)
+        drawing = movie(trees, field, times, bodies=bodies, limits=limits, arrows=arrows)
         writer: AbstractMovieWriter = PillowWriter(fps)
         if ffmpeg is not None:
             mpl.rcParams["animation.ffmpeg_path"] = ffmpeg
             writer = FFMpegWriter(fps, "libx264")
-        with replacement(target) as growing, writer.saving(movie.figure, str(growing), _DPI):
-            for index in range(len(movie)):
-                movie.show(index)
+        with replacement(target) as growing, writer.saving(drawing.figure, str(growing), _DPI):
+            for index in range(len(times)):
+                drawing.show(index)
                 writer.grab_frame()
                 if progress is not None:
-                    progress(index + 1, len(movie))
+                    progress(index + 1, len(times))
     return target
 
 

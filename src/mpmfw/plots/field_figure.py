@@ -105,8 +105,7 @@ def side_by_side(
             return contact_figure(trees, name, time, bodies, limits)
         frames = {label: [frame_at(tree, time)] for label, tree in trees.items()}
         drawing = Drawing(trees, name, frames, bodies, limits, arrows=arrows)
-        for label in trees:
-            drawing.show(label, frames[label][0])
+        drawing.show(0)
         return drawing.figure
 
 
@@ -173,7 +172,7 @@ class Drawing:
             label: (SpacePanel if tree.sizes.get("axis") == 3 else FieldPanel)(tree, name, bodies)
             for label, tree in trees.items()
         }
-        self.panels = panels
+        self.panels, self.frames = panels, frames
         self.scales, unit = _scales(panels, frames, limits, arrows=arrows)
         x0, x1, y0, y1 = self.scales.box
         ratio = (x1 - x0) / (y1 - y0)
@@ -195,10 +194,11 @@ class Drawing:
         self._bar(unit, below=below)
 
     @style.journal_style()
-    def show(self, label: str, frame: int) -> None:
-        """Draw one output of one panel."""
-        title = label or _methods(self.panels[label].tree)
-        self.panels[label].draw(self.axes[label], frame, self.scales, title)
+    def show(self, index: int) -> None:
+        """Draw the output ``index`` of every panel's frames."""
+        for label, panel in self.panels.items():
+            title = label or _methods(panel.tree)
+            panel.draw(self.axes[label], self.frames[label][index], self.scales, title)
 
     def _bar(self, unit: str, *, below: bool) -> None:
         about = next(iter(self.panels.values())).about

@@ -55,7 +55,7 @@ def _figures(dataset: xr.Dataset) -> Iterator[tuple[str, Callable[[xr.Dataset], 
     collide = isinstance(reference, RingsReference) and "contact_force" in names
     if rolls:
         text = f"Displacement, velocity and spin of {rolls}, and displacement less the closed form."
-        yield "motion", lambda one: motion([one]), text
+        yield "motion", motion, text
     if collide:
         text = "Contact force on the right ring: as stored (noisy), averaged over 100 µs, and its impulse."
         yield "force", contact_force, text
@@ -116,16 +116,6 @@ def plot_file(
     for target in names.values():
         check_new(target, force)
     return [write_figure(figure, names[name]) for name, figure in drawn.items()]
-
-
-def plot_files(paths: Sequence[str | os.PathLike[str]], output: str | os.PathLike[str]) -> Path:
-    """Draw the motions of comparisons of rolling bodies, one row each."""
-    datasets = [series_of(open_results(path)) for path in paths]
-    for path, dataset in zip(paths, datasets, strict=True):
-        if "status" not in dataset or not isinstance(drawn_reference(dataset), RollingReference):
-            text = f"'{os.fspath(path)}' is not a comparison of a rolling body"
-            raise SceneError(f"{text}; plot other files one by one, or with --field or --series")
-    return write_figure(motion(datasets), Path(output))
 
 
 def write_figure(figure: Figure, path: Path) -> Path:

@@ -112,25 +112,22 @@ Beside = tuple[xr.DataArray, str, FloatArray, FloatArray]
 
 @style.journal_style()
 def beside_reference(
-    comparisons: Sequence[tuple[xr.Dataset, str, Mapping[str, Beside]]], label: str, noisy: str = ""
+    dataset: xr.Dataset, series: Mapping[str, Beside], label: str, *, title: str = "", noisy: str = ""
 ) -> Figure:
-    """Draw series of ``comparisons`` and their reference, ``label``; a ``noisy`` series has thin lines."""
-    panels, keys = [], []
-    for dataset, title, series in comparisons:
-        arrays = {
-            name: array.reset_coords(drop=True).assign_attrs(units=unit)
-            for name, (array, unit, _, _) in series.items()
-        }
-        drawn, key = _compared(without_round_off(dataset.assign(arrays)), list(series), {})
-        keys.append(key)
-        for panel in drawn:
-            lines = panel.lines
-            if panel.name == noisy:
-                lines = [(run, curve, {"color": look["color"], **_THIN}) for run, curve, look in lines]
-            panels.append(Panel(panel.name, lines, title, series[panel.name][2:]))
-    figure = _drawn(panels, comparisons[0][0] if len(comparisons) == 1 else None)
-    key = max(keys, key=lambda rows: sum(map(len, rows)))
-    if any(len(times) for _, _, series in comparisons for _, _, times, _ in series.values()):
+    """Draw ``series`` of a comparison and their reference, ``label``; a ``noisy`` series has thin lines."""
+    arrays = {
+        name: array.reset_coords(drop=True).assign_attrs(units=unit)
+        for name, (array, unit, _, _) in series.items()
+    }
+    drawn, key = _compared(without_round_off(dataset.assign(arrays)), list(series), {})
+    panels = []
+    for panel in drawn:
+        lines = panel.lines
+        if panel.name == noisy:
+            lines = [(run, curve, {"color": look["color"], **_THIN}) for run, curve, look in lines]
+        panels.append(Panel(panel.name, lines, title, series[panel.name][2:]))
+    figure = _drawn(panels, dataset)
+    if any(len(times) for _, _, times, _ in series.values()):
         key[0].insert(0, style.entry(label, **_EXACT))
     style.legend_below(figure, key)
     return figure

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 import xarray as xr
@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from mpmfw.plots import style
 from mpmfw.plots.histories import Beside, beside_reference, history
-from mpmfw.plots.style import at_last, drawn_reference, drawn_values
+from mpmfw.plots.style import at_last, drawn_reference
 from mpmfw.results import analysis
 from mpmfw.results.analysis import GAP_ROUND_OFF, energy_sums
 from mpmfw.results.references import RingsReference, RollingReference, rings_table
@@ -107,33 +107,27 @@ def _size(force: xr.DataArray, of: xr.DataArray) -> xr.DataArray:
 WINDOW = 100e-6
 
 
-def motion(datasets: Sequence[xr.Dataset]) -> Figure:
-    """Draw motion and error of rolling bodies, the error of those that move; else a ValueError."""
-    comparisons = []
-    for dataset in datasets:
-        reference = drawn_reference(dataset)
-        if not isinstance(reference, RollingReference):
-            raise ValueError("not a comparison of a rolling body")
-        solution, time = reference.solution, dataset["time"].values
-        run = dataset.sel(body=reference.body)
-        x = run["centre_of_mass"].sel(axis="x")
-        moved, velocity = x - x.isel(time=0), run["mean_velocity"].sel(axis="x")
-        exact = xr.DataArray(solution.displacement(time), {"time": dataset["time"]})
-        moves = abs(moved).max("time") > 0.5 * exact.where(moved.notnull()).max("time")
-        series: dict[str, Beside] = {
-            "displacement": (moved, "m", time, exact.values),
-            "velocity": (velocity, "m s-1", time, solution.velocity(time)),
-        }
-        if "angular_velocity" in run:
-            spin = -run["angular_velocity"].sel(rotation="z")
-            series["clockwise spin"] = (spin, "rad s-1", time, -solution.spin(time))
-        away = (moved - exact).where(moves)
-        series["displacement error"] = (away, "m", time, np.zeros(len(time)))
-        title = "slip" if solution.slips else "no slip"
-        if len(datasets) > 1 and drawn_values(dataset):
-            title = f"{title}, {drawn_values(dataset)}"
-        comparisons.append((dataset, title, series))
-    return beside_reference(comparisons, "closed form")
+def motion(dataset: xr.Dataset) -> Figure:
+    """Draw motion and error of a rolling body, the error where it moves; else a ValueError."""
+    reference = drawn_reference(dataset)
+    if not isinstance(reference, RollingReference):
+        raise ValueError("not a comparison of a rolling body")
+    solution, time = reference.solution, dataset["time"].values
+    run = dataset.sel(body=reference.body)
+    x = run["centre_of_mass"].sel(axis="x")
+    moved, velocity = x - x.isel(time=0), run["mean_velocity"].sel(axis="x")
+    exact = xr.DataArray(solution.displacement(time), {"time": dataset["time"]})
+    moves = abs(moved).max("time") > 0.5 * exact.where(moved.notnull()).max("time")
+    series: dict[str, Beside] = {
+        "displacement": (moved, "m", time, exact.values),
+        "velocity": (velocity, "m s-1", time, solution.velocity(time)),
+    }
+    if "angular_velocity" in run:
+        spin = -run["angular_velocity"].sel(rotation="z")
+        series["clockwise spin"] = (spin, "rad s-1", time, -solution.spin(time))
+    away = (moved - exact).where(moves)
+    series["displacement error"] = (away, "m", time, np.zeros(len(time)))
+    return beside_reference(dataset, series, "closed form", title="slip" if solution.slips else "no slip")
 
 
 def contact_force(dataset: xr.Dataset) -> Figure:
@@ -158,7 +152,7 @@ def contact_force(dataset: xr.Dataset) -> Figure:
         "mean over 100 µs": (mean, "N m-1", at, exact[inside]),
         "impulse": (over_time(lambda one: analysis.impulse(time, one)), "N s m-1", at, impulse[inside]),
     }
-    return beside_reference([(dataset, "", series)], "finite elements, 0.5 mm", noisy="contact force")
+    return beside_reference(dataset, series, "finite elements, 0.5 mm", noisy="contact force")
 
 
 _DASHED = (0, (3, 3))

@@ -16,7 +16,7 @@ from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from mpmfw.errors import SceneError
-from mpmfw.plots.animation import Movie, frames_at
+from mpmfw.plots.animation import frames_at, movie
 from mpmfw.plots.bodies import Bodies, colour_range
 from mpmfw.plots.field_figure import field, labelled
 from mpmfw.plots.style import in_brackets, journal_style
@@ -67,13 +67,12 @@ def slides(results: xr.DataTree | xr.Dataset) -> dict[str, Any]:
 def _pictures(
     trees: Mapping[str, xr.DataTree], times: FloatArray, limits: tuple[float, float] | None
 ) -> list[str]:
-    movie = Movie(trees, _FIELD, times=times, limits=limits)
-    pictures = []
-    for index in range(len(movie)):
-        movie.show(index)
+    drawing, pictures = movie(trees, _FIELD, times, limits=limits), []
+    for index in range(len(times)):
+        drawing.show(index)
         content = io.BytesIO()
         with journal_style():
-            movie.figure.savefig(content, format="png", dpi=200)
+            drawing.figure.savefig(content, format="png", dpi=200)
         pictures.append(base64.b64encode(content.getvalue()).decode("ascii"))
     return pictures
 
