@@ -4,14 +4,10 @@ import math
 
 import pytest
 
-from command_line import called
 from contact_scenes import impact
-from mpmfw.api import hookimpl
-from mpmfw.runs import prediction
-from mpmfw.runs.prediction import TIMED, WARM_UP, driven_speed, predict, share_of_springs
+from mpmfw.runs.prediction import TIMED, driven_speed, predict, share_of_springs
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
-from mpmfw.scene.toml_text import toml_text
 from mpmfw.state.fields import STEP_STAGES
 from scenes_for_tests import scene_of, solid
 
@@ -73,54 +69,6 @@ def test_outputs_come_between_steps_as_in_the_run(monkeypatch, interval, frames)
     predict(simulation, [])
     assert len(taken) == frames
     assert taken[0] == 1
-
-
-J2 = {"model": "j2", "density": 1000, "youngs_modulus": 1e6, "poissons_ratio": 0.3, "yield_stress": 1e4}
-
-
-def test_plastic_flow_has_a_trial_by_itself():
-    """All points flow in it, though none does in the first steps; bodies that cannot flow have none."""
-    mapping = impact(gap=0.5, speed=0.0, slide=0.0)
-    metal = Simulation({**mapping, "materials": dict.fromkeys(mapping["materials"], J2)}, contact="penalty")
-    assert predict(metal, []).flow_time >= 0.0  # 0 where other processes took the elastic steps' time
-    assert metal.state.arrays["j2/plastic_strain"].min() > 1.0
-    assert predict(made(), []).flow_time is None
-
-
-class Watch:
-    """Notes the plastic strain before every update of the stress."""
-
-    name = "watch"
-
-    def __init__(self, simulation):
-        self.strain, self.seen = simulation.state.arrays["j2/plastic_strain"], []
-
-    @hookimpl
-    def update_stress(self):
-        self.seen.append(self.strain.sum())
-
-
-def test_flow_is_compared_with_steps_in_which_nothing_flows():
-    """Though the first steps of this scene flow, and its stress would fall on while it stands still."""
-    mapping = impact(gap=0.0, speed=4.0, slide=0.0)
-    metal = J2 | {"yield_stress": 10.0, "rate_factor": 1.0}
-    made = Simulation({**mapping, "materials": dict.fromkeys(mapping["materials"], metal)}, contact="penalty")
-    watch = Watch(made)
-    with made.extra_plugin(watch):
-        predict(made, [])
-    trial = WARM_UP + TIMED
-    own, still, sheared = watch.seen[: -2 * trial], watch.seen[-2 * trial : -trial], watch.seen[-trial:]
-    assert max(own) > 0.0
-    assert still == [0.0] * trial
-    assert sheared[-1] > 1.0
-
-
-def test_explain_says_that_material_may_flow_whatever_the_clock_found(monkeypatch, tmp_path):
-    mapping = impact(gap=0.5, speed=0.0, slide=0.0)
-    path = tmp_path / "metal.toml"
-    path.write_text(toml_text({**mapping, "materials": dict.fromkeys(mapping["materials"], J2)}))
-    monkeypatch.setattr(prediction, "_time_of_flow", lambda *_: 0.0)
-    assert "material may flow, at a cost too small" in called("explain", path).stdout
 
 
 CELL = 0.1

@@ -69,9 +69,7 @@ def _print_head(simulation: Simulation) -> None:
     if simulation.threads > 1:
         from mpmfw.runs.limits import remarks_on_threads
 
-        ascend = simulation.state.particles.threads.rows_ascend
-        shared = " and sums at nodes" if ascend else "; one thread sums at nodes"
-        typer.echo(f"{simulation.threads} threads share points{shared}")
+        typer.echo(f"{simulation.threads} threads")
         for remark in remarks_on_threads(simulation.threads):
             typer.echo(remark)
     typer.echo("")
@@ -145,17 +143,13 @@ def _print_cost(simulation: Simulation, found: Prediction, everything: bool) -> 
     largest = max(found.stages, key=lambda stage: found.stages[stage])
     share = found.stages[largest] / found.cpu_time if found.cpu_time > 0.0 else 0.0
     typer.echo(f"{found.cpu_time:.3g} s of CPU time for the steps, {100.0 * share:.0f} % of it {largest}")
-    if found.flow_time is not None:
-        total = f"{found.cpu_time + found.flow_time:.3g} s if all material flows that can"
-        unknown = "material may flow, at a cost too small to measure here"
-        typer.echo(f"this is without plastic flow; {total if found.flow_time else unknown}")
     typer.echo(f"at most {shown_bytes(most_memory(simulation.scene))} of memory")
     frames, each, size = results_size(simulation.scene, simulation.header())
     typer.echo(f"{frames:g} frames of {shown_bytes(each)}, and series: {shown_bytes(size)}")
     typer.echo(f"{found.output_time:.3g} s for output, {found.start_time:.3g} s to start")
     if found.settle_steps:
         typer.echo(f"settling: at most {found.settle_steps} steps, {found.settle_time:.3g} s")
-    typer.echo(f"from a trial of {TIMED} steps, without compilation and later contacts\n")
+    typer.echo(f"from a trial of {TIMED} steps, without compilation, later contacts and plastic flow\n")
 
 
 #: Keys of ``[output]`` that an effect records, its name, and the words if it is off.

@@ -23,8 +23,8 @@ from mpmfw.plugin.base import PlugIn
 from mpmfw.plugin.discovery import load
 from mpmfw.results.references import at_rest
 from mpmfw.scene import load_scene
+from mpmfw.scene.bodies import RigidBody
 from mpmfw.scene.specification import checked_specification
-from mpmfw.scene.tables import RigidBody
 from mpmfw.state.fields import AnyArray, FloatArray
 
 if TYPE_CHECKING:

@@ -19,7 +19,8 @@ from mpmfw.state.history import IndexMap
 from mpmfw.state.structs import Body, Grid
 
 if TYPE_CHECKING:
-    from mpmfw.scene.tables import Settle, Side
+    from mpmfw.scene.bodies import Side
+    from mpmfw.scene.tables import Settle
 
 FIELDS = (
     Field("side_force", ("body", "side", "axis"), "N m-1",

@@ -34,7 +34,7 @@ from mpmfw.state.fields import FloatArray
 from mpmfw.state.structs import Body, Grid, Stencil
 
 if TYPE_CHECKING:
-    from mpmfw.scene.tables import RigidBody
+    from mpmfw.scene.bodies import RigidBody
 
 #: Most iterations for the angular velocity in the middle of a step; about five are used.
 ITERATIONS = 50

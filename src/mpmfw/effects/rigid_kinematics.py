@@ -12,7 +12,7 @@ from mpmfw.state.fields import FloatArray
 from mpmfw.units import TimeTable
 
 if TYPE_CHECKING:
-    from mpmfw.scene.tables import RigidBody
+    from mpmfw.scene.bodies import RigidBody
 
 
 def moments_of(

@@ -17,7 +17,7 @@ from mpmfw.state.structs import Body
 from mpmfw.units import TimeTable
 
 if TYPE_CHECKING:
-    from mpmfw.scene.tables import Side
+    from mpmfw.scene.bodies import Side
 
 
 class SideLoad(SurfaceLoad):

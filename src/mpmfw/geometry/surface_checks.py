@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from mpmfw.geometry.cut_cells import volume_of
 from mpmfw.geometry.layout import FloatArray, IntArray, measures_of
 
 #: Height of a triangle over its longest side below which it has no area.
@@ -28,14 +27,12 @@ def check_surface(nodes: FloatArray, facets: IntArray, merging: str = "") -> Non
     _refuse(copies, f"{np.count_nonzero(count > 1)} triangles are there more than once", nodes[facets])
     _check_sides(nodes, facets, merging)
     _check_crossings(nodes, facets)
-    for shell in shells_of(facets, len(nodes)):
-        _check_outward(nodes, facets, shell)
     within = overlapping(nodes, facets)
     if len(within):
         raise ValueError(
-            "parts of the surface overlap: triangles lie within another part, or bound no body (facets "
+            "parts of the surface overlap, or are turned inside out: triangles do not bound the body (facets "
             f"{_listed(within)}), the first at {_at(nodes[facets[within[0]]].mean(axis=0))}; expected parts "
-            "that are apart, or joined to one surface"
+            "that are apart or joined to one surface, with normals outwards, of a cavity inwards"
         )
 
 
@@ -98,21 +95,6 @@ def _check_sides(nodes: FloatArray, facets: IntArray, merging: str) -> None:
             f"flipped triangles: both neighbours run {np.count_nonzero(alike)} sides in the same direction, "
             f"the first at {_at(middle[alike][0])} (facets {_listed(own)}); expected all counter-clockwise "
             "as seen from outside"
-        )
-
-
-def _check_outward(nodes: FloatArray, facets: IntArray, shell: IntArray) -> None:
-    """A shell encloses material, or a cavity where it lies inside another."""
-    own, others = facets[shell], np.delete(facets, shell, axis=0)
-    within = windings(np.tensordot(nodes[own], PLACE, axes=(1, 0)), nodes[others]) > 0
-    inside = bool(within.all())
-    if inside != within.any():
-        return  # partly inside: asked below, of every triangle
-    if (volume_of(nodes, own) > 0.0) == inside:
-        expected = "inwards, being a cavity" if inside else "outwards"
-        raise ValueError(
-            f"the {len(own)} triangles of the part at {_at(nodes[own].mean(axis=(0, 1)))} are turned inside "
-            f"out; expected their normals to point {expected}"
         )
 
 

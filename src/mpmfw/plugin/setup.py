@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from mpmfw.geometry import Layout
     from mpmfw.plugin.base import Material, NamedPlugIn, ShapeFunction
     from mpmfw.scene import Scene
-    from mpmfw.scene.tables import Side
+    from mpmfw.scene.bodies import Side
     from mpmfw.step.transfer import Transfer
 
 

@@ -12,8 +12,8 @@ from mpmfw.geometry import discretise
 from mpmfw.geometry.base import context_of_cells
 from mpmfw.geometry.layout import parallelogram_corners
 from mpmfw.results.stored_scene import scene_of
+from mpmfw.scene.bodies import Body
 from mpmfw.scene.sources import code_in
-from mpmfw.scene.tables import Body
 from mpmfw.state.fields import FloatArray, IntArray
 
 #: Corners of the domains of material points at one output, (n, 4, 2) [m], counter-clockwise.

@@ -13,7 +13,7 @@ from mpmfw.errors import SceneError
 from mpmfw.geometry import HalfSpace, Layout, discretise
 from mpmfw.plugin.checks import described, naming
 from mpmfw.runs.limits import check_box_inside
-from mpmfw.scene.tables import RigidBody
+from mpmfw.scene.bodies import RigidBody
 from mpmfw.state.fields import AFFINE_FIELD, MOMENT_FIELD, PARTICLE_FIELDS, FloatArray
 from mpmfw.state.structs import Body, Particles, State, Stencil
 from mpmfw.state.windows import overlapping

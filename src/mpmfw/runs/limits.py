@@ -12,14 +12,14 @@ import numpy as np
 
 from mpmfw.errors import SceneError
 from mpmfw.geometry.plane import PlaneGeometry
-from mpmfw.scene.tables import RigidBody
+from mpmfw.scene.bodies import RigidBody
 from mpmfw.state.fields import FloatArray
 
 if TYPE_CHECKING:
     from mpmfw.results import RunHeader
     from mpmfw.runs.simulation import Simulation
     from mpmfw.scene import Scene
-    from mpmfw.scene.tables import Body
+    from mpmfw.scene.bodies import Body
 
 #: Most bytes of a material point, a node of a window and a surface node, by dimension. Measured of a point:
 #: 1500 in 2D and 4500 in 3D, CPDI on a disc.

@@ -1,6 +1,4 @@
-"""The cost of a run, from a trial of its first steps; later contacts are left out.
-
-Plastic flow has a separate trial, since the first steps are elastic."""
+"""The cost of a run, from a trial of its first steps; later contacts and plastic flow are left out."""
 
 from __future__ import annotations
 
@@ -24,8 +22,6 @@ if TYPE_CHECKING:
 
 #: Steps before those that are timed, which compile and fill caches, and steps that are timed.
 WARM_UP, TIMED = 3, 20
-#: Shear by which materials are made to flow in a trial of its cost.
-FLOW = 0.1
 
 
 @dataclass(frozen=True)
@@ -38,7 +34,6 @@ class Prediction:
     settle_steps: int  #: at most; 0 in a scene that does not settle
     output_time: float  #: CPU time of frames, energy ledger and gap [s], without writing
     start_time: float  #: CPU time of this process up to the trial [s]
-    flow_time: float | None  #: CPU time that steps take more where all material flows [s]; None if none can
     memory: int  #: of all arrays [bytes]
     limits: tuple[tuple[float, str], ...]  #: stable steps [s] and their owners
 
@@ -56,7 +51,6 @@ class Prediction:
 def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
     """Predict the cost of a simulation, which cannot be used afterwards; ``arrays`` [bytes] are its own."""
     before, clock, settle = clocks.process_time(), simulation.clock, simulation.scene.settle
-    history = _history_of_flow(simulation)
     with ExitStack() as stack:
         stack.enter_context(clock.watching_compilation())
         time = simulation.scene.time
@@ -89,7 +83,6 @@ def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
         clock.flush()
         frame = clock.cpu["output"] + clock.cpu["gap"]
         length, tables = simulation.stable_step(), _tables(simulation)
-        flow = None if history is None else _time_of_flow(simulation, history)
     steps, settle_steps = int(steps_of(simulation.scene, length)), 0
     frames = max(outputs + 1 - steps * (TIMED // every) / TIMED, 0.0)  # beside those between the steps
     if settle is not None:
@@ -101,37 +94,9 @@ def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
         settle_steps=settle_steps,
         output_time=steps * (times["output"] + times["gap"]) + frames * frame,
         start_time=before,
-        flow_time=None if flow is None else steps * flow,
         memory=sum(arrays) + tables,
         limits=tuple(limits),
     )
-
-
-def _history_of_flow(simulation: Simulation) -> dict[str, FloatArray] | None:
-    """Return copies of arrays of materials that can flow; None if no body can."""
-    names = {one.name for one in simulation.setup.materials.values() if one.dissipates and one.slices}
-    arrays = simulation.state.arrays
-    return {key: arrays[key].copy() for key in arrays if key.partition("/")[0] in names} if names else None
-
-
-def _time_of_flow(simulation: Simulation, history: Mapping[str, FloatArray]) -> float:
-    """Return the extra CPU time of stresses in a step in which all points flow [s].
-
-    Points begin without strain and with the initial ``history``, so that none flows; then they are sheared at
-    constant volume, repeatedly. The simulation cannot be used afterwards."""
-    points, dt = simulation.state.particles.in_space, simulation.state.dt
-    points.deformation_gradient[...] = np.eye(points.deformation_gradient.shape[-1])
-    for key, array in history.items():
-        simulation.state.arrays[key][...] = array
-    times = []
-    for shear in (0.0, FLOW):
-        for step in range(WARM_UP + TIMED):
-            if step == WARM_UP:
-                begin = clocks.process_time()
-            points.deformation_gradient[:, 0] += shear * points.deformation_gradient[:, 1]
-            simulation.hook.update_stress(particles=points, dt=dt)
-        times.append((clocks.process_time() - begin) / TIMED)
-    return max(times[1] - times[0], 0.0)
 
 
 def _tables(simulation: Simulation) -> int:

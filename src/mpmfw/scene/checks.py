@@ -11,11 +11,12 @@ import numpy as np
 from mpmfw.geometry import SurfaceMesh
 from mpmfw.plugin.discovery import REFERENCES, available
 from mpmfw.scene.axisymmetry import check_axisymmetry
+from mpmfw.scene.bodies import Body, RigidBody, Side
 from mpmfw.scene.options import NAMED
 from mpmfw.scene.problem import Path, Problem, one_form
 from mpmfw.scene.rigid import check_rigid, check_spin
 from mpmfw.scene.sides import AXIS, check_sides, rows_of
-from mpmfw.scene.tables import Body, Gravity, RigidBody, Side, Tables
+from mpmfw.scene.tables import Gravity, Tables
 from mpmfw.scene.wording import unknown_name
 from mpmfw.units import problems_in_time, wrong_length
 
@@ -226,20 +227,8 @@ def _body(scene: Tables, path: Path, body: Body) -> Iterator[Problem]:
 
 
 def _surface_mesh(scene: Tables, path: Path, geometry: SurfaceMesh) -> Iterator[Problem]:
-    """Check lengths of a surface file against the grid: its unit, and triangles far below a cell."""
+    """Refuse triangles of a surface file that are far below a cell."""
     grid = scene.grid
-    room = float(np.subtract(grid.upper, grid.lower).max())
-    extent = float(np.ptp(geometry.bounds, axis=0).max())
-    for wrong, factor, relation in ((extent > room, 1e-3, "less"), (extent < grid.cell_size, 1e3, "more")):
-        if wrong and 2.0 * grid.cell_size < extent * factor < room:
-            usual = {"m": "millimetres, unit = 'mm'", "mm": "metres, unit = 'm'"}.get(geometry.unit)
-            hint = f"is the file in {usual}?" if usual else "is the unit right?"
-            message = (
-                f"read in '{geometry.unit}' the body is {extent:.4g} m across, in a grid of {room:.4g} m "
-                f"with cells of {grid.cell_size:g} m; it would fit with a thousand times {relation}: {hint}"
-            )
-            yield Problem((*path, "unit"), message)
-            return
     if geometry.mean_edge < FINEST * grid.cell_size:
         message = (
             f"the sides of the triangles are {geometry.mean_edge / grid.cell_size:.2g} cells long on "

@@ -14,7 +14,7 @@ from mpmfw.scene.problem import Path, Problem, one_form
 from mpmfw.units import Density, Inertia, Mass, TimeTable, axial_form, problems_in_time
 
 if TYPE_CHECKING:
-    from mpmfw.scene.tables import RigidBody
+    from mpmfw.scene.bodies import RigidBody
 
 
 #: A number in 2D; in 3D about the axes x, y and z.

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from mpmfw.scene.bodies import Body, Side
 from mpmfw.scene.problem import Path, Problem
-from mpmfw.scene.tables import Body, Side
 from mpmfw.units import TimeTable
 
 #: Axis of the body across each side, and the sides at its upper end.

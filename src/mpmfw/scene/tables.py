@@ -7,14 +7,12 @@ from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, Discriminator, Field, Strict, Tag, field_validator, model_validator
+from pydantic import BaseModel, Field, Strict, field_validator, model_validator
 from pydantic.json_schema import SkipJsonSchema
 
-from mpmfw.geometry import Geometry, Particles
-from mpmfw.geometry.base import LengthInCells, PositiveLength
+from mpmfw.geometry.base import PositiveLength
 from mpmfw.scene.base import (
     AccelerationVector,
-    FixedComponents,
     Friction,
     GravityRow,
     MomentPoint,
@@ -22,16 +20,9 @@ from mpmfw.scene.base import (
     Position,
     PositiveNumber,
     PositiveTime,
-    SideForce,
-    SidePressure,
-    SideTraction,
-    SideVelocity,
-    Spin,
     Table,
-    VelocityVector,
 )
-from mpmfw.scene.initial_stress import InitialStress
-from mpmfw.scene.rigid import OfDeformable, RigidTable
+from mpmfw.scene.bodies import AnyBody, Body, RigidBody
 from mpmfw.units import Acceleration, Angle, Density, Frequency, Number
 
 #: Options of the chosen plug-in, an instance of its own model; scenes write them in a table of its name.
@@ -152,94 +143,6 @@ class Material(Table):
     density: Annotated[Density, Field(gt=0)]
     damping: Damping | None = None
     options: Options = Field(default=None, exclude=True)
-
-
-class Side(Table):
-    """A condition on a side: fixed components, a velocity [m/s], a pressure or traction [Pa], a force [N].
-
-    The force acts on the whole side over the body's thickness, spread evenly. All but fixed are constant, or
-    rows of a time [s] and its values: linear in between, constant outside."""
-
-    #: A plane side, or for a load the whole outside of the body, or all its holes.
-    side: Literal["left", "right", "bottom", "top", "back", "front", "outer", "inner"]
-    #: Corners of a box [m]: a load acts on the side's facets whose centre lies in it at the start.
-    within: Annotated[tuple[Position, Position], Strict(False)] | None = None
-    fixed: FixedComponents | None = None
-    velocity: SideVelocity | None = None
-    pressure: SidePressure | None = None
-    traction: SideTraction | None = None
-    force: SideForce | None = None
-
-    @property
-    def is_loaded(self) -> bool:
-        """Return True if the side has a load, and no prescribed motion."""
-        return self.pressure is not None or self.traction is not None or self.force is not None
-
-    @property
-    def is_constant(self) -> bool:
-        """Return True if the side does not move and its loads are constant."""
-        loads = (self.pressure, self.traction, self.force)
-        changing = any(isinstance(load, tuple) and isinstance(load[0], tuple) for load in loads)
-        return self.velocity is None and not changing
-
-
-class Body(Table):
-    """One body; without ``velocity`` and ``angular_velocity`` it starts at rest."""
-
-    material: str
-    geometry: Geometry
-    particles: Particles
-    #: Length of the surface's segments, in 3D of the sides of its triangles [m]: see :meth:`segment_length`.
-    segment: LengthInCells | None = None
-    velocity: VelocityVector | None = None  #: at the start [m/s]
-    angular_velocity: Spin | None = None  #: at the start, about the centroid [rad/s]
-    #: Treatment of rotational inertia; None lets the build decide.
-    rotation: Literal["spin", "exact", "lumped"] | None = None
-    #: Change of volume at points or averaged over cells, against locking: see ``Setup.averaged_bodies``.
-    volumetric: Literal["auto", "averaged", "pointwise"] = "auto"
-    initial_stress: InitialStress | None = None  #: of soil in its own weight
-    self_contact: bool = False  #: parts of its surface may touch each other
-    thickness: PositiveLength | None = None  #: in the plane, across it [m]; None is 1 m
-    sides: Annotated[tuple[Side, ...], Strict(False)] = ()
-
-    def segment_length(self, cell_size: float) -> float:
-        """Length of the surface's segments [m]: as given, or a quarter of a cell, in 3D half of one."""
-        share = 0.25 if self.geometry.dim == 2 else 0.5
-        return share * cell_size if self.segment is None else float(self.segment)
-
-    @property
-    def prescribed(self) -> bool:
-        """Return True if the body is rigid and no force moves it."""
-        return False
-
-
-class RigidBody(Body):
-    """A rigid body; ``rigid`` gives its motion. A free one may start with a velocity."""
-
-    rigid: RigidTable
-    material: SkipJsonSchema[OfDeformable] = ""
-    particles: SkipJsonSchema[OfDeformable] = None
-    rotation: SkipJsonSchema[OfDeformable] = None
-    volumetric: SkipJsonSchema[OfDeformable] = None
-    initial_stress: SkipJsonSchema[OfDeformable] = None
-    self_contact: SkipJsonSchema[OfDeformable] = None
-    sides: SkipJsonSchema[OfDeformable] = ()
-
-    @property
-    def prescribed(self) -> bool:
-        """Return True if no force moves the body."""
-        return self.rigid is True or self.rigid.motion is not None
-
-
-def _kind_of_body(value: Any) -> str:
-    rigid = isinstance(value, RigidBody) or (isinstance(value, Mapping) and "rigid" in value)
-    return "a rigid body" if rigid else "a deformable body"
-
-
-AnyBody = Annotated[
-    Annotated[Body, Tag("a deformable body")] | Annotated[RigidBody, Tag("a rigid body")],
-    Discriminator(_kind_of_body),
-]
 
 
 class Named(Table):
