@@ -28,10 +28,15 @@ Clock: TypeAlias = Callable[[str], str]  #: begins a stage, and returns the one 
 BEFORE_THE_RUN = ("declare_fields", "setup")
 
 
-@functools.lru_cache(maxsize=4096)
-def _mark_of(kind: type, name: str) -> Any:
-    """Return the options of ``@hookimpl`` on a member of a class; looking them up takes 20 µs."""
-    return pluggy.PluginManager("mpmfw").parse_hookimpl_opts(kind, name)
+#: All hooks, in the order of the specifications.
+HOOKS = tuple(name for name in vars(HookSpecs) if not name.startswith("_"))
+
+
+@functools.cache
+def _marks_of(kind: type) -> dict[str, Any]:
+    """Return the options of ``@hookimpl`` by the members of a class; looking up one takes 20 µs."""
+    found = {name: pluggy.PluginManager("mpmfw").parse_hookimpl_opts(kind, name) for name in dir(kind)}
+    return {name: mark for name, mark in found.items() if mark is not None}
 
 
 class _Manager(pluggy.PluginManager):
@@ -39,9 +44,8 @@ class _Manager(pluggy.PluginManager):
 
     def parse_hookimpl_opts(self, plugin: Any, name: str) -> Any:
         """Return the options of a hook's implementation, None of what is none."""
-        kind: Any = type(plugin)
         own = name in getattr(plugin, "__dict__", ())
-        return super().parse_hookimpl_opts(plugin, name) if own else _mark_of(kind, name)
+        return super().parse_hookimpl_opts(plugin, name) if own else _marks_of(type(plugin)).get(name)
 
 
 def make_manager() -> pluggy.PluginManager:
@@ -49,10 +53,6 @@ def make_manager() -> pluggy.PluginManager:
     manager = _Manager("mpmfw")
     manager.add_hookspecs(HookSpecs)
     return manager
-
-
-#: All hooks, in the order of the specifications.
-HOOKS = tuple(name for name in vars(HookSpecs) if not name.startswith("_"))
 
 
 def register(manager: pluggy.PluginManager, plugin: Any, name: str) -> None:
@@ -70,9 +70,10 @@ def register(manager: pluggy.PluginManager, plugin: Any, name: str) -> None:
     except pluggy.PluginValidationError as error:
         raise SceneError(f"{described(plugin)}: {error}") from error
     for hook in HOOKS:
-        method = getattr(plugin, hook, None)
+        if not inspect.isroutine(getattr(plugin, hook, None)):
+            continue
         mark = manager.parse_hookimpl_opts(plugin, hook)
-        if inspect.isroutine(method) and (mark is None or mark["hookwrapper"]):
+        if mark is None or mark["hookwrapper"]:
             raise SceneError(
                 f"{described(plugin)}: {hook} has the name of a hook; expected @hookimpl above it, of a "
                 "wrapper @hookimpl(wrapper=True), or another name"
@@ -137,7 +138,9 @@ def _bind(
     names: dict[str, Any] = {"clock": clock, "passed_on": (*PASSED_ON, OutsideGrid)}
     names["failed"] = lambda error, plugin: failure(error, plugin, name, state)
     names |= {f"observer_{k}": observer for k, observer in enumerate(observers)}
-    calls_of = {moment: _observing(name, moment, observers, "dt" in given) for moment in MOMENTS}
+    calls_of = dict.fromkeys(MOMENTS, "")
+    if observers:
+        calls_of = {moment: _observing(name, moment, observers, "dt" in given) for moment in MOMENTS}
     lines = calls_of["begin"]
     for k, impl in enumerate(calls):
         names[f"call_{k}"], names[f"plugin_{k}"] = impl.function, impl.plugin

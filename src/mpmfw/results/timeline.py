@@ -65,7 +65,6 @@ class Frame:
     #: fields (body,), (body, axis), (body, rotation), (pair,) or (pair, axis)
     series: Mapping[str, AnyArray] = dataclasses.field(default_factory=dict)
     contact: Mapping[str, Mapping[str, AnyArray]] = dataclasses.field(default_factory=dict)  #: fields by pair
-    grid: Mapping[str, AnyArray] = dataclasses.field(default_factory=dict)
     pairs: tuple[str, ...] = ()  #: all so far, the header's first, where the header allows more
 
 

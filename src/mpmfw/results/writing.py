@@ -268,8 +268,6 @@ class RunWriter:
 
     def _places(self, frame: Frame) -> dict[str, dict[str, tuple[Field, AnyArray]]]:
         places = {"series": self._declared("series", frame.series)}
-        if frame.grid:
-            places["grid"] = self._declared("grid", frame.grid)
         for pair, arrays in frame.contact.items():
             places[f"contact/{pair}"] = self._declared("contact", arrays)
         counts = {"particles": self.header.particle_count, "surface": self.header.surface_count}
