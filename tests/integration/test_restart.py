@@ -84,7 +84,7 @@ def same_frames(frames, others):
     for one, other in zip(frames, others, strict=True):
         assert one.time == other.time
         assert one.pairs == other.pairs
-        for group in ("particles", "surface", "series", "grid", "contact"):
+        for group in ("particles", "surface", "series", "contact"):
             a, b = getattr(one, group), getattr(other, group)
             assert list(a) == list(b)
             for name in a:

@@ -44,8 +44,9 @@ class _Manager(pluggy.PluginManager):
 
     def parse_hookimpl_opts(self, plugin: Any, name: str) -> Any:
         """Return the options of a hook's implementation, None of what is none."""
+        kind: Any = type(plugin)
         own = name in getattr(plugin, "__dict__", ())
-        return super().parse_hookimpl_opts(plugin, name) if own else _marks_of(type(plugin)).get(name)
+        return super().parse_hookimpl_opts(plugin, name) if own else _marks_of(kind).get(name)
 
 
 def make_manager() -> pluggy.PluginManager:
