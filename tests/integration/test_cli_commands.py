@@ -16,7 +16,6 @@ from command_line import called
 from drop_for_tests import drop_scene
 from mpmfw.errors import ResultsWarning
 from mpmfw.scene.toml_text import toml_text
-from mpmfw_contact.penalty import Penalty
 from scenes_for_tests import with_changes
 from studies_for_tests import SLIDING
 
@@ -157,20 +156,6 @@ def test_the_script_is_quiet_in_a_pipe(scene):
     command = [sys.executable, "-m", "mpmfw", "run", str(scene), "--set", "time.end=0.01", "-o", "q.nc"]
     done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=scene.parent)
     assert (done.stdout, done.stderr) == ("q.nc\n", "")
-
-
-def test_configured_strategies_are_compared_under_their_labels(scene):
-    stiff = Penalty(kappa=8.0)  # twice the default
-    contacts = ["penalty", stiff, Penalty(kappa=8.0)]
-    data = mpmfw.compare(scene, contact=contacts, shape=["gimp"], set={"time.end": 0.04})
-    labels = data["contact"].values.tolist()
-    assert labels == ["penalty", stiff.label, f"{stiff.label}#2"]
-    assert "kappa" in stiff.label
-    assert (data["status"] == "ok").all()
-    depth = -data["min_gap"].isel(pair=0, shape=0).min("time")
-    assert depth[1] < depth[0]
-    same = (data["centre_of_mass"].sel(contact=label, drop=True) for label in labels[1:])
-    xr.testing.assert_equal(*same)
 
 
 SCHEDULER = ["--scheduler", "tcp://127.0.0.1:1"]

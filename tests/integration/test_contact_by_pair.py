@@ -275,35 +275,6 @@ def test_a_run_is_restored_to_the_bit():
         np.testing.assert_array_equal(found[name], values)
 
 
-def test_pairs_among_many_bodies_are_listed_as_they_come_near():
-    """Beside 33 small blocks, of which the last comes down on the others."""
-    small = [
-        ([-1.0 + 0.25 * (k % 8), y], [0.0, 0.0])
-        for k, y in enumerate(np.repeat([-1.05, -0.85, 0.88, 1.02], 8))
-    ]
-    many = {**MEET, **TORN}
-    for k, (lower, velocity) in enumerate([*small, ([0.3, 2.5], [0.0, -30.0])]):
-        many[f"f{k}"] = rectangle(lower, [x + 0.1 for x in lower], velocity=velocity)
-    pairs = {"c-d": {"method": "tied"}, "a-b": {"method": "penalty", "penalty": {"kappa": 2.0}}}
-    simulation, again = made(many, pairs, extent=3.0), made(many, pairs, extent=3.0)
-    few = made({**MEET, **TORN}, pairs, extent=3.0)
-    before = len(simulation.state.pairs)
-    for _ in range(20):
-        simulation.step(STEP)
-        few.step(STEP)
-    again.restore(simulation.snapshot())
-    for _ in range(35):
-        for one in (simulation, again, few):
-            one.step(STEP)
-    assert len(again.state.pairs) == len(simulation.state.pairs) > before
-    for found, expected in zip(points_of(simulation, "abcd"), points_of(few, "abcd"), strict=True):
-        np.testing.assert_allclose(
-            found, expected, rtol=0, atol=1e-10 * np.abs(expected).max()
-        )  # windows moved
-    for found, expected in zip(points_of(again, many), points_of(simulation, many), strict=True):
-        np.testing.assert_array_equal(found, expected)
-
-
 @pytest.mark.parametrize(
     ("contact", "message"),
     [

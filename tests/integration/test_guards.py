@@ -7,7 +7,6 @@ import pytest
 
 import mpmfw
 from contact_scenes import CELL, impact, wave_speed
-from mpmfw.api import ContactStrategy, hookimpl
 from mpmfw.errors import SceneError, SimulationError
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import disc, two_blocks
@@ -128,25 +127,11 @@ def test_a_body_may_have_any_name_that_a_scene_accepts(name):
     assert list(tree["particles"].children) == [name]
 
 
-class Strangers(ContactStrategy):
-    """A contact without an option, whose limit falls in the third step."""
-
-    name = "strangers"
-
-    @hookimpl
-    def stable_timestep(self, state):
-        return (1e-3 if state.steps < 3 else 1e-12, self.name)
-
-
 def advice(contact):
     """Of the error that ends the run, which went well before the bodies met."""
     with pytest.raises(SimulationError, match="the stable time step fell to") as error:
         Simulation(two_blocks("none"), contact=contact).advance(2000)
     return error.value.advice
-
-
-def test_of_a_stranger_s_contact_no_option_is_named():
-    assert advice(Strangers) == "a softer contact, or another shape function"
 
 
 def test_of_springs_the_keys_of_the_scene_are_named():

@@ -19,10 +19,7 @@ def wall(point, normal, **own):
 
 @pytest.mark.parametrize(
     ("method", "angle"),
-    [
-        *(("penalty", angle) for angle in (0.0, 0.35, 2.0)),
-        *((method, 0.35) for method in ("lcp", "midplane", "bardenhagen")),
-    ],
+    [("penalty", 2.0), ("midplane", 0.35), ("bardenhagen", 0.35)],
 )
 def test_a_block_slides_down_a_half_space(method, angle):
     """(g_t − μ g_n) t² / 2 along it."""

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from pydantic import BaseModel
 
 from measures_for_tests import momentum
 from mpmfw.api import SurfaceLoad
@@ -180,26 +179,6 @@ def test_loads_in_time_are_linear_in_between_and_constant_outside(tables):
     assert "pressure" in str(tables) or found[1] == pytest.approx(exact[1], rel=1e-6)
 
 
-@pytest.mark.parametrize("shape", ["cpdi", "gimp"])
-def test_tractions_on_all_sides_shear_a_free_block_uniformly(shape):
-    """τ rises in twelve periods of the block: σ_xy = τ everywhere and γ = τ / G."""
-    tau, rise = 1e3, 0.24  # s; a shear wave takes 0.018 s across
-    directions = {"top": (1, 0), "bottom": (-1, 0), "right": (0, 1), "left": (0, -1)}
-    sides = [
-        {"side": side, "traction": [[0.0, 0.0, 0.0], [rise, x * tau, y * tau]]}
-        for side, (x, y) in directions.items()
-    ]
-    time = {"end": rise, "output_interval": rise}
-    sim = Simulation(block(bodies__solid__sides=sides, materials__soft=HOOKE, shape__method=shape, time=time))
-    sim.run()
-    p = sim.state.particles
-    assert p.stress[:, 0, 1].mean() == pytest.approx(tau, rel=0.03)
-    if shape != "gimp":  # its mass-weighted map leaves stress across the sides beside them, of 1.3 τ
-        assert np.abs(p.stress[:, [0, 1], [0, 1]]).mean() < 0.05 * tau
-    f = p.deformation_gradient
-    assert (f[:, 0, 1] + f[:, 1, 0]).mean() == pytest.approx(tau / SHEAR, rel=0.03)
-
-
 # -- loads by name
 
 
@@ -240,30 +219,6 @@ def test_drag_lets_the_velocity_decay_towards_the_medium():
     velocity = momentum(sim) / sim.state.particles.mass.sum()
     np.testing.assert_allclose(velocity, [1.0 - decay, 2.0 * decay], rtol=2 * 20.0 * STEP)
     assert (2e-6, "drag") in after(0, block(loads={"air": {"model": "drag", "rate": 1e6}})).limits()
-
-
-class Wind(SurfaceLoad):
-    """Traction c (u − v)·n n where the wind blows on the surface: by place, motion and direction."""
-
-    name = "wind"
-
-    class Options(BaseModel):
-        speed: float = 3.0
-
-    def traction(self, facets, time):  # noqa: ARG002
-        against = (facets.velocity - [self.options.speed, 0.0])[:, 0] * facets.normal[:, 0]
-        return -np.maximum(against, 0.0)[:, None] * facets.normal
-
-
-def test_a_strangers_traction_by_place_and_motion(announce):
-    """On the left side of 1 m alone: c (u − v_x) pushes towards +x."""
-    announce("load", "wind", f"{__name__}:Wind")
-    for speed, gained in ((0.0, 3e-4), (1.0, 2e-4)):
-        wind = {"model": "wind", "speed": 3.0}
-        sim = after(1, block(loads={"wind": wind}, bodies__solid__velocity=[speed, 0.0], time__step=STEP))
-        before = speed * sim.state.particles.mass.sum()
-        np.testing.assert_allclose(momentum(sim) - [before, 0.0], [gained, 0.0], rtol=1e-6, atol=1e-10)
-    assert any(effect.name == "surfaces" and "wind" in effect.reason for effect in sim.effects)
 
 
 DRAG = {"model": "drag", "rate": 1.0}

@@ -16,8 +16,6 @@ from mpmfw.errors import SceneError
 from mpmfw.plots.animation import movie
 from mpmfw.plots.bodies import Bodies
 from mpmfw.report import pictures, write_report
-from mpmfw.report.pictures import _slider
-from mpmfw.results.selection import runs_of
 from scenes_for_tests import ball_on_a_box, two_blocks
 
 EVIL = "<script>alert(1)</script><img src=x onerror=alert(1)> {{ 7*6 }}"
@@ -78,14 +76,6 @@ def test_a_run_in_space_can_be_turned_without_a_network(run, tmp_path):
     assert page.index("Plotly.newPlot") < page.index("<h2>Scene")
 
 
-def test_outputs_that_are_close_to_each_other_have_frames_of_their_own():
-    """Times that are equal to four digits share a label, and no frame."""
-    slider = _slider(np.array([1.0, 1.00001, 1.1]))
-    assert [step["label"] for step in slider["steps"]] == ["1 s", "1 s", "1.1 s"]
-    assert [step["args"][0] for step in slider["steps"]] == [["0"], ["1"], ["2"]]
-    assert slider["active"] == 2
-
-
 @pytest.fixture(scope="module")
 def several():
     """Eight runs of 14 outputs that keep their points."""
@@ -112,18 +102,6 @@ def test_the_slider_ends_with_the_last_output_and_says_what_it_leaves_out(severa
     assert "left out" not in few["slides_say"]
 
 
-def test_a_few_large_values_do_not_stretch_the_colours(several):
-    times = several["particle_time"].values
-    low, high = pictures._limits(runs_of(several), times)
-    values = several["particle_von_mises"].values
-    assert low == values.min()
-    assert np.mean(values <= high) == pytest.approx(0.98, abs=1e-3)
-    spoilt = several.copy(deep=True)
-    spoilt["particle_von_mises"][{"particle_time": -1, "particle": 0}] = 1e12
-    assert pictures._limits(runs_of(spoilt), times)[1] == pytest.approx(high, rel=0.1)
-    assert pictures._limits(runs_of(several.isel(particle_time=[0])), times[:1]) is None  # all are zero
-
-
 def test_the_difference_is_that_from_the_first_contact(several):
     figure, caption = pictures.field_differences(several)["difference"]
     assert "from that with penalty" in caption
@@ -140,17 +118,6 @@ def test_a_page_in_space_says_why_it_has_no_pictures(run, tmp_path, monkeypatch)
     page = html.unescape((tmp_path / "run.html").read_text(encoding="utf-8"))
     assert "<img" not in page.replace(EVIL, "")
     assert "There are no pictures of the stress: this needs pyvista: pip install 'mpmfw[render]'." in page
-
-
-@pytest.mark.parametrize("library", ["pyvista", "plotly"])
-def test_a_picture_in_space_says_where_bodies_are_dots(run, library, monkeypatch):
-    pytest.importorskip(library)
-    if library == "pyvista":
-        monkeypatch.setitem(sys.modules, "plotly.subplots", None)
-    tree = mpmfw.open(run)
-    assert "dots" not in pictures.slides(tree)["slides_say"]
-    del tree["surface"]
-    assert "drawn as dots" in pictures.slides(tree)["slides_say"]
 
 
 def test_a_half_space_does_not_shrink_the_picture(run):

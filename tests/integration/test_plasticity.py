@@ -107,8 +107,7 @@ TAYLOR = scene_of(
 @pytest.mark.parametrize(
     ("contact", "shape"),
     [
-        *(("penalty", shape) for shape in ("cpdi", "cpdi2")),
-        ("surfaces+impulse", "cpdi"),
+        ("penalty", "cpdi2"),
         ("bardenhagen(criterion=position, normal=master)", "cpdi"),
     ],
 )

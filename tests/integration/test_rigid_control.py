@@ -228,34 +228,17 @@ def test_a_run_says_that_contact_pushes_along_a_belt(method):
     assert 0.0 < reaction.ALONG < 0.2 / np.hypot(0.5, 0.2)
 
 
-@pytest.mark.parametrize(("method", "within"), [("penalty", 0.01), ("lcp", 0.05)])
-def test_a_wheel_that_spins_on_a_bed_is_braked_by_the_moment_of_friction(method, within):
+def test_a_wheel_that_spins_on_a_bed_is_braked_by_the_moment_of_friction():
     """μ W R, which does the work −μ W R ω t; contact at nodes has more than twice of it."""
     wheel = {"rigid": {"density": 1e3, "held": ["rotation"]}, "angular_velocity": -10.0, "segment": 0.025}
     geometry = {"type": "disc", "centre": [1.0, 0.7], "radius": 0.4}
-    scene = drop({"geometry": geometry, **wheel}, method, settle={}, output__ledger=True)
+    scene = drop({"geometry": geometry, **wheel}, settle={}, output__ledger=True)
     scene["bodies"]["block"]["sides"] = [{"side": "bottom", "fixed": True}]
     series = series_of({**scene, "gravity": {"vector": [0.0, -10.0]}})
     moment = 0.3 * 1e4 * np.pi * 0.4**3
-    assert series["reaction_moment"].values[-5:, 1, 0].mean() == pytest.approx(moment, rel=within)
+    assert series["reaction_moment"].values[-5:, 1, 0].mean() == pytest.approx(moment, rel=0.01)
     assert series["external_work"].values[-1] == pytest.approx(10.0 * 0.1 * moment, rel=0.03)
     assert np.ptp(series["angular_momentum"].values[:, 1, 0]) < 1e-9 * 500.0
-
-
-def test_rigid_discs_in_a_row_move_on_together_with_lcp():
-    """Its impulses are plastic: of Newton's cradle momentum stays, and a third of the energy."""
-    scene = drop({"geometry": box([2.4, -1.3], [2.8, -1.0]), "rigid": True}, "lcp", contact__friction=0.0)
-    scene["bodies"]["block"]["geometry"] = box([-0.9, -1.4], [-0.6, -1.2])
-    for k, x in enumerate((0.28, 0.8, 1.3)):
-        geometry = {"type": "disc", "centre": [x, 0.3], "radius": 0.25}
-        scene["bodies"][f"disc{k}"] = {"geometry": geometry, "segment": 0.02, "rigid": {"density": 1e3}}
-    del scene["bodies"]["disc"]
-    scene["bodies"]["disc0"]["velocity"] = [1.0, 0.0]
-    series = series_of(scene)
-    momentum, energy = series["linear_momentum"].values[:, 1:, 0], series["kinetic_energy"].values[:, 1:]
-    assert momentum.sum(axis=1) == pytest.approx(momentum[0].sum(), rel=1e-12)
-    assert momentum[-1] == pytest.approx(momentum[0].sum() / 3.0, rel=0.01)
-    assert energy[-1].sum() == pytest.approx(energy[0].sum() / 3.0, rel=1e-3)
 
 
 def test_the_roller_is_pressed_as_johnson_says_and_rolls_with_half_of_the_floors_velocity():
@@ -314,15 +297,3 @@ def test_points_of_a_body_that_cannot_turn_show_its_mass_alone():
     weight = bodies.weights_at(0, np.array([[0.4, 0.2]]))
     assert (3.0 * weight**2).sum() == pytest.approx(1.0006, rel=1e-6)
     assert rigid.FAR > 10.0
-
-
-def test_the_inverse_of_the_mass_is_that_of_a_rigid_body():
-    """Impulses on the points change the motion as they change momentum and moment."""
-    bodies = Simulation(flight({"rigid": {"held": ["x"]}, "angular_velocity": 1.0})).state.rigid
-    impulse = np.random.default_rng(1).normal(size=(3, 2))
-    arms = bodies.arms[0]
-    velocity = np.array([0.0, impulse[:, 1].sum() / 80.0])
-    spin = (arms[:, 0] @ impulse[:, 1] - arms[:, 1] @ impulse[:, 0]) / (80.0 * (0.4**2 + 0.2**2) / 12.0)
-    moved = velocity + spin * np.column_stack([-arms[:, 1], arms[:, 0]])
-    found = np.einsum("pdqe,pd->qe", bodies.inverse_mass, impulse)
-    assert found == pytest.approx(moved, abs=1e-12)

@@ -189,11 +189,11 @@ def linearised(scene):
         correct_spin(0, n, g.window_shape[0], total, excess, grid, momentum, change, common, g.spacing)
         rows.append((corrected - momentum).ravel())
     keep = np.ix_(carried, carried)
-    return Linear(
-        np.repeat(g.mass, dim)[carried],
-        stiffness.reshape(n * dim, -1)[keep],
-        np.array(rows)[keep],
-    )
+    operator = np.array(rows)[keep]
+    np.testing.assert_allclose(operator, operator.T, atol=1e-12 * g.mass.max())
+    drift = operator.reshape(len(operator), -1, dim).sum(axis=1)  # momentum is exact
+    np.testing.assert_allclose(drift, 0.0, atol=1e-12 * g.mass.max())
+    return Linear(np.repeat(g.mass, dim)[carried], stiffness.reshape(n * dim, -1)[keep], operator)
 
 
 def rectangle(lower, upper, shape):

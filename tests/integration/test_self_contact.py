@@ -113,7 +113,7 @@ def of_runs(*scenes):
 @pytest.mark.parametrize(
     ("method", "shape", "rtol"),
     [
-        *(("penalty", shape, 1e-11) for shape in ("cpdi", "gimp", "linear", "bspline", "cubic_bspline")),
+        *(("penalty", shape, 1e-11) for shape in ("cpdi", "linear", "bspline")),
         *((method, "cpdi", 1e-11) for method in ("impulse", "hybrid", "barrier", "adhesion")),
         ("lcp", "cpdi", 1e-3),  # rows come in another order, and its passes end at a tolerance
     ],
@@ -224,39 +224,6 @@ def test_a_slit_closes_under_pressure(first):
     force = own["contact_force"].values[-1, 1]
     assert force < -100.0  # on the lower part
     assert force == pytest.approx(-10197.89, rel=1e-4)
-
-
-@pytest.mark.long
-def test_a_ring_folds_flat():
-    plate = {"type": "rectangle", "lower": [-2.0, -1.3], "upper": [2.0, -1.0]}
-    ring = {
-        "material": "soft",
-        "geometry": {"type": "ring", "centre": [0.013, 0.0], "inner_radius": 0.75, "outer_radius": 1.0},
-        "particles": {"size": 0.05},
-        "self_contact": True,
-    }
-    bodies = {"ring": ring}
-    for name, low, v in (("low", -1.3, 1.0), ("high", 1.0, -1.0)):
-        geometry = {**plate, "lower": [-2.0, low], "upper": [2.0, low + 0.3]}
-        bodies[name] = {"geometry": geometry, "rigid": {"motion": {"velocity": [0.0, v]}}}
-    made = scene_of_ring(bodies)
-    tree = mpmfw.run(made)
-    own = tree["series"].to_dataset().sel(pair="ring-ring")
-    assert tree.attrs["status"] == "ok"
-    assert own["min_gap"].values[-1] == pytest.approx(0.0, abs=0.1 * CELL)
-    assert np.abs(own["contact_force"].values[-1, 1]) > 100.0
-
-
-def scene_of_ring(bodies):
-    """The ring between its plates, which come together by 1.48 m."""
-    soft = {"bulk": "2 ms", "shear": "2 ms"}
-    made = scene({"ring": bodies["ring"]}, friction=0.2, shape={"method": "cpdi"})
-    made["materials"]["soft"].update(bulk_modulus=8e5, shear_modulus=4e5, damping=soft)
-    made["bodies"] = bodies
-    made["contact"]["method"] = "penalty"
-    made["grid"].update(lower=[-2.4, -1.6], upper=[2.4, 1.6])
-    made["time"].update(end=0.74, output_interval=0.037)
-    return made
 
 
 @pytest.mark.parametrize("threads", [1, 3])

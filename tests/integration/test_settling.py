@@ -105,37 +105,6 @@ def test_a_body_at_rest_stays_for_five_thousand_steps():
     assert np.ptp(way[2:]) < 1e-7
 
 
-def press_fit():
-    """Two steel rings without Poisson's effect, radii 0.2, 0.6 and 1 m, with an interference of 3 mm."""
-    steel = {"model": "linear_elastic", "density": 1000.0, "youngs_modulus": 1e9, "poissons_ratio": 0.0}
-
-    def ring(inner, outer):
-        geometry = {"type": "ring", "centre": [0.0, 0.0], "inner_radius": inner, "outer_radius": outer}
-        return {"material": "steel", "geometry": geometry, "particles": {"size": 0.05, "layout": "fitted"}}
-
-    return scene_of(
-        *({"inner": ring(0.2, 0.603), "outer": ring(0.6, 1.0)}, 0.1, [-1.3, -1.3], [1.3, 1.3]),
-        end=1e-4,
-        allow_overlap=True,
-        contact={"method": "penalty", "penalty": {"kappa": 16.0, "linear_to": 0.03}},
-        materials={"steel": steel},
-        settle={"tolerance": 5e-3},
-    )
-
-
-def test_an_overlap_is_a_load_and_settles_to_lames_press_fit():
-    sim = Simulation(press_fit())
-    sim.start()
-    surface = sim.state.surface
-    assert surface is not None
-    radius = np.linalg.norm(surface.position[surface.of(1)], axis=1)
-    a, b, c, interference, young = 0.2, 0.6, 1.0, 0.003, 1e9
-    flexibility = (b**2 + c**2) / (c**2 - b**2) + (a**2 + b**2) / (b**2 - a**2)
-    pressure = young * interference / (b * flexibility)
-    outer_rim = 2.0 * pressure * b**2 * c / (young * (c**2 - b**2))
-    assert radius[radius > 0.8].mean() - c == pytest.approx(outer_rim, rel=0.01)
-
-
 @pytest.mark.filterwarnings("ignore:settling stopped")
 @pytest.mark.parametrize(("max_time", "warned"), [(None, False), (5e-3, True)])
 def test_a_scene_that_still_moves_at_its_first_output_warns(max_time, warned):

@@ -192,25 +192,6 @@ def test_wrong_velocities_over_time_are_refused(rows, said):
         Simulation(block(bodies__solid__sides=sides, time__end=0.5))
 
 
-def test_pressure_acts_on_a_turned_bodys_own_side():
-    sides = [
-        {"side": "bottom", "fixed": ["y"]},
-        {"side": "left", "fixed": ["x"]},
-        {"side": "right", "fixed": ["x"]},
-        {"side": "top", "pressure": 1e4},
-    ]
-    scene = block(
-        bodies__solid__geometry__angle="30 deg",
-        bodies__solid__particles__layout="fitted",
-        bodies__solid__sides=sides,
-        settle={},
-    )
-    sim = Simulation(scene)
-    sim.start()
-    axes = sim.scene.bodies["solid"].geometry.axes
-    assert (axes @ sim.state.particles.stress @ axes.T)[:, 1, 1].mean() == pytest.approx(-1e4, rel=0.02)
-
-
 def test_a_side_that_is_free_along_its_normal_goes_with_the_body():
     # A cell and a half upwards, and pushed sideways all the way
     scene = block(

@@ -12,7 +12,6 @@ import mpmfw
 from command_line import called
 from mpmfw.campaigns.executors import InProcess
 from mpmfw.errors import SceneError
-from mpmfw.plots import figures_of, front
 from mpmfw.scene.toml_text import toml_text
 from mpmfw.state.fields import STEP_STAGES
 from mpmfw.studies.study import relative_error
@@ -150,18 +149,6 @@ def test_requests_that_make_no_sense_are_refused(tmp_path):
         with pytest.raises(SceneError, match=message):
             mpmfw.study(tiny_study(), output=tmp_path / "s.nc", **arguments)
     assert InProcess.timing == "exclusive"
-
-
-def test_a_front_says_how_many_runs_it_cannot_show(folder):
-    dataset = mpmfw.open(folder / "tiny.nc").load()
-    assert "without a result" not in front(dataset).axes[0].get_title(loc="left")
-    for status, error in (("failed: diverged", np.nan), ("suspect: sank", 0.1)):
-        dataset["status"] = dataset["status"].astype(object)
-        at = {"contact": 0, "cell_size": int(status.startswith("suspect"))}
-        dataset["status"][at], dataset["error"][at] = status, error
-    figure, caption = figures_of(dataset)["front"]
-    assert figure.axes[0].get_title(loc="left") == "(1 without a result)"
-    assert caption.endswith("Without a result: cpdi, separate, 0.2.")
 
 
 # -- the command

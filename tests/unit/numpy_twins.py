@@ -22,12 +22,6 @@ def collect(table, values):
     return total
 
 
-def internal_force(table, volume, stress, n_nodes):
-    """−Σ_p V_p σ_p · ∇φ_ip."""
-    p = owner(table)
-    return scatter(table, -volume[p, None] * np.einsum("kab,kb->ka", stress[p], table.gradient), n_nodes)
-
-
 def velocity_gradient(table, node_velocity):
     """Σ_i v_i ∇φ_ipᵀ."""
     return collect(table, np.einsum("ka,kb->kab", node_velocity[table.nodes], table.gradient))

@@ -351,16 +351,6 @@ def test_a_ball_and_a_box_are_meshed_in_space():
     assert len(box.outer) == 16
 
 
-@pytest.mark.parametrize(("name", "nearest"), [("first", 0.0), ("second", 11.25)])
-def test_a_disc_meets_another_by_a_node_and_that_by_the_middle_of_an_edge(name, nearest):
-    scene = load_scene(DISCS)
-    place = mesh_of_body(scene, name, 0.1, 0.1).nodes[:, :2] - scene.bodies[name].geometry.centroid
-    rim = place[np.hypot(*place.T) > 0.199]
-    across = np.degrees(np.abs(np.arctan2(rim[:, 0] - rim[:, 1], np.abs(rim.sum(axis=1)))))
-    towards = rim.sum(axis=1) * (1.0 if name == "first" else -1.0) > 0.1
-    assert across[towards].min() == pytest.approx(nearest, abs=1e-5)
-
-
 def test_a_recorded_folder_of_nairn_gives_the_figures_of_its_run(nairn_folder):
     run = Nairn(normals="LOGR", shape="lCPDI").read(nairn_folder)
     series = run["series"].to_dataset()
@@ -719,18 +709,6 @@ def test_a_relative_path_is_that_of_the_folder_where_it_was_given(tmp_path, monk
     assert Calculix().find() == str(program)
     Calculix().run(Path("run"))
     assert (tmp_path / "run" / "seen").read_text().strip() == str(tmp_path / "run" / "scene")
-
-
-def test_names_of_codes_stand_for_plainest_and_best_settings(monkeypatch):
-    monkeypatch.setattr(Newton, "identify", lambda self: None)  # noqa: ARG005
-    labels = [
-        code.label for code in codes_of(["newton", "newton(step=0.01)", "newton(collider_basis=pic27)"])
-    ]
-    assert labels == ["Newton", "Newton(collider_basis=pic27)", "Newton(step=0.01)"]
-    with pytest.raises(SceneError, match="collider_basis"):
-        codes_of(["newton(collider_basis=none)"])
-    with pytest.raises(SceneError, match="did you mean 'newton'"):
-        codes_of(["newtn"])
 
 
 # -- processes

@@ -1,8 +1,6 @@
 """Comparisons: joining, failures, refusals, saving; and their table on data whose errors are known."""
 
-import itertools
 import json
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,8 +8,7 @@ import xarray as xr
 
 import mpmfw
 from mpmfw.api import ContactStrategy, hookimpl
-from mpmfw.campaigns import campaign
-from mpmfw.errors import Interrupted, SceneError
+from mpmfw.errors import SceneError
 from mpmfw.plots import figures_of
 from mpmfw.report import table
 from mpmfw.results.references import rings_table
@@ -125,29 +122,3 @@ def test_rings_measures_vanish_for_the_reference_itself():
     for name in ("impulse_curve_error", "energy_curve_error", "force_error_100us", "force_error_200us"):
         assert np.isnan(short[name])  # stopped before the end of what is compared
     assert short["impulse_error"] == pytest.approx(0.0, abs=1e-3)
-
-
-def test_a_comparison_that_is_interrupted_writes_all_runs_that_ended(tmp_path):
-    """The file holds the runs of its folder, though the last ended within the pause between two writings."""
-
-    def stop(event):
-        if event.done == 3:
-            raise KeyboardInterrupt
-
-    path = tmp_path / "all.nc"
-    with pytest.raises(Interrupted, match="keeps 3 finished runs"):
-        compare(["none", "separate"], ["linear", "gimp"], output=path, progress=stop)
-    with xr.open_dataset(path) as data:
-        assert int(data["steps"].notnull().sum()) == 3
-
-
-def test_runs_that_fail_do_not_join_all_runs_each_time(monkeypatch):
-    """A second passes at each look at the clock: the first takes one, and the next is due nine later. The
-    first run that is complete is written at once, for the first page of a report."""
-    joined, clock = [], itertools.count()
-    monkeypatch.setattr(campaign, "time", SimpleNamespace(perf_counter=lambda: next(clock)))
-    join = campaign.dataset_of
-    monkeypatch.setattr(campaign, "dataset_of", lambda runs, **how: joined.append(how) or join(runs, **how))
-    data = compare([Choosy(), "none"], ["gimp", "cpdi"])
-    assert [str(one)[:6] for one in data["status"].values.ravel()] == ["failed", "failed", "ok", "ok"]
-    assert joined == [{"fields": False}, {"fields": False}, {}]

@@ -14,7 +14,6 @@ from contact_kernels import PLANE, empty_candidates, flat, join, star, turned
 from contact_scenes import CELL, impact, wave_speed
 from interpreted import interpreted
 from mpmfw.contact import nodes, strategy
-from mpmfw.contact.events import FEWEST_STEPS
 from mpmfw.contact.surfaces import outline, seams, search
 from mpmfw.contact.surfaces.assembly import equally_close
 from mpmfw.contact.surfaces.outline import distance_to, opposes
@@ -231,7 +230,7 @@ def test_with_another_value_it_fails(name, other, measure, holds):
 
 
 def test_blocks_of_facets_spare_comparisons_and_change_no_gap():
-    loops = join([star(np.random.default_rng(2), (-0.93, 0.1), 1.0), block(-0.1, -0.5, 0.9, 0.5)])
+    loops = join([star(np.random.default_rng(2), (-0.93, 0.1), 1.0), block(-0.1, -0.5, 0.9, 0.5, H)])
     first = loops.body_first
     ends = (first[0], first[1], first[1], first[2], loops.outline, PLANE)
     gaps = {interpreted(minimum_gap, BLOCK=size)(*ends) for size in (1, 3, BLOCK, 100)}
@@ -250,25 +249,3 @@ def test_a_node_that_passes_the_middle_of_a_thin_body_in_a_step_is_seen():
         return search_for(H, loops.outline, lists.near, found, np.zeros(3), PLANE)
 
     assert seen(THIN) - seen(0.5) >= (loops.position[loops.body == 1, 1] == -0.02 * H).sum()
-
-
-def free_impact(step, phase):
-    """Steps that a contact of unit mass and stiffness lasts, and the share of its energy that it gains."""
-    gap, speed, steps = step * phase, -1.0, 0
-    while gap < 0.0 or steps == 0:
-        if gap < 0.0:
-            speed, steps = speed - step * gap, steps + 1
-        gap += step * speed
-    return steps, speed**2 - 1.0
-
-
-def test_contacts_of_fewer_steps_gain_more_than_those_that_are_let_be():
-    """At every step's length the fewest steps of all phases, and what the worst gains."""
-    gains = {}
-    for step in np.linspace(0.2, 1.4, 121):
-        impacts = [free_impact(step, phase) for phase in np.linspace(0.0, 1.0, 100, endpoint=False)]
-        fewest = min(steps for steps, _ in impacts)
-        gains[fewest] = max(gains.get(fewest, 0.0), max(gain for _, gain in impacts))
-    assert gains[FEWEST_STEPS - 1] > 0.5
-    assert gains[FEWEST_STEPS] < 0.25
-    assert gains[FEWEST_STEPS + 1] > 0.1  # a larger limit would warn of a third of that

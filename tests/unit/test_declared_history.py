@@ -40,46 +40,6 @@ def through_a_file(thing, other, path):
 
 
 @pytest.mark.parametrize(
-    ("value", "built"),
-    [
-        (-7, 0),
-        (float("inf"), 1.0),
-        (None, None),
-        (3.5, None),
-        ({"a": 1.0, "b": -2.0}, {"a": 0.0}),
-        ({"steps": 95, "time": 0.5}, {}),
-    ],
-)
-def test_values_come_back(tmp_path, value, built):
-    back = through_a_file(Thing(value), Thing(built), tmp_path / "file")
-    assert (type(back.kept), back.kept) == (type(value), value)
-    assert back.seen == value  # all values are there when it is called
-
-
-@pytest.mark.parametrize("dtype", ["f8", "i4", "?"])
-def test_arrays_come_back_to_the_bit_where_they_were(tmp_path, dtype):
-    array = np.array([[3, 0, 1], [1, 2, 7]]).astype(dtype)
-    if array.dtype.kind == "f":
-        array[0] = np.nan, -0.0, np.inf
-    room = np.zeros_like(array)
-    back = through_a_file(Thing(array.T), Thing(room.T), tmp_path / "file")
-    assert room.tobytes() == array.tobytes()
-    assert back.kept.base is room
-
-
-def test_what_is_empty_may_have_any_length(tmp_path):
-    back = through_a_file(Thing(np.eye(3)), Thing(np.zeros((0, 3))), tmp_path / "file")
-    np.testing.assert_array_equal(back.kept, np.eye(3))
-    assert back.kept.flags.writeable
-    back = through_a_file(
-        Thing({"a": np.ones(2), "b/c": np.zeros((1, 2))}),
-        Thing({"a": np.ones(0), "b/c": np.zeros((0, 2))}),
-        tmp_path / "file",
-    )
-    assert {name: array.shape for name, array in back.kept.items()} == {"a": (2,), "b/c": (1, 2)}
-
-
-@pytest.mark.parametrize(
     ("saved", "built"),
     [
         (1.0, 1), (1, 1.0), (True, 1), (None, 1.0), ({"a": 1.0}, {"b": 1.0}), (np.zeros(2), None),

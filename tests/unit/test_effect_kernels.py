@@ -1,32 +1,16 @@
 """Kernels of the effects and of CPDI2 against plain NumPy, written from their formulas."""
 
-import math
-
 import numpy as np
 import numpy_twins as twin
 import pytest
 
 from mpmfw.api import Stencil
-from mpmfw.effects.side_rows import TABULATED, SideTable, basis_at_places, meet, tabulate
+from mpmfw.effects.side_rows import SideTable, meet
 from mpmfw_shape.cpdi2 import fill_cpdi2, move_corners
 from support import as_grid
 
 RNG = np.random.default_rng(7)
 NODES, POINTS = 40, 25
-
-
-@pytest.mark.parametrize("degree", [1, 2, 3])
-def test_weights_at_a_side_read_a_linear_velocity(degree):
-    """Σ c = 1 and Σ c d = 0 wherever the nodes lie, of an oblique side and of one along the grid."""
-    _, values = tabulate(np.array([0.5, math.sqrt(0.75)]), 1, degree, 1)
-    places = (np.arange(len(values)) - len(values) // 2) / TABULATED
-    x = np.arange(-9, 10) - 0.37
-    along = np.empty_like(x)
-    basis_at_places(x, degree, 1, along)
-    for weights in (np.interp(x, places, values), along):
-        assert weights.sum() == pytest.approx(1.0)
-        assert weights @ x == pytest.approx(0.0, abs=1e-12)
-    assert tabulate(np.array([0.0, 1.0]), 1, degree, 1)[1].size == 0
 
 
 @pytest.mark.parametrize("dim", [2, 3])

@@ -1,6 +1,5 @@
 """Plug-ins that fail or misbehave are named with place and step; what was written stays."""
 
-import json
 import sys
 import textwrap
 
@@ -9,7 +8,6 @@ import pytest
 
 import mpmfw
 from mpmfw.errors import MpmfwError, PluginError, ResultsWarning, SceneError
-from mpmfw.results.reading import read
 from mpmfw_material.neo_hookean import NeoHookean
 from scenes_for_tests import two_blocks
 
@@ -165,15 +163,3 @@ def test_a_folder_that_is_changed_loses_no_file(law, tmp_path):
     with pytest.warns(ResultsWarning, match="suspect"):  # nothing keeps its bodies apart
         assert run(output="run.nc").attrs["status"].startswith("suspect: left-right: penetration")
     assert mpmfw.open(tmp_path / "run.nc")["series"].sizes["time"] == 3
-
-
-def test_a_run_that_fails_keeps_its_outputs_and_its_other_concerns(law, tmp_path):
-    law(
-        "@hookimpl\ndef end_step(self, state): state.time > 0.06 and {}['k']\n"
-        "@hookimpl\ndef concerns(self): return ['beware']"
-    )
-    with pytest.raises(PluginError):
-        run(output=tmp_path / "run.nc")
-    tree = read(tmp_path / "run.nc")
-    assert json.loads(tree.attrs["warnings"]) == ["beware"]
-    assert tree["series"].sizes["time"] == 2  # those that waited to be written

@@ -1,6 +1,5 @@
 """The disk cache of kernels: hits and misses, damage, several processes, and folders that are not used."""
 
-import gc
 import json
 import os
 import subprocess
@@ -9,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numba.core import event
 
 from mpmfw.kernels import _jit, kernel
 
@@ -169,20 +167,3 @@ def test_a_folder_of_others_or_that_they_may_write_to_is_not_used(tmp_path, monk
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "new"))
     kernel(double)
     assert (tmp_path / "new").stat().st_mode & 0o777 == 0o700
-
-
-def test_no_garbage_is_collected_while_a_kernel_compiles(tmp_path, monkeypatch):
-    class Look(event.Listener):
-        def on_start(self, event):  # noqa: ARG002
-            collecting.append(gc.isenabled())
-
-        def on_end(self, event):
-            """Collection is back when the call returns."""
-
-    collecting = []
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    half = kernel(lambda x: 0.5 * x)
-    with event.install_listener("numba:compile", Look()):
-        assert half(1.0) == 0.5
-    assert collecting == [False]
-    assert gc.isenabled()

@@ -7,7 +7,7 @@ import numpy_twins as twin
 import pytest
 
 from mpmfw.api import Stencil
-from mpmfw.kernels import arithmetic, kernel, particle_grid, struct
+from mpmfw.kernels import kernel, particle_grid, struct
 from mpmfw.kernels.stencil import WIDEST, fill_tensor_product
 from mpmfw.step.transfer import make_transfer
 from support import as_grid, as_points
@@ -59,25 +59,6 @@ def problem(request):
     )
 
 
-@pytest.mark.parametrize("thick", [False, True])
-@pytest.mark.parametrize("with_affine", [False, True])
-def test_internal_force(problem, thick, with_affine):
-    """Alone, and in one pass with the projection, which is the same to the bit."""
-    x, t, p, g = problem, problem.table, problem.points, problem.grid
-    thickness = np.linspace(1.0, 2.0, N_POINTS) if thick else None
-    affine = x.affine if with_affine else None
-    g.mass = np.ones(N_NODES)
-    particle_grid.add_internal_force(p, thickness, t, g, x.spacing)
-    volume = p.volume * thickness if thick else p.volume
-    close(g.force, 1.0 + twin.internal_force(t, volume, p.stress, N_NODES))
-    particle_grid.project(p, p.position, affine, t, g, g.mass, x.spacing)
-    apart = [array.copy() for array in (g.mass, g.momentum, g.force)]
-    g.mass, g.momentum, g.force = (np.ones_like(array) for array in apart)
-    particle_grid.project_with_force(p, affine, thickness, t, g, x.spacing)
-    for array, alone in zip((g.mass, g.momentum, g.force), apart, strict=True):
-        np.testing.assert_array_equal(array, alone)
-
-
 def test_affine_from_moment(problem):
     x, t, p, g = problem, problem.table, problem.points, problem.grid
     affine = np.zeros_like(x.affine)
@@ -120,36 +101,6 @@ def test_a_singular_spread_takes_the_gradient_and_pic_fraction_blends():
     assert make_transfer("aflip", singular_spread=False).affine == "least_squares"
     assert make_transfer("aflip", singular_spread=False, spread=0.5).inverse_spread == 2.0
     assert make_transfer("flip", singular_spread=False, pic_fraction=0.25).flip == 0.75
-
-
-@kernel
-def in_one_operation(a, b, factor, at, product, quotient, hats, matrices, spacing):
-    """What acts on a whole matrix or on all corners."""
-    arithmetic.copy_matrix(matrices, 1, matrices, 2, spacing)
-    arithmetic.add_outer_product(product, a, 2, b, 1, spacing)
-    arithmetic.divide(quotient, a[0, 0], spacing)
-    for d in range(len(spacing)):
-        arithmetic.multiply_by_hats(hats[d], factor, at, d, 3, spacing)
-
-
-@pytest.mark.parametrize("dim", [2, 3])
-def test_what_acts_in_one_operation_is_rounded_as_number_by_number(dim):
-    """Of a sum of products each product may be added without being rounded first."""
-    rng, corners = np.random.default_rng(dim), 2**dim
-    a, b, factor = rng.normal(size=(4, dim)), rng.normal(size=(4, dim)), rng.normal(size=8)
-    product, quotient = rng.normal(size=(2, dim, dim))
-    at = 3.0 + rng.normal(size=(dim, 8))
-    at[0, 0] = np.nan
-    wanted, divided = product + np.outer(a[2], b[1]), quotient / a[0, 0]
-    hats, expected = np.full((dim, 8), -1.0), np.full((dim, 8), -1.0)
-    expected[:, :corners] = (factor * np.maximum(1.0 - np.abs(at - 3.0), 0.0))[:, :corners]
-    matrices = rng.normal(size=(4, dim, dim))
-    copied = matrices[[0, 2, 2, 3]]
-    in_one_operation(a, b, factor, at, product, quotient, hats, matrices, (0.5,) * dim)
-    np.testing.assert_allclose(product, wanted, rtol=0.0, atol=2.0**-52 * np.abs(wanted).max())
-    np.testing.assert_array_equal(matrices, copied)
-    np.testing.assert_array_equal(quotient, divided)
-    np.testing.assert_array_equal(hats, expected)
 
 
 @kernel

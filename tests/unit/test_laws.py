@@ -8,17 +8,12 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from contact_scenes import CELL, impact, rectangle, scene, slider
+from contact_scenes import CELL, impact, rectangle, scene
 from mpmfw.contact.rows import ContactRows
-from mpmfw.contact.springs import SpringArrays, SpringLaw
-from mpmfw.contact.surfaces import Surfaces
 from mpmfw.errors import SceneError
-from mpmfw.kernels import kernel
-from mpmfw.kernels.contact import Records, Rows
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
 from mpmfw_contact.adhesion import energy_of, normal_force, reach_of
-from mpmfw_contact.hamad2017 import Hamad2017Law
 from mpmfw_contact.hybrid import HybridContact
 from mpmfw_contact.penalty import Penalty, PenaltyLaw
 from mpmfw_contact.points import PointSpheres
@@ -141,49 +136,6 @@ def test_friction_is_within_the_cone_of_the_bounded_impulse() -> None:
     bounded = MODULUS * AREA * 0.01 * 0.1
     found = impulse(gap=-0.01, approach=0.5, dt=0.1, slip=2.0, friction=0.3)
     np.testing.assert_allclose(found, [-bounded, -0.3 * bounded], rtol=1e-13)
-
-
-@kernel
-def press(rows: Rows, count: int, own: SpringArrays, ratio: float, records: Records) -> None:
-    """N = −k g of every row that overlaps."""
-    for c in range(count):
-        k, gap = own.k[c], rows.gap[c]
-        if gap < 0.0:
-            own.normal[c], own.k_t[c] = -k * gap, ratio * k
-            records.energy[rows.pair[c]] += 0.5 * k * gap * gap
-
-
-class Linear(SpringLaw):
-    """Linear springs."""
-
-    name = "linear_springs"
-    Detection = Surfaces
-
-    def normal_forces(self, rows, old, records):  # noqa: ARG002
-        """Write N."""
-        press(rows, rows.count, rows.own, self.options.tangential_ratio, records)
-
-
-class ByHamad(Hamad2017Law):
-    """The bundled linear springs between the same surfaces."""
-
-    name = "by_hamad"
-    Detection = Surfaces
-
-
-def test_a_law_of_springs_is_its_normal_force() -> None:
-    """Friction of the stage is that of the bundled law, to the bit."""
-    positions, works = [], []
-    for contact in (Linear(), ByHamad()):
-        simulation = Simulation(slider(), contact=contact)
-        simulation.start()
-        for _ in range(40):
-            simulation.step()
-        positions.append(simulation.state.particles.position.copy())
-        works.append(simulation.contact.records.frictional_work.copy())
-    np.testing.assert_array_equal(*positions)
-    np.testing.assert_array_equal(*works)
-    assert works[0].max() > 0.0
 
 
 K, PULL = 50.0, 2.0  # the spring comes to the pull at 0.04

@@ -3,16 +3,12 @@
 import errno
 import os
 from pathlib import Path
-from types import SimpleNamespace
 
-import numpy as np
 import pytest
-import xarray as xr
 
 import mpmfw
 from command_line import called
-from mpmfw.errors import MpmfwError, SceneError
-from mpmfw.results.replacing import replace_dataset
+from mpmfw.errors import SceneError
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene.toml_text import toml_text
 from scenes_for_tests import one_body, two_blocks
@@ -91,21 +87,6 @@ def test_a_checkpoint_without_its_results_is_not_dropped_unasked(folder):
 
 
 @pytest.mark.parametrize(
-    ("target", "option"),
-    [("out/validation.csv", ("-o", "out")), ("page.md", ("-o", "out", "--document", "page.md"))],
-)
-def test_a_validation_takes_the_place_of_no_other_file(folder, target, option):
-    (folder / target).parent.mkdir(exist_ok=True)
-    (folder / target).write_text(MINE)
-    output = said("validate", "sliding-block", "--quick", *option, status=2)
-    assert f"{target}: exists already; give another name" in output
-    assert (folder / target).read_text() == MINE
-    assert "is a file; give the name of a folder" in said(
-        "validate", "sliding-block", "-o", "s.toml", status=2
-    )
-
-
-@pytest.mark.parametrize(
     ("command", "target"),
     [
         (("compare", "s.toml", "-o", "c.nc"), "c.nc"),
@@ -124,16 +105,6 @@ def test_a_full_disk_is_one_message_and_leaves_nothing(folder, monkeypatch, comm
     output = said(*command, status=1)
     assert f"{target}': No space left on device" in output.splitlines()[-1]
     assert not list(folder.rglob(".*")) + list(folder.rglob(target))
-
-
-def test_a_dataset_that_finds_no_room_leaves_the_old_one(tmp_path, monkeypatch):
-    path = tmp_path / "c.nc"
-    replace_dataset(xr.Dataset({"a": 1.0}), path)
-    monkeypatch.setattr("shutil.disk_usage", lambda _: SimpleNamespace(free=100_000))
-    with pytest.raises(MpmfwError, match=r"cannot write '.*c\.nc': No space left on device"):
-        replace_dataset(xr.Dataset({"a": ("x", np.zeros(20_000))}), path)
-    assert [one.name for one in tmp_path.iterdir()] == ["c.nc"]
-    assert xr.open_dataset(path)["a"] == 1.0
 
 
 def test_an_empty_folder_beside_results_lets_nothing_be_replaced(folder):

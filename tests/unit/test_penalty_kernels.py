@@ -8,10 +8,8 @@ import pytest
 import shapely
 
 from contact_kernels import PLANE, Law, empty_candidates, find, flat, forces, join, rows_of, star
-from mpmfw.contact.surfaces.layer import gather_layer
 from mpmfw.kernels.contact import couplings
 from mpmfw.kernels.surfaces import minimum_gap
-from support import as_table
 
 H = 0.25
 
@@ -184,17 +182,6 @@ def test_a_candidate_ahead_of_a_segment_s_end_has_finite_rows():
     assert rows.count == 1
     for array in (rows.motion, rows.couple, rows.places.turn):
         assert np.isfinite(array).all()
-
-
-def test_the_velocity_of_the_interface_is_gathered_by_the_table():
-    rng = np.random.default_rng(3)
-    t = twin.random_table(rng, 17, 30)
-    matrix, of_surface = twin.matrix_of(*t, 30), as_table(*t)
-    velocity, mapped, start = (rng.normal(size=(n, 2)) for n in (17, 30, 30))
-    gathered = velocity.copy()
-    gather_layer(of_surface, mapped, start, gathered, 0.75)
-    flip, pic = velocity + matrix @ (mapped - start), matrix @ mapped
-    np.testing.assert_allclose(gathered, 0.75 * flip + 0.25 * pic, rtol=1e-12)
 
 
 @pytest.mark.parametrize("name", ["stars 0.93", "disc on flat 0.0", "three stars"])

@@ -10,7 +10,7 @@ from PIL import Image, ImageSequence
 import mpmfw
 from command_line import called
 from drop_for_tests import drop, drop_scene
-from mpmfw.errors import MpmfwError, SceneError
+from mpmfw.errors import SceneError
 from mpmfw.geometry.solids import sphere_surface
 from mpmfw.plots.animation import movie as movie_of
 from mpmfw.plots.plane_cut import cut_lines
@@ -228,16 +228,6 @@ def test_the_last_output_is_always_among_the_chosen(a):
 def test_mp4(a, tmp_path):
     path = mpmfw.animate(a, tmp_path / "drop.mp4", every=2)
     assert path.read_bytes()[4:8] == b"ftyp"
-
-
-def test_an_unfinished_picture_leaves_no_file(a, tmp_path):
-    def stop(done, _):
-        if done == 2:
-            raise OSError("disk full")
-
-    with pytest.raises(MpmfwError, match="cannot write"):
-        mpmfw.animate(a, tmp_path / "drop.gif", progress=stop)
-    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.fixture(scope="module")

@@ -7,14 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray as xr
 from pydantic import BaseModel
 
 import mpmfw
 from command_line import called
 from mpmfw.api import Boundary
 from mpmfw.errors import SceneError
-from mpmfw.plots import figures_of, write_figure
+from mpmfw.plots import write_figure
 from mpmfw.plots.records import dots
 from mpmfw.report.records import Record, _given, _problem, dots_of, ranked, read_records, write_records
 from mpmfw.scene import load_scene
@@ -52,14 +51,6 @@ def test_every_row_has_a_record_of_its_own(dataset, folder):
     assert "displacement_error" not in one.figures  # it did not reach 10 m
     write_records(dataset, folder)
     assert len(list(folder.iterdir())) == 2
-
-
-def test_outlines_of_every_method_are_drawn(dataset):
-    one = dataset.isel(safety=[0])
-    both = xr.concat([one, one.assign_coords(shape=["gimp"])], "shape", data_vars="minimal")
-    both["status"] = one["status"].isel(shape=0, drop=True).expand_dims(shape=2, axis=1)
-    titles = [axes.get_title(loc="left") for axes in figures_of(both)["positions"][0].axes]
-    assert [title.split(",")[1].strip() for title in titles] == ["linear", "gimp"]
 
 
 def test_other_settings_have_a_record_of_their_own(dataset, folder):
@@ -138,13 +129,6 @@ def test_keys_of_later_versions_that_are_off_leave_the_problem():
     later = {**tables, "b": {**tables["b"], "new": None, "switch": False}, "table": {"inner": {}}, "list": []}
     assert _given(later) == tables
     assert _given({**later, "b": {**later["b"], "switch": True}}) != tables
-
-
-def test_an_option_of_a_material_counts_unless_it_has_its_default():
-    energy = {
-        name: _problem(load_scene(SLIP, set={"materials.soft.energy": name}), {}) for name in ("split", "log")
-    }
-    assert energy["split"] == _problem(load_scene(SLIP), {}) != energy["log"]
 
 
 def test_the_problem_is_the_same_for_all_methods_and_cells():

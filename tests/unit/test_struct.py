@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from mpmfw.kernels import Floats, Ints, Struct, device, kernel
-from mpmfw.step import team
 
 
 class Points(Struct):
@@ -53,19 +52,6 @@ def check(points):
     assert total == pytest.approx(points.gap @ points.place)
 
 
-def test_a_kernel_reads_and_writes_the_members():
-    check(points_of(5))
-    check(points_of(0))
-
-
-def test_arrays_that_take_others_places_are_seen():
-    points = points_of(5)
-    points.set(**points_of(70).members())
-    check(points)
-    points.gap = np.zeros(70)
-    check(points)
-
-
 def test_a_copy_has_arrays_of_its_own():
     points = points_of(4, Named)
     points.label = "a"
@@ -74,19 +60,3 @@ def test_a_copy_has_arrays_of_its_own():
         check(other)
         np.testing.assert_array_equal(points.gap, before)
         assert (other.label, other.member_names) == ("a", ("place", "gap", "normal"))
-
-
-@kernel
-def write_number(numbers, t):
-    """Write t + 1 as thread t does."""
-    team.write(numbers, t, t + 1)
-
-
-def test_numbers_that_different_threads_write_share_no_line_of_the_cache():
-    """Nearer ones would take the line from each other at every look."""
-    numbers = np.zeros(8 * team.APART, dtype=np.int64)
-    for t in range(4):
-        write_number(numbers, t)
-    (places,) = np.nonzero(numbers)
-    assert set(np.diff(places) * numbers.itemsize) == {64}
-    assert [team.wait(numbers, t, t + 1, 1) for t in range(4)] == [True] * 4

@@ -50,28 +50,6 @@ def test_surfaces_have_the_mirror_planes_of_the_body(name):
         np.testing.assert_allclose(tributary[apart.argmin(axis=0)], tributary, rtol=1e-8)
 
 
-def moments_of(volume, position, half_edges):
-    """Volume, centroid, and inertia about it for a density of 1, of parallelepipeds."""
-    centre = volume @ position / volume.sum()
-    about = position - centre
-    second = np.einsum("n,ni,nj->ij", volume, about, about)
-    second += np.einsum("n,nia,nja->ij", volume, half_edges, half_edges) / 3.0
-    return volume.sum(), centre, np.trace(second) * np.eye(3) - second
-
-
-def test_inertia_of_a_ball_and_a_cylinder_are_the_closed_forms():
-    ball = Ball(centre=(0.3, -0.2, 1.0), radius=1.6)
-    layout = ball.lattice(0.2, (0.0, 0.0, 0.0))
-    _, _, inertia = moments_of(layout.volume, layout.position, layout.half_edges)
-    np.testing.assert_allclose(inertia / (0.4 * ball.exact_volume * 1.6**2), np.eye(3), atol=2e-4)
-    cylinder = Cylinder(centre=(0, 0, 0), radius=1.6, length=1.0)
-    layout = cylinder.lattice(0.2, (0.0, 0.0, 0.0))
-    _, _, inertia = moments_of(layout.volume, layout.position, layout.half_edges)
-    across = cylinder.exact_volume * (3 * 1.6**2 + 1.0**2) / 12
-    exact = np.diag([across, across, 0.5 * cylinder.exact_volume * 1.6**2])
-    np.testing.assert_allclose(inertia, exact, rtol=1e-3, atol=1e-9)
-
-
 def test_cells_are_cut_exactly():
     """The parts that a tetrahedron of edges 2 has in the eight cells at its corner, by hand."""
     corners = np.array([[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2]], dtype=float)

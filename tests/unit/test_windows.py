@@ -35,26 +35,6 @@ def test_the_grid_reaches_at_least_to_its_upper_end(length, cells):
     assert grid.nodes.tolist() == [cells + 1, 6]
 
 
-def test_nodes_of_two_windows_lie_one_after_the_other_and_agree_to_the_last_bit():
-    grid = laid([[0.1, 0.1]], [[0.4, 0.3]])
-    assert grid.offset.tolist() == [0, *np.cumsum(np.prod(grid.window_shape, axis=1))]
-    assert all(
-        len(array) == grid.offset[-1] for array in (grid.position, grid.mass, grid.momentum, grid.velocity)
-    )
-    nodes = []
-    for field in range(2):
-        own = grid.field_nodes(field)
-        index = np.stack(
-            np.meshgrid(*[np.arange(n) for n in grid.window_shape[field]], indexing="ij"), -1
-        ).reshape(-1, 2)
-        background = index + grid.window_lower[field]
-        np.testing.assert_allclose(grid.position[own], -2.0 + H * background)
-        nodes.append(dict(zip(map(tuple, background.tolist()), grid.position[own].tolist(), strict=True)))
-    shared = nodes[0].keys() & nodes[1].keys()
-    assert shared
-    assert all(nodes[0][key] == nodes[1][key] for key in shared)
-
-
 @pytest.mark.parametrize("far", [np.nan, np.inf, -np.inf, 1e300])
 def test_a_lost_point_does_not_break_the_laying(far):
     # The shape function's fill then reports the point, with its name.
