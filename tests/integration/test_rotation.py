@@ -159,13 +159,40 @@ class Linear:
         return float(np.sqrt(squares[0] / squares[1]))
 
 
-def linearised(scene):
-    """The scene's body at rest."""
+def projected(scene):
+    """A simulation of the scene's body at rest, with a correction of cells, and the table of its points."""
     sim = Simulation(with_changes(scene, bodies__solid__rotation="spin"))
     sim.start()
+    phi = sim.hook.interpolate(particles=sim.state.particles, grid=sim.state.grid)
+    project(sim.state.particles, phi, sim.state.grid)
+    return sim, phi
+
+
+def corrected(sim, momentum, held, edges=1.0):
+    """Nodal momenta after the correction, where boundary conditions leave ``held`` ones; of larger points."""
+    p, g, excess, common = sim.state.particles, sim.state.grid, np.zeros((3, 3)), np.zeros(len(momentum))
+    half_edges = edges * sim.manager.get_plugin("local_spin").half_edges
+    total = find_excess(0, p.count, p, half_edges, 0, len(g.mass), g, excess, g.spacing)
+    grid = struct(mass=g.mass, start_velocity=np.zeros_like(momentum), momentum=momentum.copy())
+    if total > 0.0:
+        ends = 0, len(g.mass), g.window_shape[0]
+        correct_spin(*ends, total, excess, grid, held, np.zeros_like(held), common, g.spacing)
+    return grid.momentum
+
+
+def test_what_is_held_turns_no_cell_and_more_inertia_than_the_nodes_have_adds_nothing():
+    sim, _ = projected(rectangle([-0.3, -0.2], [0.2, 0.3], "cpdi"))
+    mass = sim.state.grid.mass[:, None]
+    momentum = np.random.default_rng(5).normal(size=(len(mass), 2)) * mass
+    assert np.abs(corrected(sim, momentum, momentum) - momentum).max() > 1e-3 * mass.max()
+    np.testing.assert_array_equal(corrected(sim, momentum, 0.0 * momentum), momentum)
+    np.testing.assert_array_equal(corrected(sim, momentum, momentum, edges=100.0), momentum)
+
+
+def linearised(scene):
+    """The scene's body at rest."""
+    sim, phi = projected(scene)
     p, g = sim.state.particles, sim.state.grid
-    phi = sim.hook.interpolate(particles=p, grid=g)
-    project(p, phi, g)
     n, dim = len(g.mass), g.dim
     gradient = np.zeros((p.count, n, dim))
     np.add.at(gradient, (np.repeat(np.arange(p.count), np.diff(phi.row)), phi.nodes), phi.gradient)
@@ -177,17 +204,8 @@ def linearised(scene):
         + SHEAR * np.einsum("ij,de->idje", trace, np.eye(dim))
     )
     carried = np.repeat(g.mass > 1e-12 * g.mass.max(), dim)
-    rows, excess = [], np.zeros((3, 3))
-    edges = sim.manager.get_plugin("local_spin").half_edges
-    total = find_excess(0, p.count, p, edges, 0, n, g, excess, g.spacing)
-    assert total > 0.0
-    for k in range(n * dim):
-        momentum = (np.eye(1, n * dim, k).reshape(n, dim)) * g.mass[:, None]
-        corrected = momentum.copy()
-        grid = struct(mass=g.mass, start_velocity=np.zeros((n, dim)), momentum=corrected)
-        change, common = np.zeros((n, dim)), np.zeros(n)
-        correct_spin(0, n, g.window_shape[0], total, excess, grid, momentum, change, common, g.spacing)
-        rows.append((corrected - momentum).ravel())
+    units = (np.eye(1, n * dim, k).reshape(n, dim) * g.mass[:, None] for k in range(n * dim))
+    rows = [(corrected(sim, each, each) - each).ravel() for each in units]
     keep = np.ix_(carried, carried)
     operator = np.array(rows)[keep]
     np.testing.assert_allclose(operator, operator.T, atol=1e-12 * g.mass.max())
