@@ -103,21 +103,6 @@ def test_a_file_that_was_broken_off_says_so_at_a_glance(path):
     assert "run.nc was broken off: its run did not come to its end" in said.stderr
 
 
-def test_frames_are_readable_a_moment_after_they_were_written(path, monkeypatch):
-    """Files that a kill leaves, with a writer that is never closed."""
-    monkeypatch.setattr("mpmfw.results.writing.WRITTEN_EVERY", 0.0)
-    writer = RunWriter(path, HEADER)
-    for k in range(3):
-        writer.write(frame(k))
-    killed = path.with_name("killed.nc")
-    killed.write_bytes(path.read_bytes())
-    writer.close()
-    tree = read(killed)
-    assert tree.attrs["status"] == "running"
-    np.testing.assert_array_equal(tree["series/kinetic_energy"][:, 0], [0.0, 1.0, 2.0])
-    np.testing.assert_array_equal(tree["particles/a/position"][2], frame(2).particles["position"])
-
-
 def test_a_signal_takes_effect_after_what_must_be_whole():
     done = []
     with interruptible():

@@ -20,7 +20,6 @@ from mpmfw.runs.limits import cores
 from mpmfw.runs.run import resume
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
-from mpmfw.step.threads import ALONE, JUDGED, Threads
 from mpmfw_shape.linear import Linear
 from scenes_for_tests import ball_on_a_box, box, disc, one_body, two_blocks, with_changes
 
@@ -198,30 +197,6 @@ def test_campaigns_have_one_thread_and_comparisons_those_of_the_scene(begun):
 
 def workers():
     return {thread for thread in threading.enumerate() if thread.name == "mpmfw"}
-
-
-class Neighbours:
-    """Threads of which the first does all parts while others have the cores."""
-
-    worked = waited = 0.0
-    helped = calls = 0
-
-    def each(self, part):
-        self.calls += 1
-        return [part(0), part(1)]
-
-
-def test_threads_that_do_not_help_are_left_out_for_a_while_that_grows():
-    threads = Threads(2, rows_ascend=True)
-    assert threads.each(lambda t: t) == [0, 1]
-    threads._team, threads._shared = Neighbours(), 0
-    for _ in range(JUDGED + ALONE + JUDGED + 2 * ALONE):
-        assert threads.each(lambda t: t) == [0, 1]
-    assert threads._team.calls == 2 * JUDGED
-    threads._team.helped = JUDGED
-    for _ in range(JUDGED + 1):
-        threads.each(lambda t: t)
-    assert threads._team.calls == 3 * JUDGED + 1
 
 
 def test_threads_end_with_the_simulation():

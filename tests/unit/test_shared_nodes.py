@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import itertools
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from contact_kernels import no_records
+from contact_scenes import impact
+from faulty_plugins.contact.plain import PlainContact
 from mpmfw.contact import shared_nodes as shared
 from mpmfw.contact.rows import ContactRows
-from mpmfw.kernels.contact import add_records
-from mpmfw_contact.surface_impulse import SurfaceImpulse
-from support import as_points, as_table
+from mpmfw.runs.simulation import Simulation
+from scenes_for_tests import ball_on_a_box
 
 
 @pytest.fixture(params=[2, 3], ids=["2D", "3D"])
@@ -36,25 +35,6 @@ def fields(request):
         first=np.array([0, 0, 1]),
         second=np.array([1, 2, 2]),
     )
-
-
-def flat_node(f, body, index):
-    """Flat index of a background node in a body's window, None outside."""
-    local = np.array(index) - f.lower[body]
-    if (local < 0).any() or (local >= f.shape[body]).any():
-        return None
-    return int(f.offset[body] + np.ravel_multi_index(local, f.shape[body]))
-
-
-def expected_nodes(f):
-    """All (pair, node of a, node of b) with mass of both bodies."""
-    found = set()
-    for pair, (a, b) in enumerate(zip(f.first, f.second, strict=True)):
-        for index in itertools.product(range(10), repeat=f.dim):
-            i, j = flat_node(f, a, index), flat_node(f, b, index)
-            if i is not None and j is not None and f.mass[i] > 0.0 and f.mass[j] > 0.0:
-                found.add((pair, i, j))
-    return found
 
 
 def nodes_of(f, gradient=None, mean=None):
@@ -97,16 +77,6 @@ def write(f, first, second, given, gradient, mean, cut_off):
     return rows
 
 
-def test_shared_nodes_are_those_with_mass_of_both_bodies(fields):
-    c, count = find(fields)
-    listed = list(
-        zip(c.pair[:count].tolist(), c.first[:count].tolist(), c.second[:count].tolist(), strict=True)
-    )
-    assert len(set(listed)) == count
-    assert set(listed) == expected_nodes(fields)
-    assert count > 10
-
-
 @pytest.mark.parametrize("cut_off", [np.inf, 0.1])
 @pytest.mark.parametrize("kind", ["averaged", "master", "specified"])
 def test_normals_agree_with_numpy(fields, kind, cut_off):
@@ -144,92 +114,17 @@ def test_normals_agree_with_numpy(fields, kind, cut_off):
         np.testing.assert_allclose(rows.area[: rows.count], area[near], atol=1e-13)
 
 
-def correct(f, rows, friction):
-    """Run the law's kernels and the operators; records of the pairs."""
-    records = no_records(3)
-    records.impulse, records.count = np.zeros((3, f.dim)), np.ones(3)
-    grid = SimpleNamespace(mass=f.mass, momentum=f.momentum, spacing=f.spacing)
-    impulse = SurfaceImpulse()
-    rows.set(friction=friction[rows.pair])
-    impulse.impulses(rows, grid, records.frictional_work, projected=True)
-    rows.add_to(f.momentum, f.spacing)
-    add_records(rows, rows.count, 1.0, records, f.spacing)
-    return records
-
-
-def correction_twin(f, c, normals, friction):
-    """Momentum afterwards and the pairs' impulses and frictional work, node by node."""
-    momentum, impulse, work = f.momentum.copy(), np.zeros((3, f.dim)), np.zeros(3)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        velocity = f.momentum / f.mass[:, None]
-    contacts = [(p, i, j, n) for p, i, j, n in zip(c.pair, c.first, c.second, normals, strict=False)]
-    touching = [(p, i, j, n) for p, i, j, n in contacts if (velocity[i] - velocity[j]) @ n > 0.0]
-    sharers = np.zeros(len(f.mass))
-    for _, i, j, _ in touching:
-        sharers[[i, j]] += 1.0
-    for p, i, j, n in touching:
-        reduced = 1.0 / (sharers[i] / f.mass[i] + sharers[j] / f.mass[j])
-        relative = velocity[i] - velocity[j]
-        slip = relative - relative @ n * n
-        normal, tangential = reduced * relative @ n, reduced * np.linalg.norm(slip)
-        held = min(friction[p] * normal, tangential)
-        change = -normal * n - held * slip / np.linalg.norm(slip)
-        momentum[i] += change
-        momentum[j] -= change
-        impulse[p] += change
-        work[p] += held * np.linalg.norm(slip) - 0.5 * held**2 / reduced
-    return momentum, impulse, work, [sum(q == p for q, *_ in touching) for p in range(3)]
-
-
-def test_correction_agrees_with_numpy_and_keeps_momentum(fields):
-    f = fields
-    c, count = find(f)
-    none = np.zeros((0, f.dim))
-    rows = write(f, np.ones(3), np.ones(3), np.eye(f.dim)[0], none, none, np.inf)
-    assert rows.count == count
-    rows.normal[:] = f.rng.normal(size=rows.normal.shape)
-    rows.normal[:] /= np.linalg.norm(rows.normal, axis=1, keepdims=True)
-    friction = np.array([0.0, 0.3, 2.0])
-    before = f.momentum.copy()
-    momentum, impulse, work, touching = correction_twin(f, c, -rows.normal, friction)
-    records = correct(f, rows, friction)
-    np.testing.assert_allclose(f.momentum, momentum, rtol=1e-12, atol=1e-13)
-    np.testing.assert_allclose(records.impulse, impulse, rtol=1e-12, atol=1e-13)
-    np.testing.assert_allclose(records.frictional_work, work, rtol=1e-12, atol=1e-13)
-    np.testing.assert_array_equal(records.count, touching)
-    np.testing.assert_allclose(f.momentum.sum(axis=0), before.sum(axis=0), atol=1e-11)
-    assert (records.frictional_work >= 0.0).all()
-
-
-def test_projections_agree_with_numpy_at_shared_nodes_and_are_zero_elsewhere(fields):
-    f = fields
-    c, count = find(f)
-    n_nodes, dim = len(f.mass), f.dim
-    nodes = nodes_of(f, np.ones((n_nodes, dim)), np.ones((n_nodes, dim)))
-    shared.mark_nodes(count, c, nodes)
-    at_both = np.zeros(n_nodes, dtype=bool)
-    at_both[[index for pair in expected_nodes(f) for index in pair[1:]]] = True
-    assert 0 < at_both.sum() < n_nodes
-    np.testing.assert_array_equal(nodes.shared, at_both)
-    points, width = 4 * n_nodes, 5
-    row, index = width * np.arange(points + 1), f.rng.integers(0, n_nodes, width * points).astype(np.int32)
-    weight, gradient = f.rng.random(len(index)), f.rng.normal(size=(len(index), dim))
-    mass, volume, position = f.rng.random(points), f.rng.random(points), f.rng.normal(size=(points, dim))
-    of, expected, moments = (
-        np.repeat(np.arange(points), width),
-        np.zeros((n_nodes, dim)),
-        np.zeros((n_nodes, dim)),
-    )
-    table = as_table(row, index, weight, gradient)
-    of_points = as_points(mass=mass, volume=volume, position=position)
-    shared.project_volume_gradient(table, of_points, nodes, f.spacing)
-    np.add.at(expected, index, volume[of, None] * gradient)
-    np.testing.assert_allclose(nodes.gradient, np.where(at_both[:, None], expected, 0.0), atol=1e-13)
-    shared.project_position(table, of_points, nodes, f.spacing)
-    np.add.at(moments, index, (mass[of] * weight)[:, None] * position[of])
-    expected = moments[at_both] / f.mass[at_both, None]
-    np.testing.assert_allclose(nodes.mean[at_both], expected, rtol=1e-12, atol=1e-13)
-    assert (nodes.mean[~at_both] == 0.0).all()
+@pytest.mark.parametrize("scene", [impact(), ball_on_a_box()], ids=["2D", "3D"])
+def test_impulses_and_normals_are_those_of_the_law_in_numpy(scene):
+    """With friction, by the first momentum and the second, and as they are recorded."""
+    ends = []
+    for contact in ("bardenhagen", PlainContact()):
+        simulation, forces = Simulation(scene, contact=contact), []
+        simulation.advance(30, lambda frame, forces=forces: forces.append(frame.series["contact_force"][0]))
+        ends.append((simulation.state.particles.velocity, np.array(forces)))
+    for found, expected in zip(*ends, strict=True):
+        assert np.abs(expected).max() > 0.1
+        np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
 
 
 TILES = [[0.0, 0.33], [-0.33, -0.33], [0.33, -0.33]]  # a body on two that are flush

@@ -1,7 +1,6 @@
 """What comes of a check: outcomes, pictures, justified failures, and the same as pytest tests."""
 
 import runpy
-import subprocess
 import sys
 
 import pytest
@@ -139,26 +138,6 @@ def test_a_counterexample_is_saved_as_a_scene_and_a_program_that_runs_it(tmp_pat
     assert outcome.message.split("\n")[0] in scene.read_text(encoding="utf-8")
     runpy.run_path(str(program), run_name="__main__")
     assert capsys.readouterr().out.count(" s [[") >= 2  # the start, and a step
-
-
-def test_importing_the_kit_needs_neither_pytest_nor_hypothesis_nor_numba():
-    code = (
-        "import sys, mpmfw_testing\n"
-        "print([m for m in ('pytest', 'hypothesis', 'numba', 'matplotlib') if m in sys.modules])\n"
-        "sys.modules['hypothesis'] = None\n"
-        "from mpmfw_testing import ladder\n"
-        "try: ladder(0.0, 1.0, 2)\n"
-        "except Exception as error: print(type(error).__name__, error)\n"
-        "sys.modules['pytest'] = None\n"
-        "from mpmfw_testing import contact_conformance\n"
-        "try: contact_conformance('penalty')\n"
-        "except Exception as error: print(type(error).__name__, error)\n"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    lines = done.stdout.splitlines()
-    assert lines[0] == "[]"
-    assert all(line.startswith("SceneError") and "mpmfw[testing]" in line for line in lines[1:])
-    assert len(lines) == 3
 
 
 def test_the_command_finds_a_law_in_the_working_directory(tmp_path, monkeypatch):
