@@ -9,6 +9,7 @@ import pytest
 
 from contact_scenes import impact
 from faulty_plugins.contact.plain import PlainContact
+from measures_for_tests import detect
 from mpmfw.contact import shared_nodes as shared
 from mpmfw.contact.rows import ContactRows
 from mpmfw.runs.simulation import Simulation
@@ -125,6 +126,21 @@ def test_impulses_and_normals_are_those_of_the_law_in_numpy(scene):
     for found, expected in zip(*ends, strict=True):
         assert np.abs(expected).max() > 0.1
         np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
+
+
+def test_gaps_are_those_of_the_mean_positions_but_for_the_cut_off():
+    simulation = Simulation(impact(gap=0.003), contact="bardenhagen(criterion=position)")
+    simulation.start()
+    detect(simulation)
+    p, grid, rows = simulation.state.particles, simulation.state.grid, simulation.contact.rows
+    phi, mean = simulation.shape.table, np.zeros_like(grid.position)
+    owner = np.repeat(np.arange(p.count), np.diff(phi.row))
+    np.add.at(mean, phi.nodes, (phi.weight * p.mass[owner])[:, None] * p.position[owner])
+    mean /= np.maximum(grid.mass, 1e-300)[:, None]
+    i, j = rows.dof[: 2 * rows.count].reshape(-1, 2).T
+    apart = ((mean[i] - mean[j]) * rows.normal[: rows.count]).sum(axis=1)
+    assert np.ptp(apart) > 1e-3
+    assert np.ptp(rows.gap[: rows.count] - apart) < 1e-12
 
 
 TILES = [[0.0, 0.33], [-0.33, -0.33], [0.33, -0.33]]  # a body on two that are flush
