@@ -34,7 +34,7 @@ def plugins() -> None:
     A plug-in that cannot be used is BROKEN, with the reason.
     """
     from mpmfw.campaigns.measures import MEASURES
-    from mpmfw.plugin.discovery import KINDS, available, distribution_of, load, unknown_groups
+    from mpmfw.plugin.discovery import KINDS, available, distribution_of, load
 
     rows = []
     for kind in KINDS:
@@ -50,8 +50,6 @@ def plugins() -> None:
         about = first_sentence(measure.__doc__)
         rows.append({"name": name, "kind": "measure", "source": "mpmfw", "about": about})
     print_table(rows, labels=("name",), words=("kind", "source", "about"))
-    for line in unknown_groups():
-        typer.echo(line)
 
 
 def first_sentence(text: str | None) -> str:

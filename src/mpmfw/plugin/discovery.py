@@ -100,18 +100,6 @@ def only_bundled(kind: Kind, name: str) -> bool:
     return [distribution_of(entry) for entry in entries] == ["mpmfw"]
 
 
-def unknown_groups() -> list[str]:
-    """Return a line for each group of entry points ``mpmfw.…`` that does not exist."""
-    known, found = [f"mpmfw.{kind}" for kind in KINDS], []
-    for group in sorted(entry_points().groups):
-        if group.startswith("mpmfw.") and group not in known:
-            names = ", ".join(f"{each.name} of {distribution_of(each)}" for each in entry_points(group=group))
-            found.append(
-                f"{group}: no such group, so that nothing finds {names}; {did_you_mean(group, known)}"
-            )
-    return found
-
-
 def choices(kind: Kind) -> Available:
     """Return the plug-ins of a kind, and contacts ``DETECTION+LAW``."""
     found = available(kind)
