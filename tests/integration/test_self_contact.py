@@ -56,11 +56,16 @@ def halves(folder, *, joined, gap=2.5, method="penalty", shape="cpdi"):
     return made
 
 
-def boxes(folder, *, joined):
-    """Two boxes in space, one held and one driven down by three cells; ``joined`` they are one body."""
+#: Ends of boxes [half-cells] that face each other widely, and in one cell at a corner.
+WIDE = [[0, 1, 1], [7, 6, 9]], [[1, 11, 2], [6, 17, 8]]
+NARROW = [[0, 1, 0], [8, 9, 8]], [[6, 11, 6], [14, 19, 14]]
+
+
+def boxes(folder, ends, *, joined):
+    """Two boxes in space, one held and one driven down; ``joined`` they are one body."""
     trimesh, h = pytest.importorskip("trimesh"), 0.5 * CELL
-    low, high = (trimesh.creation.box(bounds=np.multiply(h, ends)) for ends in
-                 ([[0, 1, 1], [7, 6, 9]], [[1, 11, 2], [6, 17, 8]]))  # fmt: skip
+    low, high = (trimesh.creation.box(bounds=np.multiply(h, each)) for each in ends)
+    down = (ends[1][0][1] - ends[0][1][1] + (1 if ends is WIDE else 3)) * h
 
     def body(name, mesh, *sides, **keys):
         mesh.export(folder / f"{name}.obj", digits=17)
@@ -75,14 +80,14 @@ def boxes(folder, *, joined):
         }
 
     held = {"side": "bottom", "fixed": True}
-    driven = {"side": "top", "velocity": [0.0, -3.0 * CELL / END, 0.0]}
+    driven = {"side": "top", "velocity": [0.0, -down / END, 0.0]}
     bodies = {"low": body("low", low, held), "high": body("high", high, driven)}
     if joined:
         both = trimesh.util.concatenate([low, high])
         bodies = {"all": body("all", both, held, driven, self_contact=True)}
     made = scene(bodies, friction=0.3, shape={"method": "cpdi"})
     made["contact"]["method"] = "penalty"
-    made["grid"].update(lower=[-0.6, -0.6, -0.6], upper=[1.0, 2.1, 1.0])
+    made["grid"].update(lower=[-0.6, -0.6, -0.6], upper=[1.4, 2.1, 1.4])
     made["time"].update(end=END, output_interval=END / 20)
     return made
 
@@ -139,16 +144,18 @@ def test_two_halves_of_one_body_are_two_bodies(tmp_path, method, shape, rtol):
     assert (one["contact_count"].values[two["min_gap"].values > 0.5 * CELL] == 0.0).all()
 
 
-def test_in_space_too(tmp_path):
+@pytest.mark.parametrize("ends", [WIDE, NARROW], ids=["wide", "narrow"])
+def test_in_space_too(tmp_path, ends):
     """Facets have another order, which decides between equally near ones."""
-    one, two = of_runs(*(boxes(tmp_path, joined=joined) for joined in (True, False)))
+    one, two = of_runs(*(boxes(tmp_path, ends, joined=joined) for joined in (True, False)))
     force, expected = (each["contact_force"].values[:, 0, 1] for each in (one, two))
     assert expected.min() < -200.0  # on the lower part
     assert np.allclose(force, expected, rtol=0.0, atol=1e-3 * np.abs(expected).max())
     strain, expected = (each["strain_energy"].values.sum(axis=1) for each in (one, two))
     free = two["contact_count"].values[:, 0] == 0.0
     assert np.allclose(strain[free], expected[free], rtol=1e-11, atol=0.0)
-    assert np.allclose(strain, expected, rtol=0.0, atol=1e-5 * expected.max())
+    assert np.allclose(strain, expected, rtol=0.0, atol=1e-4 * expected.max())
+    assert np.allclose(one["min_gap"], two["min_gap"], rtol=0.0, atol=0.01 * CELL)
 
 
 def test_about_an_axis_too(tmp_path):
@@ -223,7 +230,7 @@ def test_a_slit_closes_under_pressure(first):
     assert abs(own["min_gap"].values[-1]) < 0.1 * h
     force = own["contact_force"].values[-1, 1]
     assert force < -100.0  # on the lower part
-    assert force == pytest.approx(-10197.89, rel=1e-4)
+    assert force == pytest.approx(-10226.32, rel=1e-4)
 
 
 @pytest.mark.parametrize("threads", [1, 3])

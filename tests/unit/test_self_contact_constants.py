@@ -7,13 +7,13 @@ import pytest
 
 from contact_scenes import CELL
 from interpreted import interpreted
-from mpmfw.contact.surfaces import self_contact
+from mpmfw.contact.surfaces import one_part, self_contact
 from mpmfw.runs.simulation import Simulation
 from mpmfw.step.schemes import interpolate
 from scenes_for_tests import SOFT, one_body, with_changes
 
 #: Constants that compiled functions read, and those functions.
-COMPILED = {"FACING": "mark_nodes", "OVERLAP": "mark_nodes", "DECISIVE": "divide", "DEEPEST": "least_gap"}
+COMPILED = {"FACING": "mark_nodes", "OVERLAP": "mark_nodes", "DEEPEST": "least_gap"}
 
 
 def simulation(points, **constants):
@@ -22,7 +22,7 @@ def simulation(points, **constants):
     made = with_changes(made, grid__cell_size=CELL, contact={"method": "penalty"}, shape__method="cpdi")
     made["materials"] = {"soft": SOFT}
     made["bodies"]["solid"]["self_contact"] = True
-    with mock.patch.dict(vars(self_contact), constants):
+    with mock.patch.dict(vars(self_contact), constants), mock.patch.dict(vars(one_part), constants):
         return Simulation(made)
 
 
@@ -69,7 +69,7 @@ def shared(*given, **constants):
         ((0.3,), "NEARLY", -1.01),
         ((-0.3,), "OVERLAP", 0.1),
         ((-0.2, 0.0, 3.8), "BEYOND", 0.0),
-        ((0.1, 1.5, 0.3), "DECISIVE", 3.0),
+        ((0.1, 1.5, 0.3), "ROOT", 0.1),
     ],
 )
 def test_no_node_is_shared(given, name, other):
@@ -91,19 +91,18 @@ def test_ROOT():
     assert ahead_of_the_root(ROOT=1.0) > 0
 
 
-@pytest.mark.parametrize(("name", "other", "sign"), [("DEEPEST", 0.5, 1.0), ("BESIDE", 9.0, -1.0)])
-def test_gaps_of_overlaps(name, other, sign):
-    """With other values, overlaps are not seen, or nodes beside the other part count as deep."""
+def test_DEEPEST():
+    """With less, overlaps are not seen; nodes beside the other part do not count as deep."""
     made = closed(-0.7)
     divided(made)
     contact, pairs = made.state.self_contact, made.state.pair_bodies
     assert contact.gaps(pairs)[0] == pytest.approx(-0.7 * CELL, abs=0.05 * CELL)
-    with mock.patch.object(self_contact, "least_gap", interpreted(self_contact.least_gap, **{name: other})):
-        assert sign * (contact.gaps(pairs)[0] + 0.7 * CELL) > 0.1 * CELL
+    with mock.patch.object(self_contact, "least_gap", interpreted(self_contact.least_gap, DEEPEST=0.5)):
+        assert contact.gaps(pairs)[0] > -0.6 * CELL
 
 
 @pytest.mark.parametrize(("name", "other"), [("SKIN", 0.05), ("SKIN", 1.0), ("CHUNK", 7)])
 def test_which_is_the_same_for_all(name, other):
     """How long lists are used, and how they are made, does not change them."""
-    one, two = (divided(closed(0.5, **{name: value})) for value in (getattr(self_contact, name), other))
+    one, two = (divided(made) for made in (closed(0.5), closed(0.5, **{name: other})))
     assert all(np.array_equal(*both) for both in zip(one, two, strict=True))

@@ -172,5 +172,5 @@ class GapDiagnostic:
         first, second = np.ascontiguousarray(state.pair_bodies.T)
         gaps = least_gaps(closed_surface(state.tracked_surface), first, second, state.grid.spacing)
         if state.self_contact is not None:
-            gaps = np.where(first == second, state.self_contact.gaps(state.pair_bodies), gaps)
+            gaps = np.minimum(gaps, state.self_contact.gaps(state.pair_bodies))
         return {"min_gap": gaps}

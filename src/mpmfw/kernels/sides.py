@@ -44,7 +44,7 @@ def find_inside(
     own = scratch.vector(spacing)
     for c in range(len(first)):
         depth[c], passed[c] = 0.0, 0
-        if boxes_apart(first[c], second[c], lower, upper, spacing[0]):
+        if first[c] == second[c] or boxes_apart(first[c], second[c], lower, upper, spacing[0]):
             continue
         for way in range(2):
             a, b = (first[c], second[c]) if way == 0 else (second[c], first[c])

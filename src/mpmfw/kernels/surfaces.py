@@ -275,7 +275,7 @@ def minimum_gaps(
     spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """Least distance of the surfaces of every two bodies ``first`` and ``second``, into ``gaps`` [m]: the
-    lesser of both ways of :func:`mpmfw.kernels.minimum_gap`.
+    lesser of both ways of :func:`mpmfw.kernels.minimum_gap`; infinite of a body and itself.
 
     Nodes and facets of body b are ``body_first[b]:body_first[b + 1]`` and ``facet_first[b]:facet_first[b +
     1]``.
@@ -287,7 +287,7 @@ def minimum_gaps(
         block_boxes(facet_first[b], facet_first[b + 1], start, surface, boxes, spacing)
     for c in range(len(first)):
         least = math.inf
-        for way in range(2):
+        for way in range(0 if first[c] == second[c] else 2):
             a, b = (first[c], second[c]) if way == 0 else (second[c], first[c])
             least = least_gap(
                 body_first[a], body_first[a + 1], facet_first[b], facet_first[b + 1],

@@ -99,11 +99,16 @@ THIN = 0.05
 
 
 @device
-def nearest_facet(s: int, first: int, last: int, outline: Surface, spacing: tuple[float, ...]) -> int:
-    """Of the facets ``first:last`` the one nearest to node s; of equally near ones the first."""
-    nearest, closest = math.inf, first
-    for m in range(first, last):
-        if hidden(m, outline.body[s], outline):
+def nearest_facet(s: int, other: int, outline: Surface, near: NearFacets, spacing: tuple[float, ...]) -> int:
+    """Of the facets of a body the one nearest to node s; of equally near ones the first. Of the node's own
+    body only those of another part count, which are listed near it; −1 if there are none."""
+    listed = other == outline.body[s]
+    nearest, closest = math.inf, -1
+    first = near.first[s] if listed else outline.facet_first[other]
+    last = near.first[s + 1] if listed else outline.facet_first[other + 1]
+    for k in range(first, last):
+        m = near.facet[k] if listed else k
+        if body_of(m, outline) != other or hidden(m, outline.body[s], outline):
             continue
         square = square_of(s, m, outline, spacing)
         if square < nearest:
@@ -159,7 +164,8 @@ def put_behind(
 
 @device
 def keep_inside(
-    s: int, last: int, outline: Surface, candidates: Candidates, through: Floats, spacing: tuple[float, ...],
+    s: int, last: int, outline: Surface, near: NearFacets, candidates: Candidates, through: Floats,
+    spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """Give node s, which was behind facet ``last`` of a body, the closest facet of it that faces the node, if
     the search has found none.
@@ -169,12 +175,10 @@ def keep_inside(
     """
     outward, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
     other = body_of(last, outline)
-    if other == outline.body[s]:
-        return  # the nearest facet of its body is its own
     slot = slot_for_lost(s, other, outline, candidates)
-    if slot < 0:
+    m = nearest_facet(s, other, outline, near, spacing) if slot >= 0 else -1
+    if m < 0:
         return
-    m = nearest_facet(s, outline.facet_first[other], outline.facet_first[other + 1], outline, spacing)
     beyond = distance_to(s, m, outline, share, normal, spacing)
     if past_a_seam(s, m, share, normal, outline, spacing):
         return
@@ -264,7 +268,7 @@ def find_candidates(
         reorient(s, radius, outline, near, candidates, spacing)
         for j in range(slots):
             if inside[j] >= 0:
-                keep_inside(s, inside[j], outline, candidates, through, spacing)
+                keep_inside(s, inside[j], outline, near, candidates, through, spacing)
         if fast:
             add_crossings(s, outline, near, candidates, spacing)
         for j in range(slots):

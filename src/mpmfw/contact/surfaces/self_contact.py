@@ -7,17 +7,24 @@ of two bodies, and contact acts between them. Nodal values have no history: ever
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
-from scipy.sparse.csgraph import dijkstra
+from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
 from mpmfw.contact.surfaces.near_facets import NearFacets
+from mpmfw.contact.surfaces.one_part import (
+    OnePart,
+    are_joined,
+    dots,
+    joined_nodes,
+    mark_apart,
+    one_part_of,
+    remove_joined,
+)
 from mpmfw.contact.surfaces.outline import distance_to
 from mpmfw.errors import SceneError
-from mpmfw.kernels import Struct, device, kernel, scratch
+from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.sides import node_normals
 from mpmfw.kernels.stencil import entries, read_window
 from mpmfw.kernels.types import Float, Floats, Ints, Nodes, Table
@@ -29,15 +36,9 @@ from mpmfw.state.surface import closed_surface
 #: Largest cosine between the normals of nodes that face each other, and of those that may soon do.
 FACING, NEARLY = -0.3, -0.1
 
-#: Least product of a normal with the difference of the normals of both ends by which it decides.
-DECISIVE = 1.0
-
 #: How far parts may overlap where nodes are divided, and where gaps are measured; and how far beyond the
 #: support of a part nodes are divided, in cells.
 OVERLAP, DEEPEST, BEYOND = 0.5, 1.0, 0.25
-
-#: How much deeper than behind a node that it faces a node may be, in cells: others are beside it.
-BESIDE = 0.1
 
 #: Length along the surface, or through the material, within which surface nodes are of one part, in reaches
 #: of a part. At the root of a slit both sides hang together: with 3, a folded ring is 3 to 5 % too soft.
@@ -100,46 +101,17 @@ def mark_nodes(
     return found
 
 
-class OnePart(Struct):
-    """Which surface nodes are of one part: those of node s are ``node[first[s]:first[s + 1]]``, ascending."""
-
-    first: Ints  #: (n_s + 1,)
-    node: Ints  #: (n,)
-
-
-@device
-def are_joined(s: int, t: int, one_part: OnePart) -> bool:
-    """Return True if surface nodes s and t are of one part."""
-    low, high = one_part.first[s], one_part.first[s + 1]
-    while low < high:
-        middle = (low + high) // 2
-        if one_part.node[middle] < t:
-            low = middle + 1
-        else:
-            high = middle
-    joined: bool = low < one_part.first[s + 1] and one_part.node[low] == t
-    return joined
-
-
-@kernel
-def mark_apart(pairs: Ints, one_part: OnePart, apart: Any) -> None:
-    """Write which ``pairs`` of surface nodes (n, 2) are of two parts."""
-    for c in range(len(pairs)):
-        apart[c] = not are_joined(pairs[c, 0], pairs[c, 1], one_part)
-
-
 @kernel
 def divide(
-    point: Floats, next_to: Ints, side: Ints, one_part: OnePart, surface: Floats, normal: Floats, ends: Ints,
-    begin: int, table: Table, spacing: tuple[float, ...],
+    point: Floats, next_to: Ints, one_part: OnePart, surface: Floats, ends: Ints, begin: int, table: Table,
+    spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
-    """Move entries of points at marked nodes to the second nodes, of points on the side of the second of the
+    """Move entries of points at marked nodes to the second nodes, of points of the part of the second of the
     node's ``ends``.
 
-    It is the end that has the normal of the point's surface node ``side`` (n,): of those that face others the
-    nearest in the reference state. Where this normal is nearly across, it is the end that is nearer in the
-    reference state, with the places ``point`` (n, dim) and ``surface`` (n_s, dim) [m]. At the root of a slit,
-    a point stays if the surface node ``next_to`` it (n,) is of one part with both ends. Node ``begin`` is the
+    A point is of the part of the surface node ``next_to`` it (n,). Where this is of one part with both ends,
+    at the root of a slit, the point stays; where it is with none, the end decides that is nearer in the
+    reference state, with the places ``point`` (n, dim) and ``surface`` (n_s, dim) [m]. Node ``begin`` is the
     window's first."""
     for p in range(len(point)):
         for k in entries(table.row, p):
@@ -147,100 +119,55 @@ def divide(
             s, t = ends[i, 0], ends[i, 1]
             if s < 0:
                 continue
-            along, nearer = 0.0, 0.0
+            of_first, of_second = are_joined(next_to[p], s, one_part), are_joined(next_to[p], t, one_part)
+            nearer = 0.0
             for d in range(len(spacing)):
-                along += (normal[s, d] - normal[t, d]) * normal[side[p], d]
-                nearer += (point[p, d] - surface[t, d]) ** 2 - (point[p, d] - surface[s, d]) ** 2
-            if along < -DECISIVE or (along < DECISIVE and nearer < 0.0):
-                q = next_to[p]
-                if not (are_joined(q, s, one_part) and are_joined(q, t, one_part)):
-                    table.nodes[k] += len(ends)
+                nearer += (point[p, d] - surface[s, d]) ** 2 - (point[p, d] - surface[t, d]) ** 2
+            if not of_first and (of_second or nearer > 0.0):
+                table.nodes[k] += len(ends)
+
+
+@device
+def gap_of(s: int, m: int, outline: Surface, spacing: tuple[float, ...]) -> Float:
+    """Return the signed distance of node s from the locally nearest facet [m], on a way from facet m on which
+    the node is inside."""
+    share, direction, nearer = scratch.vector(spacing), scratch.vector(spacing), m
+    gap = distance_to(s, m, outline, share, direction, spacing)
+    while nearer >= 0 and gap < 0.0:
+        m, nearer = nearer, -1
+        for a in range(len(spacing)):
+            t = outline.facets[m, a]
+            for k in range(outline.star_first[t], outline.star_first[t + 1]):
+                distance = distance_to(s, outline.star[k], outline, share, direction, spacing)
+                if abs(distance) < abs(gap):
+                    gap, nearer = distance, outline.star[k]
+    return gap
 
 
 @kernel
 def least_gap(
     pairs: Ints, outline: Surface, normal: Floats, most: float, spacing: tuple[float, ...]
 ) -> float:
-    """Return the least signed distance of nodes from the nearest facet round those that they face, at most
-    ``most`` [m]; the first nodes of ``pairs`` ascend."""
+    """Return the least signed distance of nodes from the part that they face, at most ``most`` [m]; the first
+    nodes of ``pairs`` ascend."""
     share, direction = scratch.vector(spacing), scratch.vector(spacing)
-    least, gap = most, most
+    least, gap, facet = most, most, -1
     for c in range(len(pairs)):
         s, t = pairs[c, 0], pairs[c, 1]
         if c > 0 and pairs[c - 1, 0] != s:
-            least, gap = min(least, gap), most
+            least = min(least, gap_of(pairs[c - 1, 0], facet, outline, spacing) if facet >= 0 else most)
+            gap, facet = most, -1
         if not face_each_other(s, t, normal, outline.position, DEEPEST * spacing[0], spacing):
             continue
-        behind = 0.0
-        for d in range(len(spacing)):
-            behind += (outline.position[t, d] - outline.position[s, d]) * normal[t, d]
         for k in range(outline.star_first[t], outline.star_first[t + 1]):
             distance = distance_to(s, outline.star[k], outline, share, direction, spacing)
-            if distance >= -behind - BESIDE * spacing[0] and abs(distance) < abs(gap):
-                gap = distance
-    return min(least, gap)
-
-
-@kernel
-def remove_joined(near: NearFacets, outline: Surface, one_part: OnePart, last: Ints) -> None:
-    """Remove facets of a node's own body that have a node of one part with it.
-
-    ``last`` (n_s,) is scratch: the last node that was of one part with each."""
-    count, end = 0, 0
-    last[:] = -1
-    for s in range(len(near.first) - 1):
-        begin, end = end, near.first[s + 1]
-        for j in range(one_part.first[s], one_part.first[s + 1]):
-            last[one_part.node[j]] = s
-        for k in range(begin, end):
-            m, kept = near.facet[k], True
-            for a in range(outline.facets.shape[1]):
-                kept = kept and last[outline.facets[m, a]] != s
-            if kept:
-                near.facet[count], near.away[count] = m, near.away[k]
-                count += 1
-        near.first[s + 1] = count
-
-
-#: Surface nodes from which distances along the surface are found at a time.
-CHUNK = 256
-
-
-def dots(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Return Σ a_d b_d of every row (n,)."""
-    return np.asarray(np.einsum("nd,nd->n", a, b))
-
-
-def joined_nodes(surface: Surface, own: slice, facets: IntArray, normal: FloatArray, length: float) -> Any:
-    """Return which surface nodes of a body are of one part, (n_s, n_s) sparse: those within ``length`` [m]
-    along the surface, and those with material between them."""
-    x, n = surface.position, surface.count
-    ends = np.concatenate([facets[:, [a, (a + 1) % facets.shape[1]]] for a in range(facets.shape[1])])
-    edge = np.linalg.norm(x[ends[:, 0]] - x[ends[:, 1]], axis=1)
-    edges = csr_array(coo_array((edge, ends.T), shape=(n, n)))
-    rows, columns = [], []
-    for begin in range(own.start, own.stop, CHUNK):
-        part = np.arange(begin, min(begin + CHUNK, own.stop))
-        a, b = np.nonzero(dijkstra(edges, directed=False, indices=part, limit=length) < np.inf)
-        rows.append(part[a])
-        columns.append(b)
-    tree = cKDTree(x[own])
-    s, t = own.start + tree.query_pairs(length, output_type="ndarray").T
-    way, middle = x[t] - x[s], 0.5 * (x[s] + x[t])
-    next_to = own.start + tree.query(middle)[1]
-    behind = (dots(way, normal[s]) < 0.0) & (dots(way, normal[t]) > 0.0)
-    behind &= dots(middle - x[next_to], normal[next_to]) < 0.0
-    at = (np.concatenate([*rows, s[behind], t[behind]]), np.concatenate([*columns, t[behind], s[behind]]))
-    return csr_array(coo_array((np.ones(len(at[0]), dtype=np.int8), at), shape=(n, n)))
-
-
-def one_part_of(joined: Any) -> OnePart:
-    """Return the rows of a sparse array for kernels."""
-    return OnePart(first=joined.indptr.astype(np.int64), node=joined.indices.astype(np.int64))
+            if abs(distance) < abs(gap):
+                gap, facet = distance, outline.star[k]
+    return min(least, gap_of(pairs[-1, 0], facet, outline, spacing)) if facet >= 0 else least
 
 
 class Facing:
-    """Surface nodes of one body that may face each other, and the side of its points and surface nodes."""
+    """Surface nodes of one body that may face each other, and the surface node next to each of its points."""
 
     def __init__(self, body: Body, state: State, normal: FloatArray, reach: float) -> None:
         surface = state.tracked_surface
@@ -254,7 +181,7 @@ class Facing:
         self.frame = -1
 
     def list_pairs(self, position: FloatArray, normal: FloatArray, skin: float) -> None:
-        """List nodes of two parts that are near each other, both ways, and find the points' sides."""
+        """List nodes of two parts that are near each other, both ways."""
         tree = cKDTree(position[self.own])
         pairs = self.own.start + tree.query_pairs(2.0 * self.reach + skin, p=np.inf, output_type="ndarray")
         pairs = pairs[dots(normal[pairs[:, 0]], normal[pairs[:, 1]]) < NEARLY]
@@ -263,10 +190,6 @@ class Facing:
         pairs = pairs[apart]
         pairs = np.concatenate([pairs, pairs[:, ::-1]])
         self.pairs = np.ascontiguousarray(pairs[np.lexsort(pairs.T[::-1])])
-        if len(pairs):
-            ends = np.unique(pairs)
-            nearest, places = cKDTree(self.reference[ends]), (self.points, self.reference[self.own])
-            self.point_side, self.side = (ends[nearest.query(x)[1]] for x in places)
 
     def divide(self, phi: Stencil, surface: Surface, normal: FloatArray, grid: Grid) -> bool:
         """Divide the nodes between the parts, in the tables of points and surface nodes; return True if there
@@ -283,11 +206,11 @@ class Facing:
         ):  # fmt: skip
             return False
         own, points = self.own, self.body.particles
-        ends = (self.one_part, self.reference, normal, self.ends, nodes.start)
+        ends = (self.one_part, self.reference, self.ends, nodes.start)
         part = phi.part(points.start, points.stop)
-        divide(self.points, self.next_to, self.point_side, *ends, part, grid.spacing)
+        divide(self.points, self.next_to, *ends, part, grid.spacing)
         part, itself = surface.table.part(own.start, own.stop), np.arange(own.start, own.stop)
-        divide(self.reference[own], itself, self.side, *ends, part, grid.spacing)
+        divide(self.reference[own], itself, *ends, part, grid.spacing)
         return True
 
 
