@@ -115,7 +115,7 @@ EFFECTS = {
     "flutter": brings("flutter", modules=".flutter"),
     "travel": brings("surface_travel"),
     "seams": brings(modules="~surfaces.seams"),
-    "self-contact": brings(arrays="grid/sheets", modules="~surfaces.self_contact"),
+    "self-contact": brings(arrays="grid/sheets", modules="~surfaces.self_contact ~surfaces.one_part"),
     "interface layer": brings("surface_layer", arrays="surface_layer", modules="~surfaces.layer"),
     "ledger": brings(
         "energy_ledger",

@@ -130,7 +130,8 @@ def lost(place, **constants):
     sheet = np.array([[-0.5, 0.0], [0.4, 0.0], [0.5, 0.5], [-0.5, 0.5]])
     loops = join([sheet, np.add(place, [[0.0, 0.0], [0.5, 1.0], [-0.5, 1.0]])])
     found, through = empty_candidates(len(loops.body), 1), np.zeros(3)
-    interpreted(keep_inside, **constants)(4, 2, loops.outline, found, through, PLANE)
+    near = contact_kernels.lists_of(loops, H).near
+    interpreted(keep_inside, **constants)(4, 2, loops.outline, near, found, through, PLANE)
     return through[0]
 
 
