@@ -77,18 +77,14 @@ class Verdict:
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
-        """Return the verdict, of steps if surfaces meet or gravity changes."""
-        gravity, contact = setup.plugin("gravity"), setup.contact
-        changing = gravity is not None and len(gravity.table.times) > 1
-        watched = contact is not None and contact.keeps_apart
-        return Acts("", [(VerdictOfSteps if watched or changing else Verdict)(setup, watched)])
+        return Acts("", [cls(setup, setup.contact is not None and setup.contact.keeps_apart)])
 
     def _begin(self, state: State) -> None:
         self.running, self.inside[:] = True, -1
         self.next_energy = self.next_sides = self.next_own = 0
         self.nothing = negligible_energy(state)
         self.start = kinetic_energy_of(state) + float(self.strain.of(state).sum())
-        self.loaded = None if isinstance(self, VerdictOfSteps) else 0.0
+        self.loaded = None
         self.first_work = float(sum(plugin.work for plugin in self.working))
         self.gravity_work = self.most = self.released = 0.0
         self.moment = _moment(state)
@@ -116,6 +112,16 @@ class Verdict:
         if state.steps >= self.next_own:
             self._judge_own_gaps(state)
         return {}
+
+    @hookimpl
+    def end_step(self, state: State) -> None:
+        """Look at the surfaces if bodies may have moved too far since the last look."""
+        if self.loaded is None:  # the first forces are those of the first positions
+            self.loaded = self._held(state)
+        if self.gravity is not None and len(self.gravity.table.times) > 1:
+            self._add_gravity_work(state, self.gravity.table.mean(state.time, state.dt))
+        if self.watched and (state.time >= self.due or state.steps >= self.latest_sides):
+            self._judge_sides(state)
 
     def _judge_own_gaps(self, state: State) -> None:
         self.next_own = state.steps + OWN_EVERY
@@ -225,20 +231,6 @@ class Verdict:
                 for name, cells in self.closed.items()
             ),
         ]
-
-
-class VerdictOfSteps(Verdict):
-    """A verdict that also judges steps: surfaces may meet, or gravity changes."""
-
-    @hookimpl
-    def end_step(self, state: State) -> None:
-        """Look at the surfaces if bodies may have moved too far since the last look."""
-        if self.loaded is None:  # the first forces are those of the first positions
-            self.loaded = self._held(state)
-        if self.gravity is not None and len(self.gravity.table.times) > 1:
-            self._add_gravity_work(state, self.gravity.table.mean(state.time, state.dt))
-        if self.watched and (state.time >= self.due or state.steps >= self.latest_sides):
-            self._judge_sides(state)
 
 
 def _moment(state: State) -> FloatArray:
