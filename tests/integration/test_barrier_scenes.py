@@ -6,12 +6,9 @@ import numpy as np
 import pytest
 import shapely
 
-from contact_kernels import PLANE, join
 from contact_scenes import CELL, body, disc, rectangle, run, scene
 from mpmfw.errors import SimulationError
-from mpmfw.kernels import struct
 from mpmfw.runs.simulation import Simulation
-from mpmfw_contact._barriers import time_to_reach
 
 WAVES = 10.0  # m/s in the soft body
 
@@ -73,39 +70,3 @@ def test_a_step_too_long_by_force_ends_the_run_and_says_where():
     simulation.start()
     with pytest.raises(SimulationError, match=r"left-right: a surface node came past its barrier.*body '"):
         run(simulation, 40, dt=8e-3)
-
-
-def moving_segment(seed):
-    """A node in front of a segment, both in motion: the surface, and the velocities of the three."""
-    rng = np.random.default_rng(seed)
-    surface = join(
-        [
-            [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.0], [-0.5, 0.0]],
-            rng.uniform([-0.7, 0.05], [0.7, 0.4]) + np.array([[0.0, 0.0], [0.1, 0.2], [-0.1, 0.2]]),
-        ]
-    )
-    return surface, rng.normal(0.0, 1.0, (len(surface.body), 2)) + [0.0, 1.0] * (surface.body[:, None] == 0)
-
-
-@pytest.mark.parametrize("seed", range(30))
-def test_the_time_to_touch_is_before_the_time_of_impact(seed):
-    """Half of the distance, but for the time that :func:`time_to_reach` lets it: never past what exact
-    detection finds.
-    """
-    ipctk = pytest.importorskip("ipctk")
-    surface, velocity = moving_segment(seed)
-    n, position = len(surface.body), surface.position
-    table = struct(row=np.arange(n + 1), nodes=np.arange(n, dtype=np.int32), weight=np.ones(n))
-    ends = position[[2, 3]]
-    share = np.clip(
-        (position[4] - ends[0]) @ (ends[1] - ends[0]) / ((ends[1] - ends[0]) ** 2).sum(), 0.0, 1.0
-    )
-    away = position[4] - (1.0 - share) * ends[0] - share * ends[1]
-    allowed = time_to_reach(
-        4, 2, np.array([1.0 - share, share]), away / np.linalg.norm(away), 0.0, 1e-9, surface.outline,
-        table, np.ones(n),
-        velocity, PLANE,
-    )  # fmt: skip
-    then = position + 4.0 * velocity
-    hit, when = ipctk.TightInclusionCCD().point_edge_ccd(position[4], *ends, then[4], then[2], then[3])
-    assert not hit or allowed <= 4.0 * when * (1.0 + 1e-6)

@@ -207,28 +207,6 @@ def test_pairs_have_friction_springs_and_warnings_of_their_own():
     assert [each.kappa for each in simulation.contact.contacts[:2]] == [4.0, 2.0]
 
 
-def test_stability_series_and_advice_are_of_each_pairs_contact():
-    keys = {"output": {"stability": True}, "step": STEP}
-    springs = {"a-b": {"method": "penalty", "penalty": {"kappa": 2.0}}}
-    last, simulations = {}, {}
-    for title, pairs, method in (
-        ("one", None, "penalty"),
-        ("both", {**springs, "c-d": {"method": "lcp"}}, "penalty"),
-        ("two", springs, "lcp"),
-    ):
-        simulations[title], frames = made({**MEET, **TORN}, pairs, method, **keys), []
-        simulations[title].advance(100, frames.append)
-        last[title] = np.fmax.reduce([frame.series["penetration"] for frame in frames], axis=0)
-    assert last["one"][0] > 0.0
-    assert last["two"][0] == last["both"][0] > 1.5 * last["one"][0]  # softer by a half
-    assert np.isnan(last["both"]).tolist() == [False] * 5 + [True]
-    assert np.isnan(last["two"]).tolist() == [False] + [True] * 5
-    steps = simulations["two"]._time_step
-    assert "contact.pairs.a-b.penalty.kappa" in steps._advice("pairs.a-b.penalty springs and bulk")
-    owners = [owner for _, owner in simulations["both"].limits()]
-    assert len(set(owners)) == len(owners)
-
-
 def test_pairs_with_the_same_contact_and_the_ledger_are_as_with_one():
     bodies = {**MEET, "c": rectangle([-0.34, -0.06], [0.06, 0.34], velocity=[0.0, 1.0])}
     last = {}
@@ -324,15 +302,6 @@ def test_bad_contacts_of_pairs_are_refused(contact, message):
     mapping = scene(MEET)
     with pytest.raises(SceneError, match=message):
         Simulation({**mapping, "contact": {"method": "penalty", **contact}})
-
-
-@pytest.mark.parametrize(("shape", "word"), [("cpdi", "plain"), ("gimp", "mass_weighted")])
-def test_the_map_of_a_pair_may_be_what_auto_means(shape, word):
-    pairs = {"a-b": {"method": "penalty", "penalty": {"map": word}}}
-    runs = [made(MEET, p, shape={"method": shape}) for p in (None, pairs)]
-    for simulation in runs:
-        simulation.advance(20)
-    np.testing.assert_array_equal(*(simulation.state.particles.velocity for simulation in runs))
 
 
 def test_a_corner_that_meets_a_tie_overlaps_as_little_as_on_one_body():

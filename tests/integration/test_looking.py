@@ -111,15 +111,6 @@ def test_the_difference_is_that_from_the_first_contact(several):
     assert titles == [f"none, linear, {friction} less penalty" for friction in (0.0, 0.1, 0.2, 0.3)]
 
 
-def test_a_page_in_space_says_why_it_has_no_pictures(run, tmp_path, monkeypatch):
-    for library in ("pyvista", "plotly.subplots"):
-        monkeypatch.setitem(sys.modules, library, None)
-    write_report(run, tmp_path / "run.html")
-    page = html.unescape((tmp_path / "run.html").read_text(encoding="utf-8"))
-    assert "<img" not in page.replace(EVIL, "")
-    assert "There are no pictures of the stress: this needs pyvista: pip install 'mpmfw[render]'." in page
-
-
 def test_a_half_space_does_not_shrink_the_picture(run):
     groups = mpmfw.open(run).to_dict()
     wall = groups["/surface/solid"]
@@ -188,15 +179,6 @@ def test_a_view_shows_texts_of_the_file_as_text(run):
     assert "{{ title }}" in template
     assert "alert" not in template
     assert "7*6" not in template
-
-
-@pytest.mark.parametrize("library", ["pyvista", "trame.app"])
-def test_a_view_names_the_one_extra_that_it_needs(run, monkeypatch, library):
-    from mpmfw.plots.space import view
-
-    monkeypatch.setitem(sys.modules, library, None)
-    with pytest.raises(SceneError, match=rf"{library} is missing: pip install 'mpmfw\[view\]'"):
-        view(run)
 
 
 def test_a_view_of_another_file_says_what_the_file_is(tmp_path):

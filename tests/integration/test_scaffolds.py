@@ -23,7 +23,7 @@ DOCS = Path(__file__).resolve().parents[2] / "docs"
 #: Checks of contact that take most of the time, here of a detection; .ci/templates asks them of a law.
 SLOW = (
     "time-step three-dimensions relabelling rotation shift shapes many-contacts options three-bodies "
-    "met-again similarity step-length refinement moving-frame no-growth"
+    "met-again similarity step-length refinement moving-frame no-growth isolation energy"
 )
 
 

@@ -9,26 +9,6 @@ from mpmfw.kernels import kernel, lanes, motion
 from mpmfw_material.neo_hookean import SMALL, inverse_five_thirds, neo_hookean_split
 from support import as_points
 
-COUNTS = range(1, 2 * lanes.WIDTH + 2)
-
-
-@kernel
-def transform(a, b, factor, out, spacing):
-    """All that numbers in lanes can do, point by point."""
-    x, y, z = lanes.matrix(spacing, spacing), lanes.matrix(spacing, spacing), lanes.matrix(spacing, spacing)
-    for p in range(0, len(a), lanes.WIDTH):
-        points = lanes.points_from(p, len(a))
-        lanes.read(a, points, x, spacing)
-        lanes.read(b, points, y, spacing)
-        lanes.invert(x, z, spacing)
-        for d in range(len(spacing)):
-            for e in range(len(spacing)):
-                z[d, e] = lanes.multiply_add(z[d, e], y[d, e], -x[d, e]) - 1 + (x[d, e] + factor) * y[e, d]
-                z[d, e] += 2.0
-                z[d, e] *= factor / y[d, e]
-        lanes.multiply(z, y, x, spacing)
-        lanes.write(out, points, x, spacing)
-
 
 @kernel
 def copy(a, out, spacing):
@@ -37,49 +17,6 @@ def copy(a, out, spacing):
     for p in range(0, len(a), lanes.WIDTH):
         lanes.read(a, lanes.points_from(p, len(a)), x, spacing)
         lanes.write(out, lanes.points_from(p, len(a)), x, spacing)
-
-
-@kernel
-def all_within(values, low, high):
-    """Return whether the first numbers are within the bounds, in all lanes."""
-    x = lanes.matrix((0.0,), (0.0,))
-    lanes.read(values, lanes.points_from(0, len(values)), x, (0.0,))
-    return lanes.within(x[0, 0], low, high)
-
-
-@pytest.mark.parametrize("dim", [2, 3])
-def test_arithmetic_is_that_of_floats_whatever_shares_the_lanes(dim):
-    rng, spacing = np.random.default_rng(0), (1.0,) * dim
-    a = np.eye(dim) + 0.3 * rng.random((9, dim, dim))
-    b = 1.0 + rng.random((9, dim, dim))
-    z = (np.linalg.inv(a) * b - a - 1.0 + (a + 3.0) * b.swapaxes(1, 2) + 2.0) * 3.0 / b
-    for count in COUNTS:
-        out, alone = np.zeros((count, dim, dim)), np.zeros((count, dim, dim))
-        transform(a[:count], b[:count], 3.0, out, spacing)
-        np.testing.assert_allclose(out, (z @ b)[:count], rtol=1e-13)
-        for p in range(count):
-            transform(a[p : p + 1], b[p : p + 1], 3.0, alone[p : p + 1], spacing)
-        np.testing.assert_array_equal(out, alone)
-
-
-@pytest.mark.parametrize("shape", [(), (2,), (3,), (2, 2), (3, 3)])
-def test_points_go_to_lanes_and_back(shape):
-    spacing = (1.0,) * (shape[0] if shape else 2)
-    for count in COUNTS:
-        a = np.random.default_rng(count).random((count, *shape))
-        out = np.zeros((count + 1, *shape))
-        copy(a, out[:count], spacing)
-        np.testing.assert_array_equal(out[:count], a)
-        assert not out[count].any()
-
-
-def test_within_is_asked_of_every_lane():
-    for lane in range(lanes.WIDTH):
-        values = np.full(lanes.WIDTH, 0.5)
-        assert all_within(values, 0.0, 1.0)
-        for outside in (0.0, 1.0, np.inf, -np.inf, np.nan):
-            values[lane] = outside
-            assert not all_within(values, 0.0, 1.0)
 
 
 @pytest.mark.parametrize("dim", [2, 3])

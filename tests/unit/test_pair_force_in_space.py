@@ -9,7 +9,7 @@ from mpmfw.contact.surfaces.outline import Candidates
 from mpmfw.contact.surfaces.turning import write_spins
 from mpmfw.geometry.layout import neighbours_of, stars_of
 from mpmfw.kernels import kernel, signed_distance
-from mpmfw.kernels.contact import add_turned, pair_table
+from mpmfw.kernels.contact import add_turned, pair_table, relative_motion
 from mpmfw.kernels.facets import project
 from mpmfw.state.structs import Surface
 from support import as_table
@@ -139,6 +139,10 @@ def test_no_force_and_no_moment_is_left(place, seed, tilts):
     scale = np.abs(out).sum()
     assert np.abs(out.sum(axis=0)).max() < 1e-14 * scale
     assert np.abs(np.cross(position, out).sum(axis=0)).max() < 1e-13 * scale * np.abs(position).max()
+    if not tilts:  # the rows' velocity does the work of the force
+        velocity, motion = np.random.default_rng(seed + 8).normal(size=(5, 3)), np.zeros((1, 3))
+        relative_motion(rows, 1, velocity, 2.0, motion, SPACE)
+        assert motion[0] @ force == pytest.approx(2.0 * np.sum(velocity * out), abs=1e-12 * scale)
 
 
 @kernel

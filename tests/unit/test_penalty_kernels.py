@@ -3,12 +3,10 @@
 import itertools
 
 import numpy as np
-import numpy_twins as twin
 import pytest
 import shapely
 
 from contact_kernels import PLANE, Law, empty_candidates, find, flat, forces, join, rows_of, star
-from mpmfw.kernels.contact import couplings
 from mpmfw.kernels.surfaces import minimum_gap
 
 H = 0.25
@@ -182,43 +180,3 @@ def test_a_candidate_ahead_of_a_segment_s_end_has_finite_rows():
     assert rows.count == 1
     for array in (rows.motion, rows.couple, rows.places.turn):
         assert np.isfinite(array).all()
-
-
-@pytest.mark.parametrize("name", ["stars 0.93", "disc on flat 0.0", "three stars"])
-def test_frequency_bounds_the_largest_eigenvalue_closely(name):
-    """λ_max(B M⁻¹ Bᵀ K) ≤ the bound ≤ 1.6 λ_max, with bilinear weights on a grid of each body's own."""
-    loops = join(SCENES[name])
-    found = find(loops, h=H)
-    t, n_nodes = bilinear(loops)
-    matrix = twin.matrix_of(*t, n_nodes)
-    node_mass = np.random.default_rng(0).uniform(0.5, 1.0, n_nodes)
-    made = rows_of(loops, found, ties=False, table=t)
-    scratch, sums = np.zeros(n_nodes), np.zeros(made.count)
-    stiffness = np.full(made.count, 1e4)
-    bound = couplings(made, made.count, stiffness, node_mass, scratch, sums)
-    assert not scratch.any()
-    assert bound == sums.max()
-    rows = []
-    for s, j in zip(*np.nonzero(found.facet >= 0), strict=True):
-        m, xi = found.facet[s, j], found.share[s, j, 1]
-        rows.append(matrix[s] - (1.0 - xi) * matrix[m] - xi * matrix[loops.following[m]])
-    b = np.array(rows)
-    assert len(b) == made.count
-    largest = np.linalg.eigvalsh(1e4 * (b / node_mass) @ b.T).max()
-    assert largest <= bound * (1.0 + 1e-12)
-    assert bound <= 1.6 * largest
-
-
-def bilinear(loops, lower=-3.0, columns=25):
-    """Bilinear weights on a field of each body's own, and the number of nodes of all fields."""
-    local = (loops.position - lower) / H
-    cell = np.floor(local).astype(int)
-    r = local - cell
-    nodes, weight = [], []
-    for i in (0, 1):
-        for j in (0, 1):
-            nodes.append(loops.body * columns**2 + (cell[:, 0] + i) * columns + cell[:, 1] + j)
-            weight.append((r[:, 0] if i else 1 - r[:, 0]) * (r[:, 1] if j else 1 - r[:, 1]))
-    row = 4 * np.arange(len(loops.body) + 1)
-    flat_nodes = np.stack(nodes, axis=1).astype(np.int32).ravel()
-    return (row, flat_nodes, np.stack(weight, axis=1).ravel()), loops.n_bodies * columns**2

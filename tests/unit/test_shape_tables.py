@@ -7,7 +7,6 @@ from scipy.spatial.transform import Rotation
 
 import mpmfw
 from mpmfw.api import SceneError
-from mpmfw.kernels import particle_grid, products
 from mpmfw_shape.cubic_bspline import CubicBSpline
 from mpmfw_testing import subject_of
 from mpmfw_testing.shape import boxes, dense, place
@@ -70,78 +69,6 @@ def test_table_equals_the_formula(name, dim):
     if name == "gimp":  # its rows leave out what is zero
         assert set(np.diff(table.row).tolist()) == {2 ** (dim - k) * 3**k for k in range(dim + 1)}
         assert (np.abs(table.gradient).sum(axis=1) > 0.0).all()
-
-
-def random_fields(grid, particles):
-    """Nodes and points with velocities, stresses and forces at random; return a random affine field."""
-    rng = np.random.default_rng(1)
-    for array in (particles.velocity, particles.stress):
-        array[...] = rng.normal(size=array.shape)
-    grid.velocity, grid.start_velocity = rng.normal(size=(2, *grid.position.shape))
-    grid.mass, grid.momentum, grid.force = (
-        np.zeros(shape) for shape in (len(grid.position), *2 * [grid.position.shape])
-    )
-    return rng.normal(size=particles.stress.shape)
-
-
-@DIMENSIONS
-@pytest.mark.parametrize("with_affine", [False, True])
-def test_sums_from_factors_are_those_from_the_table(dim, with_affine):
-    """The step reads the factors of B-splines: projection, whole and by ranges of nodes, and gathering."""
-    grid, particles = make_problem(dim)
-    table = make_shape("bspline", particles, grid).interpolate(particles=particles, grid=grid)
-    affine = random_fields(grid, particles)
-    affine = affine if with_affine else None
-    sums = grid.mass, grid.momentum, grid.force
-    found = []
-    middle = len(grid.mass) // 3
-    for kernels, rows, ranges in (
-        (particle_grid, table, [()]),
-        (products, table.factors, [()]),
-        (products, table.factors, [((0, middle),), ((middle, len(grid.mass)),)]),
-    ):
-        for array in sums:
-            array.fill(0.0)
-        for own_nodes in ranges:
-            kernels.project_with_force(particles, affine, None, rows, grid, grid.spacing, *own_nodes)
-        found.append([array.copy() for array in sums])
-    for by_table, by_factors, in_parts in zip(*found, strict=True):
-        np.testing.assert_allclose(by_factors, by_table, atol=1e-12 * np.abs(by_table).max())
-        np.testing.assert_array_equal(in_parts, by_factors)
-    points = "position", "velocity", "velocity_gradient"
-    start, gathered = [getattr(particles, name).copy() for name in points], []
-    for kernels, rows in ((particle_grid, table), (products, table.factors)):
-        for name, values in zip(points, start, strict=True):
-            getattr(particles, name)[...] = values
-        field = np.zeros_like(particles.stress) if with_affine else None
-        kernels.gather(particles, field, rows, grid, 3.0, 0.7, 0.01, grid.spacing)
-        gathered.append(
-            [getattr(particles, name).copy() for name in points] + ([field] if with_affine else [])
-        )
-    for by_table, by_factors in zip(*gathered, strict=True):
-        np.testing.assert_allclose(by_factors, by_table, atol=1e-12 * np.abs(by_table).max())
-
-
-def test_a_table_of_products_is_made_when_it_is_read():
-    grid, particles = make_problem(2)
-    shape = make_shape("bspline", particles, grid)
-    table = shape.interpolate(particles=particles, grid=grid)
-    assert "weight" not in table.__dict__
-    first = table.weight.copy()
-    assert (np.diff(table.row) == products.WIDTH**2).all()
-    particles.position += 0.1 * H
-    np.testing.assert_array_equal(table.weight, first)
-    assert shape.interpolate(particles=particles, grid=grid) is table
-    assert "weight" not in table.__dict__
-    assert np.abs(table.weight - first).max() > 0.01
-    with pytest.raises(AttributeError):
-        table.weights  # noqa: B018
-
-
-def test_a_step_without_contact_makes_no_table_of_products():
-    simulation = mpmfw.Simulation(block(shape={"method": "bspline"}), contact="none")
-    simulation.step()
-    assert "weight" not in simulation.shape.table.__dict__
 
 
 @DIMENSIONS
