@@ -24,7 +24,6 @@ from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.plugin.measure import Exact, Reference
 from mpmfw.runs.identity import counted, is_current, key_of, sources
 from mpmfw.scene import load_scene
-from mpmfw.stability import stability_map
 from mpmfw_contact.penalty import Penalty
 from studies_for_tests import SLIDING
 
@@ -219,14 +218,6 @@ def test_anybodys_executor_runs_a_campaign(undisturbed):
     assert data.attrs["cores"] == "the workers of a ThreadPoolExecutor"
     with pytest.raises(SceneError, match="executor: 3 cannot run tasks; expected"):
         mpmfw.campaign(SLIDING, VARY, executor=3)
-    both = {"executor": threads, "jobs": 3}
-    for request in (
-        lambda: mpmfw.campaign(SLIDING, VARY, **both),
-        lambda: mpmfw.compare(SLIDING, ["none"], ["gimp"], **both),
-        lambda: stability_map(SLIDING, kappa=[1.0], cfl=[0.2], steps=2, **both),
-    ):
-        with pytest.raises(SceneError, match="jobs: has no effect with an executor"):
-            request()
 
 
 class Deadly(Penalty):

@@ -4,13 +4,14 @@ import contextlib
 import math
 
 import numpy as np
+import numpy_twins as twin
 import pytest
 
 from interpreted import interpreted
 from mpmfw.api import SceneError
 from mpmfw.effects import constraint, side_loads, side_rows
 from mpmfw.effects.constraint import AGREED, PASSES, RELAXATION
-from mpmfw.effects.side_rows import QUADRATURE, TABULATED, PlaneSides, list_rows, tabulate
+from mpmfw.effects.side_rows import QUADRATURE, TABULATED, PlaneSides, SideTable, list_rows, meet, tabulate
 from mpmfw.effects.surface import CRITICAL_MASS, EMPTY, LIGHT, weigh_by_mass, weigh_plain
 from mpmfw.kernels.stencil import LEAST_SHARE, linear_weights
 from mpmfw.runs.simulation import Simulation
@@ -67,19 +68,24 @@ def upper_side(place):
     )
 
 
-def rows_at(place, mass, **constants):
-    """Target and weights of every row of the side y = ``place``, in one column of 8 nodes."""
-    position = np.column_stack([np.zeros(8), np.arange(8.0)])
-    whole = {name: np.zeros(20, dtype=np.int64) for name in ("row", "side")}
-    real = {name: np.zeros(20) for name in ("target", "compliance", "c", "distance")}
-    table = side_rows.SideTable(
-        nodes=np.zeros(60, dtype=np.int64),
-        weights=np.zeros(60),
-        impulse=np.zeros((1, 2)),
-        applied=np.zeros((0, 2)),
+def side_table(rows, entries):
+    """An empty table."""
+    whole = {name: np.zeros(rows, dtype=np.int64) for name in ("row", "side")}
+    real = {name: np.zeros(rows) for name in ("target", "compliance", "c", "distance")}
+    return SideTable(
+        nodes=np.zeros(entries, dtype=np.int64),
+        weights=np.zeros(entries),
+        impulse=np.zeros((1, 3)),
+        applied=np.zeros((0, 3)),
         **whole,
         **real,
     )
+
+
+def rows_at(place, mass, **constants):
+    """Target and weights of every row of the side y = ``place``, in one column of 8 nodes."""
+    position = np.column_stack([np.zeros(8), np.arange(8.0)])
+    table = side_table(20, 60)
     side = upper_side(place)
     count = interpreted(list_rows, **constants)(1, side, position, np.array(mass), table, (1.0, 1.0))
     return [
@@ -161,6 +167,33 @@ def test_facets_of_a_turned_side_lie_on_it_but_for_rounding(monkeypatch):
     assert loaded(side_loads.FLAT) == 16
     assert loaded(1.0) > 16
     assert loaded(0.0) < 16
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_rows_are_met_by_the_least_change_of_momentum(dim):
+    """Against the solution of the constrained least squares, (M, Aᵀ; A, 0)."""
+    spacing, rng = (0.1,) * dim, np.random.default_rng(7)
+    row, nodes, weights = twin.random_table(rng, 6, 40)
+    mass, momentum = 0.1 + rng.random(40), rng.normal(size=(40, dim))
+    side, target = np.array([0, 0, 1, 1, 0, 1]), np.array([1.0, 0.0, 1.0, 1.0, 1.0, 0.0])
+    directions = np.array([np.linalg.qr(rng.normal(size=(dim, dim)))[0], np.eye(dim)])
+    velocity = np.array([[0.3, np.nan, -0.2][:dim], [np.nan, 0.1, 0.7][:dim]])
+    rows, wanted = [], []
+    for r, dense_row in enumerate(twin.matrix_of(row, nodes, weights, 40)):
+        for e in range(dim):
+            if not np.isnan(velocity[side[r], e]):
+                rows.append(np.outer(dense_row, directions[side[r], e]).ravel())
+                wanted.append(target[r] * velocity[side[r], e])
+    a, m = np.array(rows), np.repeat(mass, dim)
+    v = momentum.ravel() / m
+    v = v + (a / m).T @ np.linalg.solve(a @ (a / m).T, np.array(wanted) - a @ v)
+    met = momentum.copy()
+    conditions = side_table(6, 1).set(
+        row=row, nodes=nodes.astype(np.int64), weights=weights, target=target, side=side
+    )
+    passes = meet(6, conditions, directions, velocity, 2000, 1e-13, 1.2, mass, met, spacing)
+    assert passes < 2000
+    np.testing.assert_allclose(met, (m * v).reshape(40, dim), atol=1e-10)
 
 
 def missed(simulation):
