@@ -7,6 +7,7 @@ from scipy.spatial.transform import Rotation
 
 import mpmfw
 from mpmfw.api import SceneError
+from mpmfw.kernels import products
 from mpmfw_shape.cubic_bspline import CubicBSpline
 from mpmfw_testing import subject_of
 from mpmfw_testing.shape import boxes, dense, place
@@ -69,6 +70,18 @@ def test_table_equals_the_formula(name, dim):
     if name == "gimp":  # its rows leave out what is zero
         assert set(np.diff(table.row).tolist()) == {2 ** (dim - k) * 3**k for k in range(dim + 1)}
         assert (np.abs(table.gradient).sum(axis=1) > 0.0).all()
+
+
+def test_a_table_of_products_is_that_of_the_points_when_it_is_read():
+    grid, particles = make_problem(2)
+    shape = make_shape("bspline", particles, grid)
+    table = shape.interpolate(particles=particles, grid=grid)
+    first = table.weight.copy()
+    assert (np.diff(table.row) == products.WIDTH**2).all()
+    particles.position += 0.1 * H
+    np.testing.assert_array_equal(table.weight, first)
+    assert shape.interpolate(particles=particles, grid=grid) is table
+    assert np.abs(table.weight - first).max() > 0.01
 
 
 @DIMENSIONS
