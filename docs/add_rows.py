@@ -13,21 +13,17 @@ from pathlib import Path
 import pandas as pd
 
 from mpmfw.validation import page
-from mpmfw.validation.rows import Row, Verdict
-from mpmfw.validation.suite import CaseResult
 
 PAGE = Path(__file__).parent / "validation.md"
-GATES = (Verdict.HOLDS, Verdict.RED, Verdict.KNOWN)
 
 
-def read(path: Path) -> dict[str, list[Row]]:
+def read(path: Path) -> dict[str, list[dict[str, object]]]:
     """Return the rows of each case in a table of the suite."""
-    cases: dict[str, list[Row]] = {}
+    cases: dict[str, list[dict[str, object]]] = {}
     with path.open(newline="", encoding="utf-8") as file:
         for one in csv.DictReader(file):
-            numbers = {name: float(one.pop(name) or "nan") for name in ("value", "least", "most", "seconds")}
-            binds = one.pop("verdict") in GATES
-            cases.setdefault(one["case"], []).append(Row(**one, **numbers, binds=binds))
+            numbers = {name: float(one[name] or "nan") for name in ("value", "least", "most", "seconds")}
+            cases.setdefault(one["case"], []).append({**one, **numbers})
     return cases
 
 
@@ -42,13 +38,13 @@ def main() -> None:
     before, _, earlier = command.partition("; later `mpmfw validate ")
     cases = sorted({*earlier.rstrip("`").split(), *later})
     command = f"{before}; later `mpmfw validate {' '.join(cases)}`" if cases else before
-    page.write_page([CaseResult(Path(case), tuple(rows[case])) for case in sorted(rows)], PAGE, command)
+    page.write_page([row for case in sorted(rows) for row in rows[case]], PAGE, command)
     gates = pd.read_csv(folder / "gates.csv", keep_default_na=False, dtype=str)
     softer = {tuple(one[:3]): one[3:6] for one in gates.to_numpy().tolist()}  # with κ = 1
     new = [
-        (*(key := (row.case, row.method, row.quantity)), *softer.get(key, ("", "", "")),
-         f"{row.least:g} … {row.most:g}", f"{row.value:.4g} {row.unit}".rstrip(), str(row.verdict))
-        for own in later.values() for row in own if row.binds
+        (*(key := (row["case"], row["method"], row["quantity"])), *softer.get(key, ("", "", "")),
+         f"{row['least']:g} … {row['most']:g}", f"{row['value']:.4g} {row['unit']}".rstrip(), row["verdict"])
+        for own in later.values() for row in own if row["verdict"] in page.GATES
     ]  # fmt: skip
     gates = pd.concat([gates[~gates["case"].isin(later)], pd.DataFrame(new, columns=gates.columns)])
     gates.sort_values("case", kind="stable").to_csv(folder / "gates.csv", index=False)

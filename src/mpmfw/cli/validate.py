@@ -42,30 +42,26 @@ def validate(
         import pytest  # noqa: F401
     except ImportError as error:
         raise SceneError("validate needs pytest: pip install 'mpmfw[testing]'") from error
-    from mpmfw.validation.page import red_rows, summary, write_csv, write_page
-    from mpmfw.validation.suite import find_cases, kept, run_cases, suite_of
+    from mpmfw.validation.page import red_rows, said, summary, write_csv, write_page
+    from mpmfw.validation.suite import find_cases, rows_of, run_cases, store_of, suite_of
 
     folder = suite_of(suite)
     found = find_cases(folder, cases or ())
     _check_places(found, output, document, force)
     running: dict[str, Any] = {**args.workers(jobs, scheduler, None), "force": force}
     with campaign_progress("cases") as reports:
-        results = run_cases(found, output, quick=quick, progress=reports["progress"], **running)
-    for row in red_rows(results):
-        typer.echo(f"{row.verdict}: {row.case}: {row}" + (f": {row.reason}" if row.reason else ""))
-    for one in results:
-        if one.error:
-            typer.echo(f"{one.folder.name} went wrong:\n{one.error}", err=True)
-    everything = [*results, *kept([case for case in find_cases(folder) if case not in found], output, quick)]
-    everything.sort(key=lambda one: one.folder.name)
+        rows = run_cases(found, output, quick=quick, progress=reports["progress"], **running)
+    for row in red_rows(rows):
+        typer.echo(f"{row['verdict']}: {row['case']}: {said(row)}")
+    others = [case for case in find_cases(folder) if case not in found]
+    everything = sorted([*rows, *rows_of(others, store_of(output), quick)], key=lambda row: str(row["case"]))
     write_csv(everything, output / "validation.csv")
     if document is not None:
         named = ["--suite", str(suite)] if suite not in (None, folder) else []
         words = ["mpmfw", "validate", *(cases or ()), *["--quick"] * quick, *named]
-        write_page(everything, document, f"`{' '.join(words)}`")
-    typer.echo(summary(results))
-    typer.echo(f"{output}: {sum(len(one.figures) for one in results)} figures, and validation.csv")
-    if any(one.wrong for one in results):
+        write_page(everything, document, f"`{' '.join(words)}`", output)
+    typer.echo(f"{summary(rows)}\n{output}: figures, and validation.csv")
+    if any(row["verdict"] == "RED" for row in rows):
         raise typer.Exit(1)
 
 

@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
+import contextlib
 import fnmatch
 import itertools
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+import time
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from math import inf, nan
+from pathlib import Path
 from typing import Any
 
 import pytest
 
-from mpmfw.campaigns.measures import exact_of, measure_of
-from mpmfw.errors import SceneError
-from mpmfw.plugin.measure import About
-from mpmfw.scene import Scene
-from mpmfw.validation.rows import Case, Row, Verdict, limits
+from mpmfw.errors import ResultsWarning
+from mpmfw.runs.run import run as run_scene
+from mpmfw.scene import Scene, load_scene
 
 __all__ = [
-    "CLASSICAL", "CONTACTS", "RECOMMENDED", "SHAPES", "Case", "CaseRun", "Method", "Place", "Row", "RunSet",
-    "Runs", "Verdict", "each", "full", "known_red", "methods", "quick", "together",
+    "CLASSICAL", "CONTACTS", "RECOMMENDED", "SHAPES", "Case", "CaseRun", "Method", "Place", "Runs",
+    "by_method", "each", "full", "known_red", "methods", "quick", "together",
 ]  # fmt: skip
 
 #: Classical contact with its defaults and with its best settings.
@@ -32,15 +35,16 @@ RECOMMENDED = ("cpdi", "cpdi2")
 full, quick = pytest.mark.full, pytest.mark.quick
 #: ``@known_red(method, quantity, reason)``: this gate is known not to hold; the case fails if it holds.
 known_red = pytest.mark.known_red
-#: ``@together(*runs)`` decorates a test that takes all these runs as ``runs``, a :class:`RunSet`.
+#: ``@together(*runs)`` decorates a test that takes all these runs as ``runs``, a list.
 together = pytest.mark.together
 
+Values = Mapping[str, Any]
 #: Names of the methods and places of all full versions in this process.
 _METHODS: set[str] = set()
 _PLACES: set[str] = set()
 
 
-def _fits(name: str, patterns: Iterable[str], known: Iterable[str]) -> bool:
+def _fits(name: str, patterns: Sequence[str], known: set[str]) -> bool:
     """Return whether a pattern fits a name; a ValueError refuses one that fits none of the known names."""
     for pattern in patterns:
         if not fnmatch.filter(known, pattern):  # it is misspelt, and its gate would be lost
@@ -54,7 +58,7 @@ class Method:
 
     contact: str
     shape: str
-    set: Mapping[str, Any] = field(default_factory=dict, hash=False)
+    set: Values = field(default_factory=dict, hash=False)
     label: str = ""
     bound: bool = field(default=False, compare=False)
     when: str = field(default="", compare=False)
@@ -74,70 +78,56 @@ class Method:
 
 
 def methods(
-    contact: Sequence[str] = ("penalty",),
-    shape: Sequence[str] = ("cpdi",),
-    settings: Mapping[str, Mapping[str, Any]] | None = None,
-    bound: bool = False,
-    when: str = "",
-) -> list[Method]:
+    contact: Sequence[str] = ("penalty",), shape: Sequence[str] = ("cpdi",),
+    settings: Mapping[str, Values] = {"": {}}, bound: bool = False, when: str = "",
+) -> list[Method]:  # fmt: skip
     """Return every combination; ``settings`` are values by dotted key, by the label that names them."""
-    labelled = ({"": {}} if settings is None else settings).items()
-    product = itertools.product(contact, shape, labelled)
+    product = itertools.product(contact, shape, settings.items())
     return [Method(c, s, values, label, bound, when) for c, s, (label, values) in product]
 
 
 @dataclass(frozen=True)
 class Place:
-    """One variant of the scene that all methods run, such as a cell size.
+    """One variant of the scene that all methods run, such as a cell size; ``make``: arguments of a function.
 
-    ``open`` gates do not bind here, by key: the reason, or reasons by patterns; ``run`` is the run itself.
-    Where ``change``, a function of the scene's mapping, makes another scene of it, gates record no rows."""
+    ``within`` has limits by ``key`` of a gate; ``open`` gates that do not bind here, and ``run``, the run
+    itself: the reason, or reasons by patterns of methods."""
 
     at: str = ""
-    set: Mapping[str, Any] = field(default_factory=dict)
-    scene: str | Mapping[str, Any] | Callable[..., Any] | None = None
-    make: Mapping[str, Any] = field(default_factory=dict)  #: arguments of a scene's function
-    within: Mapping[str, tuple[float, float]] = field(default_factory=dict)  #: limits, by ``key`` of a gate
+    set: Values = field(default_factory=dict)
+    make: Values = field(default_factory=dict)
+    within: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     open: Mapping[str, str | Mapping[str, str]] = field(default_factory=dict)
     when: str = ""
-    change: Callable[..., Any] | None = None
 
     def is_open(self, key: str, method: Method) -> bool:
         """Return whether a method is known to miss the limit of this key here."""
         reason = self.open.get(key, {})
         return isinstance(reason, str) or method.matches(*reason)
 
-    def __str__(self) -> str:
-        return ", ".join(filter(None, (self.at, "changed" if self.change is not None else "")))
-
 
 @dataclass(eq=False)
 class Runs:
-    """A scene at places, with methods; as a decorator it makes a test of each run.
+    """A scene, of the case, shipped or a function, at places, with methods; it decorates a test of each run.
 
-    ``by`` takes the scene instead of a run. ``binds``: patterns of methods whose failure is red as well."""
+    ``by`` takes the scene. ``binds``: patterns of methods whose failure is red as well."""
 
     name: str
     scene: str | Callable[..., Any] = "scene.toml"
     methods: Sequence[Method] = field(default_factory=methods)
     places: Sequence[Place] = (Place(),)
-    set: Mapping[str, Any] = field(default_factory=dict)
-    quick: Mapping[str, Any] = field(default_factory=dict)
-    by: Callable[[Scene], Any] | None = None
+    set: Values = field(default_factory=dict)
+    quick: Values = field(default_factory=dict)
+    by: Callable[[Scene], Any] = run_scene
     binds: Sequence[str] = ()
     when: str = ""
     done: list[CaseRun] = field(default_factory=list)
-    started: int = 0
 
     def __post_init__(self) -> None:
-        if self.when == "quick":
-            return
-        names = [str(method) for method in self.methods if method.when != "quick"]
-        _METHODS.update(names)
-        _PLACES.update(place.at for place in self.places if place.when != "quick")
-        reasons = [reason for place in self.places for reason in place.open.values()]
-        for patterns in (self.binds, *(reason for reason in reasons if not isinstance(reason, str))):
-            _fits("", patterns, names)
+        if self.when != "quick":
+            _METHODS.update(str(method) for method in self.methods if method.when != "quick")
+            _PLACES.update(place.at for place in self.places if place.when != "quick")
+            self.bound(Method("", ""))
 
     def __call__(self, function: Callable[..., Any]) -> Any:
         return each(self)(function)
@@ -148,23 +138,17 @@ class Runs:
 
     def scene_at(self, case: Case, place: Place, method: Method) -> Scene:
         """Return the scene of a place, with the method."""
-        given = place.scene or self.scene
-        values = {**self.set, **(self.quick if case.quick else {}), **place.set}
-        made = given(**place.make) if callable(given) else given
-        if place.change is not None:
-            made, values = place.change(case.scene(made, None, values).to_mapping()), {}
-        return case.scene(made, method, values)
+        given = self.scene(**place.make) if callable(self.scene) else self.scene
+        return case.scene(given, method, {**self.set, **(self.quick if case.quick else {}), **place.set})
+
+    def bound(self, method: Method) -> bool:
+        """Return whether the failure of a method's run is red."""
+        return method.recommended or method.matches(*self.binds)
 
     def start(self, case: Case, place: Place, method: Method) -> CaseRun:
         """Run one point; errors are those of :func:`mpmfw.run`."""
-        self.started += 1
         scene = self.scene_at(case, place, method)
-        if self.by is None:
-            results = case.run(scene)
-        else:
-            with case.timed():
-                results = self.by(scene)
-        self.done.append(CaseRun(case, self.name, place, method, scene, results))
+        self.done.append(CaseRun(case, self.name, place, method, scene, case.run(scene, self.by)))
         return self.done[-1]
 
 
@@ -173,14 +157,14 @@ def each(*runs: Runs) -> Any:
     params = []
     for point in itertools.chain(*(one.points() for one in runs)):
         marks = [getattr(pytest.mark, part.when) for part in point if part.when]
-        name = " | ".join(filter(None, (point[0].name, *map(str, point[1:]))))
+        name = " | ".join(filter(None, (point[0].name, point[1].at, str(point[2]))))
         params.append(pytest.param(point, id=name, marks=marks))
     return pytest.mark.parametrize("run", params, indirect=True)
 
 
 @dataclass
 class CaseRun:
-    """One run: what ran, its results, and the keys of gates that it misses."""
+    """One run: what ran, and its results."""
 
     case: Case
     runs: str
@@ -188,93 +172,116 @@ class CaseRun:
     method: Method
     scene: Scene
     results: Any
-    broken: list[str] = field(default_factory=list)
     _measured: dict[str, Any] = field(default_factory=dict)
 
     def at(self, *patterns: str) -> bool:
         """Return whether a pattern fits the name of its place; it must fit a place of all runs."""
         return _fits(self.place.at, patterns, _PLACES)
 
-    def of(
-        self,
-        measure: str | Callable[..., Any],
-        key: str | None = None,
-        scale: float = 1.0,
-        relative: bool = False,
-        **args: Any,
-    ) -> float | None:
-        """Return what a function of the results, or a campaign's measure, gives: a number, or None.
-
-        ``key`` takes one of several; ``relative`` is the departure from the closed form."""
-        name = f"{measure} {args} {relative}"
+    def of(self, measure: Callable[..., Any], key: str | None = None, scale: float = 1.0, **args: Any) -> Any:
+        """Return what a function of the results gives: a number, or None; ``key`` takes one of several."""
+        name = f"{measure} {args}"
         if name not in self._measured:
-            found = measure(self.results, **args) if callable(measure) else self._of(measure, relative, args)
-            self._measured[name] = found
-        return _number(self._measured[name], key, scale)
-
-    def _of(self, name: str, relative: bool, args: Mapping[str, Any]) -> float:
-        measure, about = measure_of(name), About(**args)
-        measured = measure.of(self.results, self.scene, about)
-        exact = exact_of(measure, self.scene, about) if relative else None
-        if relative and exact is None:
-            raise SceneError(f"scene '{self.scene.name}' has no closed form of {name}")
-        value = float(measured.values[0])
-        return value if exact is None else value / float(exact.at(measured.time)[0]) - 1.0
+            self._measured[name] = measure(self.results, **args)
+        found = self._measured[name]
+        value = found[key] if isinstance(found, Mapping) and key is not None else found
+        return None if value is None else scale * float(value)
 
     def gate(
-        self,
-        quantity: str,
-        value: float | None,
-        *rest: Any,
-        key: str = "",
-        binds: bool | None = None,
-        **named: Any,
-    ) -> None:
-        """Record a value as :meth:`Case.gate`, which takes the ``rest``, within the limits of its place."""
-        if value is None:
-            return
-        named |= dict(zip(("reference", "tolerance", "unit"), rest, strict=False))
-        tolerance = named["tolerance"] = self.place.within.get(key, named.get("tolerance"))
-        least, most = limits(tolerance)
-        if not least <= value <= most and tolerance is not None:
-            self.broken.append(key or quantity)
-        if self.place.change is None:
-            binds = self.method.recommended if binds is None else binds
-            binds = binds and not (key and self.place.is_open(key, self.method))
-            self.case.gate(quantity, value, method=self.method, binds=binds, **named)
+        self, quantity: str, value: Any, reference: Any = "", tolerance: Any = None, unit: str = "",
+        *, key: str = "", binds: bool | None = None,
+    ) -> None:  # fmt: skip
+        """Record a value as :meth:`Case.gate`, within the limits that its place has for the ``key``."""
+        binds = self.method.recommended if binds is None else binds
+        binds = binds and not (key and self.place.is_open(key, self.method))
+        within = self.place.within.get(key, tolerance)
+        self.case.gate(quantity, value, reference, within, unit, self.method, binds)
 
     def gates(
-        self,
-        measure: str | Callable[..., Any],
-        *rows: tuple[Any, ...],
-        binds: bool | None = None,
-        **args: Any,
+        self, measure: Callable[..., Any], *rows: tuple[Any, ...], binds: bool | None = None, **args: Any
     ) -> None:
         """Record values of a measure: rows of a quantity with ``{at}``, a key, and what a gate takes."""
         for quantity, key, *rest in rows:
             self.gate(quantity.format(at=self.place.at), self.of(measure, key, **args), *rest, binds=binds)
 
 
-class RunSet(list[CaseRun]):
-    """Runs that are judged together."""
-
-    def of(
-        self, measure: Callable[..., Any], key: str | None = None, scale: float = 1.0, **args: Any
-    ) -> float | None:
-        """Return what a function of all these runs gives: a number, or None."""
-        return _number(measure(self, **args), key, scale)
-
-    def by_method(self, *patterns: str) -> Iterator[tuple[Method, RunSet]]:
-        """Yield each method whose name a pattern fits, all without patterns, with its runs."""
-        for method in dict.fromkeys(run.method for run in self):
-            if not patterns or method.matches(*patterns):
-                yield method, RunSet(run for run in self if run.method == method)
-
-    def only(self, *patterns: str) -> RunSet:
-        """Return the runs of methods whose names a pattern fits."""
-        return RunSet(run for run in self if run.method.matches(*patterns))
+def by_method(runs: Sequence[CaseRun], *patterns: str) -> Iterator[tuple[Method, list[CaseRun]]]:
+    """Yield each method whose name a pattern fits, all without patterns, with its runs."""
+    for method in dict.fromkeys(run.method for run in runs):
+        if not patterns or method.matches(*patterns):
+            yield method, [run for run in runs if run.method == method]
 
 
-def _number(found: Any, key: str | None, scale: float) -> float | None:
-    value = found[key] if isinstance(found, Mapping) and key is not None else found
-    return None if value is None else scale * float(value)
+@dataclass
+class Case:
+    """A case while it is checked: folder, version, and the rows of its table.
+
+    ``known``: why gates are known not to hold, by method and quantity, of the test that runs."""
+
+    folder: Path
+    quick: bool = False
+    rows: list[dict[str, Any]] = field(default_factory=list)
+    figures: dict[str, Any] = field(default_factory=dict)
+    known: Mapping[Any, str] = field(default_factory=dict)
+    _seconds: float = nan
+
+    def scene(self, given: Any, method: Method, values: Values) -> Scene:
+        """Return a file of the case, a shipped scene or a mapping as a scene, with values and method."""
+        if isinstance(given, str) and (self.folder / given).exists():
+            given = str(self.folder / given)
+        chosen = {"contact.method": method.contact, "shape.method": method.shape}
+        chosen = {key: name for key, name in chosen.items() if name}
+        return load_scene(given, set={**chosen, **values, **method.set})
+
+    def run(self, scene: Scene, by: Callable[[Scene], Any] = run_scene) -> Any:
+        """Run a scene; settling that ends with a warning is in the rows."""
+        with warnings.catch_warnings(), self.timed():
+            warnings.simplefilter("ignore", ResultsWarning)
+            results = by(scene)
+        attrs = getattr(results, "attrs", {})
+        if "cpu_time" in attrs:  # without compilation
+            self._seconds = float(attrs["cpu_time"]) + float(attrs.get("settle_time", 0.0))
+        return results
+
+    def gate(
+        self, quantity: str, value: Any, reference: Any = "", tolerance: Any = None, unit: str = "",
+        method: Any = "", binds: bool | None = None, note: str = "",
+    ) -> None:  # fmt: skip
+        """Record a value beside its reference, None not; ``tolerance`` is t for ± t, or least and largest.
+
+        If it ``binds``, by default of recommended methods, the suite fails where the value is outside. The
+        verdict is ``holds``, ``RED`` or ``known red`` of a gate, else ``within``, ``outside``, ``shown``
+        without limits, or ``failed``, of a run that did, for the reason in ``note``."""
+        if value is None:
+            return
+        binds = (isinstance(method, str) or method.recommended) if binds is None else binds
+        limits = (-inf, inf) if tolerance is None else tolerance
+        least, most = limits if isinstance(limits, tuple) else (-limits, limits)
+        inside, reason = least <= value <= most, self.known.get((str(method), quantity), "")  # NaN is not
+        if binds and tolerance is not None:
+            verdict = ("RED" if inside else "known red") if reason else ("holds" if inside else "RED")
+        else:
+            bare = "failed" if note else "shown" if least == -most == -inf else ""
+            verdict = bare or ("within" if inside else "outside")
+        self.rows.append({
+            "case": self.folder.name, "method": str(method), "quantity": quantity, "reference": reference,
+            "value": float(value), "unit": unit, "least": float(least), "most": float(most),
+            "verdict": verdict, "seconds": nan if note else self._seconds, "note": note, "reason": reason,
+        })  # fmt: skip
+
+    def failed(self, method: Method, why: str, binds: bool | None = None, at: str = "") -> None:
+        """Record why a method got no result at a place; red of the recommended, or as ``binds`` says."""
+        self.gate(f"{at}: run" if at else "run", nan, "ends", (0.0, inf), "", method, binds, note=why)
+
+    def figure(self, name: str, figure: Any) -> None:
+        """Keep a figure as ``<case>-<name>.png``, or ``<case>.png`` without a name."""
+        self.figures[f"{self.folder.name}-{name}" if name else self.folder.name] = figure
+
+    @contextlib.contextmanager
+    def timed(self) -> Iterator[None]:
+        """Take the CPU time of the block as that of the rows recorded afterwards."""
+        start, self._seconds = time.process_time(), nan
+        try:
+            yield
+        finally:
+            self._seconds = time.process_time() - start

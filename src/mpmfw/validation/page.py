@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import platform
 import re
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 from PIL import Image
@@ -14,87 +16,88 @@ from PIL import Image
 from mpmfw.campaigns.work import processor
 from mpmfw.results.replacing import replace_bytes
 from mpmfw.validation.case import CONTACTS, SHAPES, Method
-from mpmfw.validation.rows import Row, Verdict
-from mpmfw.validation.suite import CaseResult
 
+Rows = list[dict[str, Any]]
 BEGIN, END = "<!-- mpmfw validate: begin -->", "<!-- mpmfw validate: end -->"
 COLUMNS = (
     "case", "method", "quantity", "reference", "value", "unit", "least", "most", "verdict", "seconds", "note",
     "reason",
 )  # fmt: skip
+#: Verdicts on gates.
+GATES = ("holds", "RED", "known red")
 #: Colours of a page's figures; fewer make a smaller file.
 PALETTE = 96
 
 
-def rows_of(results: Iterable[CaseResult]) -> pd.DataFrame:
-    """Return every row of some cases."""
-    rows = [[getattr(row, name) for name in COLUMNS] for one in results for row in one.rows]
-    return pd.DataFrame(rows, columns=COLUMNS)
+def said(row: Mapping[str, Any]) -> str:
+    """Return a row as a sentence."""
+    value, reason = row["note"] or f"{row['value']:.4g} {row['unit']}".rstrip(), row["reason"]
+    cured = ", which holds, and is marked as known red" if reason and row["verdict"] == "RED" else ""
+    text = f"{row['method']}, {row['quantity']}: {value} ({row['least']:g} … {row['most']:g}){cured}"
+    return f"{text}: {reason}" if reason else text
 
 
-def write_csv(results: Iterable[CaseResult], path: Path) -> None:
+def write_csv(rows: Rows, path: Path) -> None:
     """Write every row with its full digits."""
-    replace_bytes(rows_of(results).to_csv(index=False, na_rep="nan").encode(), path)
+    replace_bytes(pd.DataFrame(rows, columns=COLUMNS).to_csv(index=False, na_rep="nan").encode(), path)
 
 
-def summary(results: Sequence[CaseResult]) -> str:
+def summary(rows: Rows) -> str:
     """Return one sentence: gates that hold and do not."""
-    count = rows_of(results)["verdict"].value_counts().reindex(list(Verdict), fill_value=0)
-    gates = int(count[[Verdict.HOLDS, Verdict.RED, Verdict.KNOWN]].sum())
-    text = (
-        f"{len(results)} {'case' if len(results) == 1 else 'cases'}, {gates} gates: "
-        f"{count[Verdict.HOLDS]} hold, {count[Verdict.RED]} red, {count[Verdict.KNOWN]} known red; "
-        f"{count.sum() - gates} more values, of which "
-        f"{count[Verdict.OUTSIDE]} outside the gates' limits and {count[Verdict.FAILED]} of runs that failed"
+    count, cases = Counter(row["verdict"] for row in rows), len({row["case"] for row in rows})
+    holds, red, known = (count[verdict] for verdict in GATES)
+    return (
+        f"{cases} {'case' if cases == 1 else 'cases'}, {holds + red + known} gates: {holds} hold, {red} red, "
+        f"{known} known red; {len(rows) - holds - red - known} more values, of which {count['outside']} "
+        f"outside the gates' limits and {count['failed']} of runs that failed"
     )
-    broken = ", ".join(one.folder.name for one in results if one.error)
-    return text + (f"; broken cases: {broken}" if broken else "")
 
 
-def red_rows(results: Iterable[CaseResult]) -> list[Row]:
+def red_rows(rows: Rows) -> Rows:
     """Return the gates that do not hold."""
-    return [row for one in results for row in one.rows if row.verdict in (Verdict.RED, Verdict.KNOWN)]
+    return [row for row in rows if row["verdict"] in GATES[1:]]
 
 
-def write_page(results: Sequence[CaseResult], path: Path, command: str) -> None:
+def write_page(rows: Rows, path: Path, command: str, figures: Path | None = None) -> None:
     """Write the results between the marks of a page; CSV and its figures in a folder of its name.
 
-    ``command`` is the one that the page names."""
+    ``command`` is the one that the page names; ``figures`` are those in this folder that the page shows."""
     folder = path.with_suffix("")
     folder.mkdir(parents=True, exist_ok=True)
     page = path.read_text(encoding="utf-8") if path.is_file() else f"# Validation\n\n{BEGIN}\n{END}\n"
     before, _, rest = page.partition(BEGIN)
-    _, _, after = rest.partition(END)
-    shown = set(re.findall(rf"\]\({re.escape(folder.name)}/([\w.-]+\.png)\)", page))
-    for figure in (figure for one in results for figure in one.figures if figure.name in shown):
-        Image.open(figure).convert("RGB").quantize(PALETTE).save(folder / figure.name, optimize=True)
-    write_csv(results, folder / "rows.csv")
+    for name in re.findall(rf"\]\({re.escape(folder.name)}/([\w.-]+\.png)\)", page):
+        if figures is not None and (figures / name).is_file():
+            image = Image.open(figures / name).convert("RGB").quantize(PALETTE)
+            image.save(folder / name, optimize=True)
+    write_csv(rows, folder / "rows.csv")
     packages = ", ".join(f"{name} {version(name)}" for name in ("mpmfw", "numpy", "numba"))
     written = f"{command}, Python {platform.python_version()}, {packages}, {processor()}"
-    red = [f"- `{row.case}`: {row}: {row.reason or 'not known why'}" for row in red_rows(results)]
+    red = [
+        f"- `{row['case']}`: {said(row)}{'' if row['reason'] else ': not known why'}"
+        for row in red_rows(rows)
+    ]
     parts = [
-        BEGIN,
-        f"Written by {written}.\n{summary(results)}. [All rows]({folder.name}/rows.csv).",
-        *(["Gates that do not hold:", "\n".join(red)] if red else ["Every gate holds."]),
+        f"{BEGIN}\n\nWritten by {written}.\n{summary(rows)}. [All rows]({folder.name}/rows.csv).",
+        "\n".join(["Gates that do not hold:\n", *red]) if red else "Every gate holds.",
         "Values within their limits, of those that have any, by case and method:",
-        _matrix(rows_of(results)),
-        END,
+        f"{_matrix(pd.DataFrame(rows))}\n\n{END}",
     ]
     text = "\n\n".join(parts)
-    replace_bytes(f"{before}{text}{after}".encode(), path)
+    replace_bytes(f"{before}{text}{rest.partition(END)[2]}".encode(), path)
 
 
 def _matrix(rows: pd.DataFrame) -> str:
     """Return ``3/4`` by case and method: values within limits, of those that have any or failed."""
-    judged = rows[rows["verdict"] != Verdict.SHOWN]
-    held = judged["verdict"].isin([Verdict.HOLDS, Verdict.WITHIN]).groupby([judged["case"], judged["method"]])
+    judged = rows[rows["verdict"] != "shown"]
+    held = judged["verdict"].isin(["holds", "within"]).groupby([judged["case"], judged["method"]])
     shares = held.agg(lambda one: f"{one.sum()}/{len(one)}").unstack("method", fill_value="")
     usual = [str(Method(contact, "cpdi")) for contact in CONTACTS]
     usual += [str(Method("penalty", shape)) for shape in SHAPES if shape != "cpdi"]
     number = rows.groupby("method", sort=False)["case"].nunique()
     frequent = [one for one in number.index if one and number[one] > rows["case"].nunique() // 2]
-    table = shares.reindex(columns=[one for one in usual if one in number], fill_value="")
-    table = table.join(shares.reindex(columns=[one for one in frequent if one not in usual], fill_value=""))
+    shown = [one for one in dict.fromkeys([*usual, *frequent]) if one in number]
+    table = shares.reindex(columns=shown, fill_value="")
     lines = [["case", *(f"`{one}`" for one in table)], ["---"] * (table.shape[1] + 1)]
     lines += [[f"`{case}`", *texts] for case, *texts in table.itertuples(name=None) if any(texts)]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
