@@ -10,13 +10,11 @@ import xarray as xr
 from scipy.spatial import cKDTree
 
 from mpmfw.report.table import gap_measures, rings_measures
-from mpmfw.results.analysis import averaged, contact_phases, impulse, relative_l2
+from mpmfw.results.analysis import contact_phases
 from mpmfw.results.references import RingsReference, rings_table
 from mpmfw.state.fields import FloatArray
 
 REFERENCE = RingsReference("left", "right")
-#: Share of the total impulse by which it may be away from its plateau between the two contacts.
-NEAR = 0.005
 
 
 def series_of(tree: xr.DataTree) -> xr.Dataset:
@@ -46,47 +44,27 @@ def reference_impulse(time: FloatArray) -> FloatArray:
     return np.asarray(np.interp(time, table["time"], table["fine_impulse_Ns_per_m"]))
 
 
-def plateau(time: FloatArray, impulses: FloatArray) -> tuple[float, float]:
-    """Start and end [ms] of the interval round 1.6 ms in which the impulse changes by no more than NEAR.
-
-    A last touch of one surface node moves the end of the first contact by 0.1 ms, but carries no impulse.
-    """
-    middle = int(np.searchsorted(time, 1.6e-3))
-    if middle >= len(time) or not np.isfinite(impulses).all():
-        return math.nan, math.nan
-    away = np.flatnonzero(np.abs(impulses - impulses[middle]) > NEAR * abs(impulses[-1]))
-    before, after = away[away < middle], away[away > middle]
-    if len(before) == 0 or len(after) == 0:
-        return math.nan, math.nan
-    return 1e3 * float(time[before[-1] + 1]), 1e3 * float(time[after[0] - 1])
+def drift_of(series: xr.Dataset) -> float:
+    """Largest change of linear momentum over its largest component at the start."""
+    momentum = series["linear_momentum"]
+    drift = np.abs((momentum - momentum.isel(time=0)).sum("body")).max()
+    return float(drift / np.abs(momentum.isel(time=0)).max())
 
 
 def measures_of(tree: xr.DataTree) -> dict[str, float]:
-    """Everything that is judged: :func:`mpmfw.report.table.rings_measures` and what it leaves out.
+    """Return what is judged: :func:`mpmfw.report.table.rings_measures` and what it leaves out.
 
     Times are in ms, errors in %, lengths in cells, velocities in m/s.
     """
     series = series_of(tree)
-    time, force = force_of(series)
-    phases = contact_phases(time, force)
-    start, end = plateau(time, impulse(time, force))
-    exact = averaged(time, reference_impulse(time), 50e-6)
-    momentum = series["linear_momentum"]
-    drift = np.abs((momentum - momentum.isel(time=0)).sum("body")).max()
-    velocity = series["mean_velocity"].sel(axis="x").isel(time=-1)
-    lost = series["transfer_dissipation"].values[-1] if "transfer_dissipation" in series else math.nan
+    phases = contact_phases(*force_of(series))
     return {
         **rings_measures(series, REFERENCE),
         **gap_measures(series["min_gap"].isel(pair=0).values / tree.attrs["cell_size"]),
-        "force_error_50us": relative_l2(time, averaged(time, impulse(time, force), 50e-6), exact),
         "gap_start": 1e3 * phases.gap_start,
         "gap_end": 1e3 * phases.gap_end,
-        "plateau_start": start,
-        "plateau_end": end,
-        "momentum": float(drift / np.abs(momentum.isel(time=0)).max()),
-        "transfer": float(lost) / float(series["kinetic_energy"].isel(time=0).sum()),
+        "momentum": drift_of(series),
         "mirror": mirror_error(tree),
-        "rebound": 0.5 * float(velocity.sel(body="right") - velocity.sel(body="left")),
     }
 
 

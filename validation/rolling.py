@@ -4,11 +4,13 @@
 """
 
 import math
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
+from mpmfw.geometry.solid import turning
 from mpmfw.report.table import gap_measures
 from mpmfw.results.analysis import RollingSolution, fitted_acceleration, value_at
 from mpmfw.results.references import RollingReference, reference_of
@@ -104,6 +106,31 @@ def measures(motion: Motion, roll: Roll) -> dict[str, float]:
 def errors(run: xr.DataTree, roll: str) -> dict[str, float]:
     """The measures of a run with ``slip`` or ``no slip``."""
     return measures(motion_of(run), SLIP if roll == "slip" else NO_SLIP)
+
+
+def sphere_errors(
+    run: xr.DataTree, scene: str | None = None, angles: Sequence[float] = (0.0, 0.0, 0.0)
+) -> dict[str, float]:
+    """Errors of the sphere [%] against the rigid one, fitted to the last 80 % of the time.
+
+    ``scene`` is the shipped one with the plane along the grid, where it is not the run's own; ``angles``
+    [deg] are those by which it is turned; the columns of the turn are the axes along the plane, across it,
+    and of the rolling."""
+    reference = reference_of(run.attrs if scene is None else {"scene": shipped_scenes()[scene]})
+    assert isinstance(reference, RollingReference)
+    series, solution = run["series"].to_dataset(), reference.solution
+    axes, time = turning(tuple(np.radians(angles))), series["time"].values
+    way = series["centre_of_mass"].sel(body="sphere").values @ axes[:, 0]
+    spin = series["angular_velocity"].sel(body="sphere").values @ axes[:, 2]
+    end = float(time[-1])
+    late = time >= 0.2 * end
+    spinning_up = float(np.polyfit(time[late], spin[late], 1)[0])
+    fitted = fitted_acceleration(time, way, 0.2 * end, end)
+    return {
+        "displacement": 100.0 * ((way[-1] - way[0]) / float(solution.displacement(end)) - 1.0),
+        "fitted acceleration": 100.0 * (fitted / solution.acceleration - 1.0),
+        "fitted angular acceleration": 100.0 * (spinning_up / solution.angular_acceleration - 1.0),
+    }
 
 
 def fitted_slope(time: FloatArray, values: FloatArray, start: float, end: float) -> float:

@@ -1,11 +1,11 @@
 """Scenes of bodies of revolution, and what closed forms say of them."""
 
-from typing import Any
-
 import numpy as np
-import xarray as xr
+from common import elastic, fixed, polygon, rectangle, scene
+from scipy.optimize import curve_fit
 
 YOUNG, POISSON, DENSITY = 1e6, 0.3, 1e3
+RUBBER = elastic(DENSITY, YOUNG, POISSON)
 #: Inner and outer radius of the pipe [m], and the pressure in it [Pa].
 INNER, OUTER, PRESSURE = 0.5, 1.0, 1e3
 #: Mean radius of the ring, and the edge of its section [m].
@@ -18,55 +18,31 @@ MODULUS = YOUNG / (1.0 - POISSON**2)
 MASS = 4.0 / 3.0 * np.pi * BALL**3 * DENSITY
 
 
-def _scene(
-    cell: float, body: dict[str, Any], time: tuple[float, float], upper: tuple[float, float]
-) -> dict[str, Any]:
-    return {
-        "grid": {"cell_size": cell, "lower": [0.0, -1.0], "upper": list(upper), "axisymmetric": True},
-        "time": {"end": time[0], "output_interval": time[1]},
-        "shape": {"method": "cpdi"},
-        "materials": {
-            "rubber": {
-                "model": "linear_elastic",
-                "density": DENSITY,
-                "youngs_modulus": YOUNG,
-                "poissons_ratio": POISSON,
-            }
-        },
-        "bodies": {"solid": {"material": "rubber", "particles": {"size": "0.5 cells"}, **body}},
-        "output": {"ledger": True},
-    }
+def revolved(cell, body, end, interval, upper, lower=(0.0, -1.0), material=RUBBER, **bodies):
+    """Return a scene of a solid of revolution, and other bodies."""
+    tables = {"grid": {"axisymmetric": True}, "output": {"ledger": True}}
+    tables["contact"] = {} if bodies else None
+    return scene(cell, lower, upper, end, interval, material, {"solid": body, **bodies}, **tables)
 
 
-def _rectangle(*corners: float) -> dict[str, Any]:
-    return {"type": "rectangle", "lower": list(corners[:2]), "upper": list(corners[2:])}
-
-
-def pipe(cells: int) -> dict[str, Any]:
+def pipe(cells):
     """Return a pipe with so many ``cells`` in its wall under pressure, at rest."""
     cell = (OUTER - INNER) / cells
-    body = {
-        "geometry": _rectangle(INNER, 0.0, OUTER, 4.0 * cell),
-        "sides": [
-            {"side": "left", "pressure": PRESSURE},
-            {"side": "bottom", "fixed": ["y"]},
-            {"side": "top", "fixed": ["y"]},
-        ],
-    }
-    scene = _scene(cell, body, (1e-4, 1e-4), (1.5, 1.0))
-    return scene | {"settle": {"tolerance": 1e-4}}
+    sides = [{"side": "left", "pressure": PRESSURE}, *fixed(bottom="y", top="y")]
+    body = rectangle(INNER, 0.0, OUTER, 4.0 * cell, sides=sides)
+    return revolved(cell, body, 1e-4, 1e-4, (1.5, 1.0)) | {"settle": {"tolerance": 1e-4}}
 
 
-def fitted(cells: int) -> dict[str, Any]:
+def fitted(cells):
     """Return the pipe without friction on a rigid shaft, too thick by what the pressure opens the pipe by."""
-    scene, share = pipe(cells), PRESSURE * INNER**2 / (OUTER**2 - INNER**2)
+    made, share = pipe(cells), PRESSURE * INNER**2 / (OUTER**2 - INNER**2)
     wide = INNER + (1.0 + POISSON) * share / YOUNG * ((1.0 - 2.0 * POISSON) * INNER + OUTER**2 / INNER)
-    scene["bodies"]["solid"]["sides"] = scene["bodies"]["solid"]["sides"][1:]
-    scene["bodies"]["shaft"] = {"geometry": _rectangle(0.0, -0.5, wide, 1.0), "rigid": True}
-    return scene | {"contact": {"method": "penalty"}, "allow_overlap": True}
+    made["bodies"]["solid"]["sides"] = made["bodies"]["solid"]["sides"][1:]
+    made["bodies"]["shaft"] = rectangle(0.0, -0.5, wide, 1.0, rigid=True)
+    return made | {"contact": {"method": "penalty"}, "allow_overlap": True}
 
 
-def lame(tree: xr.DataTree) -> dict[str, float]:
+def lame(tree):
     """Return the largest errors of the ``hoop`` stress over the inner one's, and that of the ``opening`` [%].
 
     σ_θθ = A (1 + b²/r²) and u = (1 + ν) A / E ((1 − 2ν) r + b²/r), A = p a² / (b² − a²); plane strain."""
@@ -84,23 +60,19 @@ def lame(tree: xr.DataTree) -> dict[str, float]:
     }
 
 
-def shell(cells: int) -> dict[str, Any]:
+def shell(cells):
     """Return a sphere's shell with so many ``cells`` in its wall under pressure inside, at rest."""
     angle = np.linspace(0.0, np.pi, 181)
     arc = np.stack([np.sin(angle), -np.cos(angle)], axis=1)
     arc[[0, -1], 0] = 0.0
-    points = np.concatenate([OUTER * arc, INNER * arc[::-1]]).tolist()
-    body = {
-        "geometry": {"type": "polygon", "points": points},
-        "sides": [{"side": "inner", "pressure": PRESSURE}],
-    }
-    scene = _scene((OUTER - INNER) / cells, body, (1e-4, 1e-4), (1.5, 1.5))
-    scene["grid"]["lower"] = [0.0, -1.5]
-    return scene | {"settle": {"tolerance": 1e-4}}
+    points = np.concatenate([OUTER * arc, INNER * arc[::-1]])
+    body = polygon(points, sides=[{"side": "inner", "pressure": PRESSURE}])
+    made = revolved((OUTER - INNER) / cells, body, 1e-4, 1e-4, (1.5, 1.5), (0.0, -1.5))
+    return made | {"settle": {"tolerance": 1e-4}}
 
 
-def opened(tree: xr.DataTree) -> dict[str, float]:
-    """Return the error [%] of the ``opening`` of the shell by least squares over its points.
+def opened(tree):
+    """Return the error [%] of the opening of the shell by least squares over its points.
 
     u/R = A/E [1 − 2ν + (1 + ν) b³/(2 R³)], A = p a³ / (b³ − a³); Timoshenko & Goodier, article 136."""
     last = tree["particles/solid"].to_dataset().isel(time=-1)
@@ -108,25 +80,19 @@ def opened(tree: xr.DataTree) -> dict[str, float]:
     radius = np.linalg.norm(last["position"].values, axis=1) / stretch
     share = PRESSURE * INNER**3 / (OUTER**3 - INNER**3) / YOUNG
     exact = share * (1.0 - 2.0 * POISSON + 0.5 * (1.0 + POISSON) * (OUTER / radius) ** 3)
-    return {"opening": 100.0 * float((stretch - 1.0) @ exact / (exact @ exact) - 1.0)}
+    return 100.0 * float((stretch - 1.0) @ exact / (exact @ exact) - 1.0)
 
 
-def ring() -> dict[str, Any]:
+def ring():
     """Return a ring two cells wide that is thrown outwards, for two periods."""
-    half = 0.5 * EDGE
-    body = {
-        "geometry": _rectangle(RING - half, 0.4, RING + half, 0.4 + EDGE),
-        "velocity": [0.1, 0.0],
-    }
-    period = 2.0 * np.pi * RING / np.sqrt(YOUNG / DENSITY)
-    return _scene(0.5 * EDGE, body, (2.0 * period, period / 50.0), (3.0, 1.5))
+    half, period = 0.5 * EDGE, 2.0 * np.pi * RING / np.sqrt(YOUNG / DENSITY)
+    body = rectangle(RING - half, 0.4, RING + half, 0.4 + EDGE, velocity=[0.1, 0.0])
+    return revolved(half, body, 2.0 * period, period / 50.0, (3.0, 1.5))
 
 
-def breathing(tree: xr.DataTree) -> dict[str, float]:
+def breathing(tree):
     """Return errors of the ``period`` by least squares against √(E/ρ)/R and of the ``energy`` at the end [%],
     and the largest axial ``momentum`` over the radial one."""
-    from scipy.optimize import curve_fit
-
     series = tree["series"].to_dataset()
     time, place = series["time"].values, series["centre_of_mass"].values[:, 0, 0]
     rate = np.sqrt(YOUNG / DENSITY) / RING
@@ -140,46 +106,31 @@ def breathing(tree: xr.DataTree) -> dict[str, float]:
     }
 
 
-def half_disc(corners: int = 240) -> list[list[float]]:
+def half_disc(corners=240):
     """Return the outline of a ball in the half-plane; the polygon has the ball's volume to 1e-4."""
     angle = np.linspace(-0.5 * np.pi, 0.5 * np.pi, corners)
     place = BALL * np.stack([np.cos(angle), 1.0 + np.sin(angle)], axis=1)
     place[[0, -1], 0] = 0.0
-    return [[float(x), float(y)] for x, y in place]
+    return place.tolist()
 
 
-def ball(cells: int) -> dict[str, Any]:
+def ball(cells):
     """Return a ball of so many ``cells`` in its radius that falls on a rigid plane without friction."""
-    body = {"geometry": {"type": "polygon", "points": half_disc()}, "velocity": [0.0, -SPEED]}
-    end = 1.4 * hertz()["time"]
-    scene = _scene(BALL / cells, body, (end, end / 400.0), (1.5, 2.5))
-    scene["bodies"]["plane"] = {"geometry": _rectangle(-0.5, -0.5, 1.5, -1e-6), "rigid": True}
-    scene["contact"] = {"method": "penalty"}
-    return scene
+    body, end = polygon(half_disc(), velocity=[0.0, -SPEED]), 1.4 * hertz()["time"]
+    plane = rectangle(-0.5, -0.5, 1.5, -1e-6, rigid=True)
+    return revolved(BALL / cells, body, end, end / 400.0, (1.5, 2.5), plane=plane)
 
 
-def bar(cells: int) -> dict[str, Any]:
+def bar(cells):
     """Return Taylor's bar of copper, so many ``cells`` in its radius, against a smooth wall for 80 µs."""
     length, radius = 32.4e-3, 3.2e-3
-    body = {
-        "geometry": _rectangle(0.0, 0.0, radius, length),
-        "velocity": [0.0, -227.0],
-        "sides": [{"side": "bottom", "fixed": ["y"]}],
-    }
-    scene = _scene(radius / cells, body, (8e-5, 4e-6), (3.2 * radius, 1.1 * length))
-    scene["grid"]["lower"] = [0.0, -4.0 * radius / cells]
-    scene["materials"]["rubber"] = {
-        "model": "j2",
-        "density": 8930.0,
-        "youngs_modulus": 117e9,
-        "poissons_ratio": 0.35,
-        "yield_stress": 4e8,
-        "hardening_modulus": 1e8,
-    }
-    return scene
+    body = rectangle(0.0, 0.0, radius, length, velocity=[0.0, -227.0], sides=fixed(bottom="y"))
+    copper = elastic(8930.0, 117e9, 0.35, "j2", yield_stress=4e8, hardening_modulus=1e8)
+    cell = radius / cells
+    return revolved(cell, body, 8e-5, 4e-6, (3.2 * radius, 1.1 * length), (0.0, -4.0 * cell), copper)
 
 
-def upset(tree: xr.DataTree) -> dict[str, float]:
+def upset(tree):
     """Return the final ``length`` and radius of the ``foot`` [mm], half a point beyond the outermost ones,
     and the energy that is ``lost`` beyond plastic flow and the transfer, over the start [%]."""
     points = tree["particles/solid"].to_dataset()
@@ -195,7 +146,7 @@ def upset(tree: xr.DataTree) -> dict[str, float]:
     }
 
 
-def hertz() -> dict[str, float]:
+def hertz():
     """Return the largest force [N] and the time of contact [s] of Hertz's impact on a rigid plane.
 
     K. L. Johnson, Contact Mechanics (1985), section 11.4: F = 4/3 E* √R δ^1.5, and the kinetic energy."""
@@ -204,21 +155,19 @@ def hertz() -> dict[str, float]:
     return {"force": stiffness * depth**1.5, "time": 2.9432 * depth / SPEED}
 
 
-def resting(cells: int, kappa: float) -> dict[str, Any]:
+def resting(cells, kappa):
     """Return the ball of the case hertz-in-space on a rigid plane under its weight: a contact of 0.2 R."""
-    scene = ball(cells)
-    solid, plane = scene["bodies"]["solid"], scene["bodies"]["plane"]
-    rise = 0.014
-    solid["geometry"] = {"type": "polygon", "points": [[x, y + rise] for x, y in half_disc()]}
-    plane["geometry"] = _rectangle(-0.5, -0.5, 1.5, rise)
-    scene["materials"]["rubber"]["youngs_modulus"] = 3.5771353e6
-    del solid["velocity"]
-    scene["contact"]["penalty"] = {"kappa": kappa}
-    scene["time"] = {"end": 1e-4, "output_interval": 1e-4}
-    return scene | {"gravity": {"vector": [0.0, -10.0]}, "settle": {"tolerance": 1e-3}}
+    made, rise = ball(cells), 0.014
+    made["bodies"]["solid"] |= polygon([[x, y + rise] for x, y in half_disc()])
+    made["bodies"]["plane"] |= rectangle(-0.5, -0.5, 1.5, rise)
+    made["materials"]["solid"] = elastic(DENSITY, 3.5771353e6, POISSON)
+    del made["bodies"]["solid"]["velocity"]
+    made["contact"]["penalty"] = {"kappa": kappa}
+    made["time"] = {"end": 1e-4, "output_interval": 1e-4}
+    return made | {"gravity": {"vector": [0.0, -10.0]}, "settle": {"tolerance": 1e-3}}
 
 
-def circle(tree: xr.DataTree) -> dict[str, float]:
+def circle(tree):
     """Return the errors [%] of the ``force`` against the weight, and of the ``radius`` √(5/2 ⟨r²⟩) of the
     contact against 0.2 R."""
     solid = tree["surface/solid"].to_dataset().isel(time=-1)
@@ -230,18 +179,21 @@ def circle(tree: xr.DataTree) -> dict[str, float]:
     }
 
 
-def in_space(cells: int) -> dict[str, Any]:
+def in_space(cells):
     """Return the same impact in space, where the axis is y."""
-    scene = ball(cells)
-    scene["grid"] = {"cell_size": BALL / cells, "lower": [-1.5, -1.0, -1.5], "upper": [1.5, 2.5, 1.5]}
-    solid, plane = scene["bodies"]["solid"], scene["bodies"]["plane"]
-    solid["geometry"] = {"type": "ball", "centre": [0.0, BALL, 0.0], "radius": BALL}
-    solid["velocity"] = [0.0, -SPEED, 0.0]
-    plane["geometry"] = {"type": "box", "lower": [-0.8, -0.4, -0.8], "upper": [0.8, -1e-6, 0.8]}
-    return scene
+    made = ball(cells)
+    made["grid"] = {"cell_size": BALL / cells, "lower": [-1.5, -1.0, -1.5], "upper": [1.5, 2.5, 1.5]}
+    centre = {"type": "ball", "centre": [0.0, BALL, 0.0], "radius": BALL}
+    made["bodies"]["solid"] |= {"geometry": centre, "velocity": [0.0, -SPEED, 0.0]}
+    made["bodies"]["plane"]["geometry"] = {
+        "type": "box",
+        "lower": [-0.8, -0.4, -0.8],
+        "upper": [0.8, -1e-6, 0.8],
+    }
+    return made
 
 
-def impact(tree: xr.DataTree) -> dict[str, float]:
+def impact(tree):
     """Return errors of the ``force`` over the approach of the centre of mass by least squares, of the
     ``time`` between a quarter and three quarters of the impulse [%], the ``restitution``, and the ``energy``
     with what was lost, over the start."""

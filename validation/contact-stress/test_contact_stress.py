@@ -4,21 +4,51 @@
 from dataclasses import replace
 from math import inf
 
-import blocks
-import figures
-from classical import POSITION, specified
-from convergence import observed_order
+import numpy as np
+from common import POSITION, specified, stress
 
+from mpmfw.plots.style import dress, legend_below, new_figure
 from mpmfw.validation import RECOMMENDED, SHAPES, Place, Runs, each, full, methods, together
+
+COLOURS = ("#0072B2", "#56B4E9", "#D55E00", "#E69F00")
+
+
+def draw(runs):
+    """Draw L2 error and departure away from the walls over the cell size, with slopes for reference."""
+    curves = {}
+    for run in runs:
+        found = float(run.results.attrs["cell_size"]), stress(run.results)
+        curves.setdefault(str(run.method), []).append(found)
+    figure = new_figure(2, 1, 62.0)
+    left, right = figure.subplots(1, 2)
+    handles = []
+    for (label, curve), colour, marker in zip(curves.items(), COLOURS, "oDs^", strict=False):
+        h = [size for size, _ in curve]
+        style = {"color": colour, "marker": marker, "markersize": 3.5, "linewidth": 1.1}
+        handles += left.loglog(h, [errors["l2"] for _, errors in curve], label=label, **style)
+        right.loglog(h, [errors["off the walls"] for _, errors in curve], **style)
+    first = next(iter(curves.values()))
+    sizes, error = np.array([size for size, _ in first]), first[0][1]["l2"]
+    left.loglog(sizes, 0.6 * error * np.sqrt(sizes / sizes[0]), color="0.4", linestyle="--", linewidth=0.8)
+    left.annotate("order 1/2", (sizes[1], 0.42 * error), (-14, 5), textcoords="offset points", color="0.3")
+    right.axhline(3.0, color="0.4", linestyle="--", linewidth=0.8)
+    right.annotate("limit, 3 %", (sizes[-1], 3.0), (0, -4), textcoords="offset points", color="0.3", va="top")
+    dress(left, "cell size h [m]", "L2 error of σ_yy, both blocks [%]", "(a)")
+    dress(right, "cell size h [m]", "largest departure off the walls [%]", "(b)")
+    for panel in (left, right):
+        panel.set_xticks(sizes, [f"{size:g}" for size in sizes])
+        panel.minorticks_off()
+    legend_below(figure, [handles])
+    return figure
+
 
 GIVEN = specified(0.0, 1.0)
 WRONG = {"wrong map": {"contact.penalty.map": "mass_weighted"}}
+PLAIN = {"plain map": {"contact.penalty.map": "plain"}}
 UNLIKE = {"bodies.upper.particles.size": "0.45 cells", "bodies.upper.segment": "0.22 cells"}
+FORMS = {"": {}, "normal given": GIVEN}
 #: Methods that run at every offset: the recommended ones, and classical contact in both forms.
-EVERYWHERE = [
-    *methods(shape=RECOMMENDED),
-    *methods(["bardenhagen"], settings={"": {}, "normal given": GIVEN}),
-]
+EVERYWHERE = methods(shape=RECOMMENDED) + methods(["bardenhagen"], settings=FORMS)
 
 
 def place(at, size, lower, upper):
@@ -37,20 +67,9 @@ every = Runs(
     methods=[
         *methods(shape=SHAPES, when="full"),
         *methods(shape=RECOMMENDED, settings={"unlike points and segments": UNLIKE}, when="full"),
-        *methods(
-            shape=["linear", "gimp"], settings={"plain map": {"contact.penalty.map": "plain"}}, when="full"
-        ),
+        *methods(shape=["linear", "gimp"], settings=PLAIN, when="full"),
         *methods(shape=["bspline"], settings=WRONG, when="full"),
-        *methods(
-            ["bardenhagen"],
-            SHAPES,
-            settings={
-                "": {},
-                "normal given": GIVEN,
-                "normal given, position": {**GIVEN, **POSITION},
-            },
-            when="full",
-        ),
+        *methods(["bardenhagen"], SHAPES, FORMS | {"normal given, position": GIVEN | POSITION}, when="full"),
         *methods(["none"], SHAPES, when="full"),
         *methods(when="quick"),
     ],
@@ -60,10 +79,7 @@ higher = Runs("higher", methods=EVERYWHERE, places=[place("at 0.81 h", 0.1, 1.08
 #: The case has to tell a wrong map: it must miss the limit that the right one keeps.
 wrong = Runs(
     "wrong",
-    methods=[
-        *methods(shape=RECOMMENDED, settings=WRONG, when="full"),
-        *methods(settings=WRONG, when="quick"),
-    ],
+    methods=methods(shape=RECOMMENDED, settings=WRONG, when="full") + methods(settings=WRONG, when="quick"),
     places=[*every.places, replace(higher.places[0], when="full")],
     binds=["*"],
 )
@@ -83,31 +99,26 @@ cells = Runs(
 @each(every, higher)
 def test_right_map(run):
     run.gates(
-        blocks.stress,
+        stress,
         ("mean σ_yy, error, {at}", "mean", 0.0, 3.0, "%"),
         ("largest departure, {at}", "departure", 0.0, (0.0, 3.0), "%"),
     )
-    off = run.of(blocks.stress, "off the walls")
+    off = run.of(stress, "off the walls")
     run.gate(f"largest departure off the walls, {run.place.at}", off, 0.0, (0.0, 3.0), "%", binds=False)
 
 
 @wrong
 def test_wrong_map(run):
-    off = run.of(blocks.stress, "off the walls")
+    off = run.of(stress, "off the walls")
     run.gate(f"departure off the walls, must be seen, {run.place.at}", off, "", (3.0, inf), "%", binds=True)
 
 
 @cells
 def test_convergence(run):
-    run.gate(f"L2 error of σ_yy, {run.place.at}", run.of(blocks.stress, "l2"), 0.0, unit="%")
+    """Run the cell sizes of the figure."""
 
 
 @full
 @together(cells)
-def test_orders(case, runs):
-    for method, same in runs.by_method():
-        sizes = [run.results.attrs["cell_size"] for run in same]
-        for quantity, key in (("L2 error of σ_yy", "l2"), ("departure off the walls", "off the walls")):
-            order = observed_order(sizes, [run.of(blocks.stress, key) for run in same])
-            case.gate(f"observed order, {quantity}", order, method=method)
-    case.figure("convergence", figures.convergence(runs))
+def test_figure(case, runs):
+    case.figure("convergence", draw(runs))

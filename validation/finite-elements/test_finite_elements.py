@@ -77,7 +77,6 @@ def check_conservation(case: Case, collision: Collision) -> None:
         unit="ms",
         method=method,
     )
-    case.show("final separation", 1e3 * phases.separation, reference=2.971, unit="ms", method=method)
 
 
 def check_distance(case: Case, collision: Collision) -> None:

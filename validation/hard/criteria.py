@@ -12,8 +12,10 @@ from mpmfw.results.conservation import dissipation, energy_error, momentum_chang
 from mpmfw.scene import load_scene
 from mpmfw.validation import CaseRun
 
-#: The scene whose settings of μ and θ are places of their own.
-SLOPES = made.incline
+
+def turned(run: CaseRun) -> bool:
+    """Return whether a run is of a scene that is moved."""
+    return bool(run.place.make.get("turned"))
 
 
 def penetration(run: xr.DataTree) -> float:
@@ -33,7 +35,7 @@ def dissipated(run: xr.DataTree) -> float:
 
 def largest_dissipation(runs: Sequence[CaseRun]) -> float:
     """Return the largest dissipation of the scenes as they stand [%]."""
-    stand = [run for run in runs if run.place.change is None and "series" in run.results]
+    stand = [run for run in runs if not turned(run) and "series" in run.results]
     found = [dissipated(run.results) for run in stand]
     return max((lost for lost in found if np.isfinite(lost)), default=float("nan"))
 
@@ -95,13 +97,13 @@ def hold(runs: Sequence[CaseRun]) -> float:
     """
     held: dict[str, list[bool]] = {}
     for run in runs:
-        if run.place.change is None:
-            scene = "slopes" if run.place.scene is SLOPES else run.place.at
+        if not turned(run):
+            scene = "slopes" if run.place.make["scene"] is made.incline else run.place.at
             held.setdefault(scene, []).append(not run.broken)
     return float(sum(np.mean(settings) for settings in held.values()))
 
 
 def cost(runs: Sequence[CaseRun]) -> float:
     """CPU time of the scenes as they stand, settling with them [s]."""
-    found = [run.results.attrs for run in runs if run.place.change is None]
+    found = [run.results.attrs for run in runs if not turned(run)]
     return float(sum(one["cpu_time"] + one.get("settle_time", 0.0) for one in found))

@@ -1,6 +1,5 @@
 """What every scene of the hard suite runs and must hold."""
 
-import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -11,7 +10,7 @@ import made
 import plain
 from placing import placed
 
-from mpmfw.validation import CLASSICAL, Case, CaseRun, Place, Runs, RunSet, full, methods, together
+from mpmfw.validation import CLASSICAL, Case, CaseRun, Place, Runs, by_method, full, methods, together
 
 #: Penalty contact with its best settings, which gates bind as well.
 STRONGEST = "penalty(kappa=16, linear_to=0.03)"
@@ -33,7 +32,7 @@ EVERYWHERE = (
 
 def place(
     at: str,
-    scene: Mapping[str, Any] | Callable[..., Any] | None = None,
+    scene: Mapping[str, Any] | Callable[..., Any] = made.scene,
     sharp: bool = False,
     misses: Mapping[str, Any] | None = None,
     set: Mapping[str, Any] | None = None,
@@ -47,7 +46,13 @@ def place(
     """
     reasons = misses or {}
     shown = {key: {"penalty, cpdi": why} if isinstance(why, str) else why for key, why in reasons.items()}
-    return Place(at, set or {}, scene, make, SHARP if sharp else {}, shown, when)
+    return Place(at, set or {}, {"scene": scene, **make}, SHARP if sharp else {}, shown, when)
+
+
+def built(scene: Any, turned: bool = False, **make: Any) -> Any:
+    """Return the scene of a place, once more as MOVED if ``turned``."""
+    given = scene(**make) if callable(scene) else scene
+    return placed(given, **MOVED) if turned else given
 
 
 def shared(
@@ -60,11 +65,13 @@ def shared(
 def scenes(places: Sequence[Place], set: Mapping[str, Any] | None = None) -> Runs:
     """Return the runs of a field's scenes."""
     strongest = methods([STRONGEST], settings={"safety 0.3": {"time.safety": 0.3}}, bound=True, when="full")
-    change = functools.partial(placed, **MOVED)
-    twice = [both for one in places for both in (one, replace(one, change=change, when="full"))]
+    twice = []
+    for one in places:
+        moved = {"make": {**one.make, "turned": True}, "open": {**one.open, "run": "it is moved"}}
+        twice += [one, replace(one, when="full", **moved)]
     return Runs(
         "scenes",
-        scene=made.scene,
+        scene=built,
         methods=[*methods(), *methods(OTHERS, when="full"), *strongest],
         places=twice,
         set={"output.surface": False} if set is None else set,
@@ -72,30 +79,36 @@ def scenes(places: Sequence[Place], set: Mapping[str, Any] | None = None) -> Run
 
 
 def held(run: CaseRun, *gates: tuple[Any, ...]) -> None:
-    """Record what every scene must hold, and further gates."""
+    """Record what every scene must hold, and further gates, where it stands; ``run.broken``: keys missed."""
+    run.broken = []
     for quantity, measure, tolerance, unit in (*EVERYWHERE, *gates):
-        quantity = f"{run.place.at}: {quantity}"
-        run.gate(quantity, run.of(measure), tolerance=tolerance, unit=unit, key=measure.__name__)
+        value, key = run.of(measure), measure.__name__
+        most = run.place.within.get(key, tolerance)
+        least, most = most if isinstance(most, tuple) else (-most, most)
+        if value is not None and not least <= value <= most:
+            run.broken.append(key)
+        if not criteria.turned(run):
+            run.gate(f"{run.place.at}: {quantity}", value, "", tolerance, unit, key=key)
 
 
-def scored(every: Runs) -> Callable[[Case, RunSet], None]:
+def scored(every: Runs) -> Callable[[Case, list[CaseRun]], None]:
     """Return the test that records how much each method holds, which limits it breaks, and at what cost."""
 
     @full
     @together(every)
-    def test(case: Case, runs: RunSet) -> None:
-        for method, same in runs.by_method():
+    def test(case: Case, runs: list[CaseRun]) -> None:
+        for method, same in by_method(runs):
             for place in dict.fromkeys(run.place.at for run in same):
                 here = [run for run in same if run.place.at == place]
                 quantity = f"{place}: ways to place it in which all holds, of 2"
                 broken = ", ".join(sorted({key for run in here for key in run.broken}))
-                case.show(quantity, criteria.placed_well(here), broken, (2.0, 2.0), method=method)
+                case.gate(quantity, criteria.placed_well(here), broken, (2.0, 2.0), "", method, binds=False)
             for quantity, measure, unit in (
                 ("scenes in both ways in which all holds", criteria.share_held, "%"),
                 ("scenes as they stand in which all holds", criteria.hold, "1"),
                 ("largest dissipation of all scenes as they stand", criteria.largest_dissipation, "%"),
                 ("CPU time of all scenes as they stand", criteria.cost, "s"),
             ):
-                case.gate(quantity, same.of(measure), unit=unit, method=method)
+                case.gate(quantity, measure(same), unit=unit, method=method)
 
     return test

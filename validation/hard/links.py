@@ -24,7 +24,7 @@ def chain(links: int, cell: float = 0.025) -> dict[str, Any]:
     for k in range(links):
         points = [[x + PITCH * k, y] for x, y in _link()]
         bodies[f"link_{k}"] = {"points": points, "E": 1e7}
-    return scene(cell, 0.4, bodies, room=0.6)
+    return scene(cell, 0.4, room=0.6, **bodies)
 
 
 def _block() -> list[list[float]]:

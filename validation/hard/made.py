@@ -38,13 +38,13 @@ def force(body: str, *rows: Sequence[float]) -> dict[str, Any]:
 def scene(
     cell: float,
     end: float,
-    bodies: Mapping[str, Mapping[str, Any]],
     friction: float = 0.0,
     gravity: float | Sequence[Any] = 9.81,
     settled: bool = False,
     outputs: int = 50,
     room: float = 1.0,
     loads: Mapping[str, Any] | None = None,
+    **bodies: Mapping[str, Any],
 ) -> dict[str, Any]:
     """Return a scene of blocks, polygons and discs.
 
@@ -129,7 +129,7 @@ def incline(friction: float, tilt: float, cell: float = 0.1) -> dict[str, Any]:
         "block": box(0.03, 0.013, 0.63, 0.313, **solid),
         "plane": plane(-0.2, -0.187, 1.1, 0.013, **solid),
     }
-    return scene(cell, 0.35, bodies, friction, rows, settled=True, outputs=70)
+    return scene(cell, 0.35, friction, rows, settled=True, outputs=70, **bodies)
 
 
 def saws(teeth: int, pitch: float = 0.1, cell: float = 0.05) -> dict[str, Any]:
@@ -140,7 +140,7 @@ def saws(teeth: int, pitch: float = 0.1, cell: float = 0.05) -> dict[str, Any]:
     lower = [(-half, -0.15), (half, -0.15), *reversed(edge)]
     upper = [*((x, y + gap) for x, y in edge), (half, 0.2 + gap), (-half, 0.2 + gap)]
     bodies = {"lower": {"points": _lists(lower), "fixed": "bottom"}, "upper": {"points": _lists(upper)}}
-    return scene(cell, 0.25, bodies, room=0.2 if teeth > 10 else 1.0)
+    return scene(cell, 0.25, room=0.2 if teeth > 10 else 1.0, **bodies)
 
 
 def arch(stones: int, radius: float = 1.0, thickness: float = 0.3, cell: float = 0.08) -> dict[str, Any]:
@@ -155,7 +155,7 @@ def arch(stones: int, radius: float = 1.0, thickness: float = 0.3, cell: float =
         bodies[name] = {"box": [x - thickness, -0.15, x + thickness, 0.0], "fixed": "bottom"}
     solid = {"E": 20e6, "nu": 0.2, "rho": 2000.0}
     whole = {name: {**body, **solid} for name, body in bodies.items()}
-    return scene(cell, 0.1, whole, 0.5, settled=True, outputs=20, room=0.2)
+    return scene(cell, 0.1, 0.5, settled=True, outputs=20, room=0.2, **whole)
 
 
 def stack(plates: int, speed: float, cell: float = 0.02) -> dict[str, Any]:
@@ -164,7 +164,7 @@ def stack(plates: int, speed: float, cell: float = 0.02) -> dict[str, Any]:
     bodies: Bodies = {"hammer": {"box": [-0.202, -0.1, -0.002, 0.1], "velocity": [speed, 0.0], **steel}}
     for k in range(plates):
         bodies[f"plate_{k}"] = {"box": [0.022 * k, -0.2, 0.022 * k + 0.02, 0.2], **steel}
-    return scene(cell, 0.15 / speed, bodies, gravity=0.0)
+    return scene(cell, 0.15 / speed, gravity=0.0, **bodies)
 
 
 def cradle(discs: int, radius: float = 0.1, cell: float = 0.025) -> dict[str, Any]:
@@ -172,7 +172,7 @@ def cradle(discs: int, radius: float = 0.1, cell: float = 0.025) -> dict[str, An
     pitch = 2.0 * radius + 0.004
     bodies: Bodies = {"first": {"disc": [0.0, 0.0, radius], "velocity": [1.0, 0.0]}}
     bodies |= {f"disc_{k}": {"disc": [pitch * (k + 1), 0.0, radius]} for k in range(discs)}
-    return scene(cell, 0.12, bodies, gravity=0.0)
+    return scene(cell, 0.12, gravity=0.0, **bodies)
 
 
 def cogs(teeth: int, spin: float = 5.0, cell: float = 0.05) -> dict[str, Any]:
@@ -181,7 +181,7 @@ def cogs(teeth: int, spin: float = 5.0, cell: float = 0.05) -> dict[str, Any]:
         "left": {"points": _wheel(0.0, 0.0, teeth, 0.0), "angular_velocity": spin, "velocity": [0.1, 0.0]},
         "right": {"points": _wheel(0.91, 0.0, teeth, 0.5)},
     }
-    return scene(cell, 0.3, sides, 0.1, gravity=0.0)
+    return scene(cell, 0.3, 0.1, gravity=0.0, **sides)
 
 
 def _wheel(x: float, y: float, teeth: int, phase: float) -> list[list[float]]:
@@ -194,7 +194,7 @@ def _wheel(x: float, y: float, teeth: int, phase: float) -> list[list[float]]:
     return points
 
 
-def piled(rows: Sequence[int], side: float = 0.2, cell: float = 0.05, settled: bool = True) -> dict[str, Any]:
+def piled(rows: Sequence[int], side: float = 0.2, cell: float = 0.05) -> dict[str, Any]:
     """Return layers of squares on a floor, as many in each as ``rows`` says: a tower of ones, a pyramid."""
     wide = max(rows) * 1.2 * side
     bodies: Bodies = {"floor": {"box": [-wide, -0.1, wide, 0.0], "fixed": "bottom"}}
@@ -202,7 +202,7 @@ def piled(rows: Sequence[int], side: float = 0.2, cell: float = 0.05, settled: b
         for j in range(many):
             x = (j - many / 2) * 1.1 * side + 0.05 * side
             bodies[f"square_{k}_{j}"] = {"box": [x, k * side, x + side, (k + 1) * side]}
-    return scene(cell, 0.2, bodies, 0.5, settled=settled, outputs=20)
+    return scene(cell, 0.2, 0.5, settled=True, outputs=20, **bodies)
 
 
 def filling(discs: int, across: int, radius: float = 0.1, cell: float = 0.08) -> dict[str, Any]:
@@ -214,7 +214,7 @@ def filling(discs: int, across: int, radius: float = 0.1, cell: float = 0.08) ->
         row, column = divmod(k, across)
         x = pitch * (column - 0.5 * (across - 1)) + (0.3 if row % 2 else -0.3) * radius
         bodies[f"disc_{k}"] = {"disc": [x, 1.1 * radius + pitch * row, radius]}
-    return scene(cell, 0.2, bodies, 0.3, outputs=20, room=0.5)
+    return scene(cell, 0.2, 0.3, outputs=20, room=0.5, **bodies)
 
 
 def compactor(across: int = 3, radius: float = 0.1, cell: float = 0.05) -> dict[str, Any]:
@@ -229,7 +229,7 @@ def compactor(across: int = 3, radius: float = 0.1, cell: float = 0.05) -> dict[
     low = pitch * across + 0.04 * radius
     down = [{"side": "top", "velocity": [0.0, -1.0]}]
     bodies["lid"] = box(-half + 0.01, low, half - 0.01, low + 0.15, sides=down)
-    return scene(cell, 0.12, bodies, 0.1, gravity=0.0)
+    return scene(cell, 0.12, 0.1, gravity=0.0, **bodies)
 
 
 def _walls(half: float, high: float) -> Bodies:
@@ -251,7 +251,7 @@ def cards(lean: float, length: float = 0.5, thickness: float = 0.05, cell: float
         x = sign * 0.5 * (length * c - thickness * s) + sign * thickness * s
         ends = (x - 0.5 * length, y - 0.5 * thickness, x + 0.5 * length, y + 0.5 * thickness)
         bodies[name] = box(*ends, angle=-sign * angle, E=1e7)
-    return scene(cell, 0.1, bodies, 0.9, settled=True, outputs=20)
+    return scene(cell, 0.1, 0.9, settled=True, outputs=20, **bodies)
 
 
 def _lists(points: Iterable[tuple[float, float]]) -> list[list[float]]:

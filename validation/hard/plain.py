@@ -57,7 +57,7 @@ def _plain(
     **further: Any,
 ) -> dict[str, Any]:
     grid = {"cell_size": cell, "lower": list(lower), "upper": list(upper)}
-    return {**scene(cell, end, bodies, **further), "grid": grid}
+    return {**scene(cell, end, **further, **bodies), "grid": grid}
 
 
 SCENES = {

@@ -2,9 +2,9 @@
 # cost: 70
 
 import numpy as np
-from surface_pressure import nodes_of
+from common import nodes_of
 
-from mpmfw.validation import CLASSICAL, Place, Runs, full, methods, together
+from mpmfw.validation import CLASSICAL, Place, Runs, by_method, full, methods, together
 
 MODULUS = 1e6 / (1.0 - 0.3**2)  #: E / (1 − ν²) [Pa]
 RADIUS, HALF_WIDTH = 8.0, 0.6  #: of the round punch and of the contact under the whole force [m]
@@ -151,7 +151,7 @@ def test_classical(run):
 @full
 @together(pressed, classical)
 def test_force_over_displacement(case, runs):
-    for method, same in runs.by_method():
+    for method, same in by_method(runs):
         for n in (6, 12):
             pair = [one for one in same if f"round, b/h = {n}" in one.place.at]
             if pair:

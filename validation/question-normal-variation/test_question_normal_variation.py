@@ -24,27 +24,24 @@ no_slip = Runs(
 slip = Runs("slip", "rolling-cylinder-slip", methods(settings=SETTINGS), set=rolling.SERIES_ONLY, when="full")
 
 
-def change(case, runs, label):
-    """Record how far one setting moves the end of a roll; gates are for the Q term."""
+def change(case, runs):
+    """Record how far each setting moves the end of a roll; gates are for the Q term."""
     motions = {run.method.label: rolling.motion_of(run.results) for run in runs}
-    if not {label, ""} <= set(motions):
-        return
-    roll, motion = runs[0].runs, motions[label]
+    roll, usual = runs[0].runs, motions.pop("")
     end = (rolling.SLIP if roll == "slip" else rolling.NO_SLIP).end
-    apart = 100.0 * (motion.displacement - motions[""].displacement) / rolling.DISTANCE
-    quantity, method = f"{roll}: change of the displacement at 10 m", f"penalty, cpdi, {label}"
-    value = np.interp(end, motion.time, apart)
-    case.gate(quantity, value, "", LARGEST, "%", method=method, binds=label == "with Q")
+    for label, motion in motions.items():
+        apart = 100.0 * (motion.displacement - usual.displacement) / rolling.DISTANCE
+        value, named = np.interp(end, motion.time, apart), f"penalty, cpdi, {label}"
+        quantity = f"{roll}: change of the displacement at 10 m"
+        case.gate(quantity, value, "", LARGEST, "%", method=named, binds=label == "with Q")
 
 
 @together(no_slip)
 def test_change_without_slip(case, runs):
-    change(case, runs, "with Q")
-    change(case, runs, "shorter step")
+    change(case, runs)
 
 
 @full
 @together(slip)
 def test_change_with_slip(case, runs):
-    change(case, runs, "with Q")
-    change(case, runs, "shorter step")
+    change(case, runs)

@@ -8,7 +8,7 @@ import itertools
 
 import numpy as np
 import rolling
-from classical import over
+from common import over
 
 from mpmfw.validation import Place, Runs, full, methods, together
 

@@ -5,8 +5,7 @@ long one.
 """
 # cost: 1000
 
-import sphere_rolling
-from rolling import SERIES_ONLY
+from rolling import SERIES_ONLY, sphere_errors
 
 from mpmfw.validation import CLASSICAL, Runs, each, methods
 
@@ -73,7 +72,5 @@ def test_errors(run):
     args = {"scene": scene, "angles": (20.0, 35.0, 50.0) if at == turned.name else (0.0, 0.0, 0.0)}
     quantities = ("displacement", "fitted acceleration", "fitted angular acceleration")
     for quantity, most in zip(quantities, LIMITS[at], strict=True):
-        value = run.of(sphere_rolling.errors, quantity, **args)
+        value = run.of(sphere_errors, quantity, **args)
         run.gate(f"{at}: {quantity}, error", value, 0.0, most, "%", binds=binds)
-    if at not in (stiff_no_slip.name, stiff_slip.name):
-        run.gate(f"{at}: deepest penetration", run.of(sphere_rolling.errors, "penetration", **args), unit="h")

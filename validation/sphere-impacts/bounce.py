@@ -1,15 +1,12 @@
 """The sphere after the impact, against rigid spheres, Maw, Barber and Fawcett's elastic one, and Hertz."""
 
 import tomllib
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import xarray as xr
 from elastic import LEVER, rebound
 from spheres import ACROSS, ALONG, NORMAL, SPHERES, Sphere
-
-from mpmfw.validation import CaseRun
 
 #: Energies of bodies, and what a contact keeps or takes of them.
 STORED = ("kinetic_energy", "affine_energy", "strain_energy")
@@ -41,7 +38,7 @@ def impact(tree: xr.DataTree) -> dict[str, float]:
 
 
 def errors(tree: xr.DataTree) -> dict[str, float]:
-    """Errors [%] of the changes ``along`` and ``spin``, and of ``contact`` over what the point had, against
+    """Errors [%] of the changes ``along`` and ``spin`` against
     Maw, Barber and Fawcett's sphere; of both changes also against a rigid one, from which friction takes μ (1
     + e) v_n where it slides throughout, and which else rolls at the end."""
     found, sphere = impact(tree), _sphere(tree)
@@ -50,7 +47,6 @@ def errors(tree: xr.DataTree) -> dict[str, float]:
     rigid = _changes(found, min(1.0 / LEVER, sliding))
     return {
         **_changes(found, (1.0 - left) / LEVER),
-        "contact": 100.0 * (found["contact"] - left),
         **{f"{name}, rigid": value for name, value in rigid.items()},
     }
 
@@ -69,13 +65,12 @@ def against_hertz(tree: xr.DataTree) -> dict[str, float]:
 
 def kept(tree: xr.DataTree) -> dict[str, float]:
     """Change of the whole ``momentum``, over what there is; ``moment`` of contact on both bodies about one
-    point, times a step, over their angular momentum, at its largest; largest ``energy`` with what was
-    dissipated, over the start; and [%] of ``angular`` momentum that both lose."""
+    point, times a step, over their angular momentum, at its largest; and largest ``energy`` with what was
+    dissipated, over the start."""
     series = tree["series"].to_dataset()
     momentum = series["linear_momentum"].values
     whole = momentum.sum(axis=1)
     spins = series["angular_momentum"].values + np.cross(series["centre_of_mass"].values, momentum)
-    turning = spins.sum(axis=1)
     brought, step = np.linalg.norm(spins[0], axis=1).sum(), float(series["time"][-1]) / tree.attrs["steps"]
     on_both = np.linalg.norm(series["contact_moment"].values.sum(axis=1), axis=1)
     energy = (
@@ -86,13 +81,7 @@ def kept(tree: xr.DataTree) -> dict[str, float]:
         "momentum": float(np.abs(whole - whole[0]).max() / np.abs(momentum[0]).sum()),
         "moment": float(on_both.max() * step / brought),
         "energy": float(energy.max() / energy[0]),
-        "angular": 100.0 * float(np.linalg.norm(turning[-1] - turning[0]) / brought),
     }
-
-
-def largest(runs: Sequence[CaseRun], of: str) -> float:
-    """What ``kept`` has as ``of``, at its largest of all runs."""
-    return max(run.of(kept, of) for run in runs)
 
 
 def _changes(found: dict[str, float], taken: float) -> dict[str, float]:

@@ -26,7 +26,7 @@ from mpmfw.plots import write_figure
 from mpmfw.plots.style import journal_style
 from mpmfw.results.selection import checked_name
 from mpmfw.runs.identity import code_of_plugins, digest, package, sources
-from mpmfw.validation.case import Case, CaseRun
+from mpmfw.validation.case import Case, CaseRun, Method, Place, Runs
 from mpmfw.validation.page import said
 
 #: Of this process: the cases whose tests have run, and errors of tests and of collection, not of gates.
@@ -67,7 +67,8 @@ def case(request: pytest.FixtureRequest) -> Case:
 @pytest.fixture
 def run(request: pytest.FixtureRequest, case: Case) -> CaseRun:
     """Run one point of the test's runs; one that fails keeps its row, red if a gate binds it."""
-    runs, place, method = request.param
+    point: tuple[Runs, Place, Method] = request.param
+    runs, place, method = point
     binds = runs.bound(method) and not place.is_open("run", method)
     try:
         return runs.start(case, place, method)

@@ -37,10 +37,8 @@ every = scenes(
             sharp=True,
             cell=0.1,
             end=0.5,
-            bodies={
-                "crack": CRACK,
-                "spike": polygon([0.0, 0.05], [0.5, 3.05], [-0.5, 3.05], velocity=[1.0, 0.0]),
-            },
+            crack=CRACK,
+            spike=polygon([0.0, 0.05], [0.5, 3.05], [-0.5, 3.05], velocity=[1.0, 0.0]),
         ),
         place(
             "wedge-in-crack",
@@ -48,7 +46,8 @@ every = scenes(
             misses=LIPS,
             cell=0.1,
             end=0.8,
-            bodies={"crack": CRACK, "wedge": polygon([0.0, 0.05], [0.75, 1.55], [-0.75, 1.55])},
+            crack=CRACK,
+            wedge=polygon([0.0, 0.05], [0.75, 1.55], [-0.75, 1.55]),
         ),
         place(
             "sliding-spike",
@@ -56,20 +55,16 @@ every = scenes(
             misses=CORNER,
             cell=0.1,
             end=0.6,
-            bodies={
-                "floor": plane(-2.0, -0.3, 2.0, 0.0),
-                "spike": polygon([-1.0, 0.02], [-0.5, 3.02], [-1.5, 3.02], velocity=[1.0, 0.0]),
-            },
+            floor=plane(-2.0, -0.3, 2.0, 0.0),
+            spike=polygon([-1.0, 0.02], [-0.5, 3.02], [-1.5, 3.02], velocity=[1.0, 0.0]),
         ),
         place(
             "sliding-wedge",
             sharp=True,
             cell=0.1,
             end=0.6,
-            bodies={
-                "lower": polygon([-1.2, -0.2], [1.2, -0.2], [1.2, 0.0], [-1.2, 1.2], fixed="bottom"),
-                "upper": polygon([-0.8, 1.02], [-0.8, 1.42], [0.0, 1.42], [0.0, 0.62]),
-            },
+            lower=polygon([-1.2, -0.2], [1.2, -0.2], [1.2, 0.0], [-1.2, 1.2], fixed="bottom"),
+            upper=polygon([-0.8, 1.02], [-0.8, 1.42], [0.0, 1.42], [0.0, 0.62]),
         ),
         shared("cliff-edges", True, when=""),
         shared("internal-edges"),

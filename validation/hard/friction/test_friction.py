@@ -24,10 +24,8 @@ every = scenes(
             friction=0.2,
             gravity=10.0,
             settled=True,
-            bodies={
-                "disc": disc(0.03, 0.413, 0.4, velocity=[3.0, 0.0], **BLOCK),
-                "plane": plane(-0.4, -0.187, 2.2, 0.013, **PLANE),
-            },
+            disc=disc(0.03, 0.413, 0.4, velocity=[3.0, 0.0], **BLOCK),
+            plane=plane(-0.4, -0.187, 2.2, 0.013, **PLANE),
         ),
         place(
             "sliding wedge",
@@ -37,10 +35,8 @@ every = scenes(
             gravity=[-0.995037, -9.950372],
             settled=True,
             outputs=90,
-            bodies={
-                "wedge": box(0.03, 0.013, 0.63, 0.313, **BLOCK),
-                "plane": plane(-0.2, -0.187, 1.1, 0.013, **PLANE),
-            },
+            wedge=box(0.03, 0.013, 0.63, 0.313, **BLOCK),
+            plane=plane(-0.2, -0.187, 1.1, 0.013, **PLANE),
             loads={"push": force("wedge", [0.0, 0.0, 0.0], [0.1, 5970.22, -597.022])},
         ),
     ]

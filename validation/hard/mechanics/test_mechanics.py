@@ -43,10 +43,8 @@ def rounded_punch(friction):
         gravity=0,
         room=0.2,
         friction=friction,
-        bodies={
-            "ground": plane(-0.1, -0.2, 0.1, 0.0, E=7e10, nu=0.3, rho=2700),
-            "punch": polygon(*ROUNDED, E=2.1e11, nu=0.3, rho=7850),
-        },
+        ground=plane(-0.1, -0.2, 0.1, 0.0, E=7e10, nu=0.3, rho=2700),
+        punch=polygon(*ROUNDED, E=2.1e11, nu=0.3, rho=7850),
         loads={"press": force("punch", [0.0, 0.0, 0.0], [5e-05, 0.0, -1e9])},
     )
 
@@ -64,10 +62,8 @@ every = scenes(
             settled=True,
             outputs=2,
             room=0.2,
-            bodies={
-                "ground": plane(-4.0, -6.0, 4.0, 0.0, E=10e6, nu=0.3),
-                "punch": box(-1.0, 0.0, 1.0, 1.0, E=1e9, nu=0.3, rho=10000.0),
-            },
+            ground=plane(-4.0, -6.0, 4.0, 0.0, E=10e6, nu=0.3),
+            punch=box(-1.0, 0.0, 1.0, 1.0, E=1e9, nu=0.3, rho=10000.0),
         ),
         rounded_punch(0),
         rounded_punch(0.1),
@@ -79,10 +75,8 @@ every = scenes(
             friction=0.3,
             settled=True,
             gravity=SHAKING,
-            bodies={
-                "block": box(0.03, 0.013, 0.63, 0.313, E=154e6, nu=0.286),
-                "plane": plane(-0.3, -0.187, 1.0, 0.013, E=308e6, nu=0.286),
-            },
+            block=box(0.03, 0.013, 0.63, 0.313, E=154e6, nu=0.286),
+            plane=plane(-0.3, -0.187, 1.0, 0.013, E=308e6, nu=0.286),
         ),
         place(
             "unequal bars",
@@ -91,10 +85,8 @@ every = scenes(
             end=0.12,
             gravity=0,
             outputs=60,
-            bodies={
-                "short": box(-0.51, -0.05, -0.01, 0.05, nu=0.0, velocity=[0.2, 0.0]),
-                "long": box(0.0, -0.05, 1.0, 0.05, nu=0.0),
-            },
+            short=box(-0.51, -0.05, -0.01, 0.05, nu=0.0, velocity=[0.2, 0.0]),
+            long=box(0.0, -0.05, 1.0, 0.05, nu=0.0),
         ),
         place(
             "pushed block",
@@ -102,18 +94,16 @@ every = scenes(
             end=0.004,
             friction=0.3,
             gravity=0,
-            bodies={
-                "block": box(
-                    *(0.001, 0.0, 0.041, 0.015),
-                    E=1e9,
-                    nu=0.3,
-                    sides=[
-                        {"side": "top", "pressure": [[0.0, 0.0], [0.0002, 100e3]]},
-                        {"side": "left", "pressure": [[0.0, 0.0], [0.0002, 0.0], [0.0006, 315.3e3]]},
-                    ],
-                ),
-                "plane": plane(-0.01, -0.015, 0.11, 0.0, E=2e9, nu=0.3),
-            },
+            block=box(
+                *(0.001, 0.0, 0.041, 0.015),
+                E=1e9,
+                nu=0.3,
+                sides=[
+                    {"side": "top", "pressure": [[0.0, 0.0], [0.0002, 100e3]]},
+                    {"side": "left", "pressure": [[0.0, 0.0], [0.0002, 0.0], [0.0006, 315.3e3]]},
+                ],
+            ),
+            plane=plane(-0.01, -0.015, 0.11, 0.0, E=2e9, nu=0.3),
         ),
         place(
             "two discs",
@@ -122,10 +112,8 @@ every = scenes(
             cell=0.05,
             end=3.0,
             gravity=0,
-            bodies={
-                "left": disc(0.2, 0.2, 0.2, E=1000, nu=0.3, velocity=[0.1, 0.1]),
-                "right": disc(0.8, 0.8, 0.2, E=1000, nu=0.3, velocity=[-0.1, -0.1]),
-            },
+            left=disc(0.2, 0.2, 0.2, E=1000, nu=0.3, velocity=[0.1, 0.1]),
+            right=disc(0.8, 0.8, 0.2, E=1000, nu=0.3, velocity=[-0.1, -0.1]),
         ),
         place(
             "bounce",
@@ -134,20 +122,16 @@ every = scenes(
             end=0.12,
             gravity=0,
             outputs=40,
-            bodies={
-                "disc": disc(0.0, 0.103, 0.1, E=10e6, nu=0.3, velocity=[0.0, -0.2]),
-                "floor": plane(-0.2, -0.1, 0.2, 0.0, E=100e6, nu=0.3),
-            },
+            disc=disc(0.0, 0.103, 0.1, E=10e6, nu=0.3, velocity=[0.0, -0.2]),
+            floor=plane(-0.2, -0.1, 0.2, 0.0, E=100e6, nu=0.3),
         ),
         place(
             "heavy disc on a light one",
             cell=0.05,
             end=0.1,
-            bodies={
-                "floor": plane(-0.4, -0.1, 0.4, 0.0, E=100e6),
-                "light": disc(0.0, 0.202, 0.2, E=10e6, rho=100),
-                "heavy": disc(0.0, 0.604, 0.2, E=10e6, rho=10000),
-            },
+            floor=plane(-0.4, -0.1, 0.4, 0.0, E=100e6),
+            light=disc(0.0, 0.202, 0.2, E=10e6, rho=100),
+            heavy=disc(0.0, 0.604, 0.2, E=10e6, rho=10000),
         ),
         place(
             "disc on a beam",
@@ -155,10 +139,8 @@ every = scenes(
             cell=0.05,
             end=0.3,
             gravity=0,
-            bodies={
-                "beam": box(-0.5, -0.05, 0.5, 0.0, E=1e6, nu=0.3, fixed="left"),
-                "disc": disc(0.0, 0.202, 0.2, E=1e6, nu=0.3, velocity=[0.0, -3.0]),
-            },
+            beam=box(-0.5, -0.05, 0.5, 0.0, E=1e6, nu=0.3, fixed="left"),
+            disc=disc(0.0, 0.202, 0.2, E=1e6, nu=0.3, velocity=[0.0, -3.0]),
         ),
         place(
             "disc in a ring",
@@ -166,10 +148,8 @@ every = scenes(
             cell=0.05,
             end=1.5,
             gravity=0,
-            bodies={
-                "ring": {"ring": [0.0, 0.0, 0.8, 1.0], "E": 1e6, "nu": 0.3},
-                "disc": disc(0.0, 0.0, 0.3, E=1e6, nu=0.3, velocity=[1.0, 0.3]),
-            },
+            ring={"ring": [0.0, 0.0, 0.8, 1.0], "E": 1e6, "nu": 0.3},
+            disc=disc(0.0, 0.0, 0.3, E=1e6, nu=0.3, velocity=[1.0, 0.3]),
         ),
     ]
 )

@@ -49,10 +49,8 @@ every = scenes(
             cell=0.1,
             end=0.4,
             gravity=0,
-            bodies={
-                "left": polygon([-0.02, 0.0], [-0.886, 0.5], [-0.886, -0.5], velocity=[1.0, 0.0]),
-                "right": polygon([0.02, 0.013], [0.886, -0.487], [0.886, 0.513], velocity=[-1.0, 0.0]),
-            },
+            left=polygon([-0.02, 0.0], [-0.886, 0.5], [-0.886, -0.5], velocity=[1.0, 0.0]),
+            right=polygon([0.02, 0.013], [0.886, -0.487], [0.886, 0.513], velocity=[-1.0, 0.0]),
         ),
         place(
             "point-on-plane",
@@ -60,10 +58,8 @@ every = scenes(
             misses={"penetration": "a corner has the force of one node's spring: 0.29 cells"},
             cell=0.1,
             end=0.6,
-            bodies={
-                "floor": plane(-1.0, -0.3, 1.0, 0.0),
-                "square": box(-0.5, 0.227, 0.5, 1.227, angle=0.7853981634),
-            },
+            floor=plane(-1.0, -0.3, 1.0, 0.0),
+            square=box(-0.5, 0.227, 0.5, 1.227, angle=0.7853981634),
         ),
         place(
             "ball on a thin wall",
@@ -72,27 +68,23 @@ every = scenes(
             cell=0.0025,
             end=0.0004,
             gravity=0,
-            bodies={
-                "ball": disc(-0.021, 0.0, 0.02, E=10e6, nu=0.45, rho=1150, velocity=[67.0, 0.0]),
-                "wall": box(0.0, -0.04, 0.0025, 0.04, E=2e11, nu=0.3, rho=7850),
-            },
+            ball=disc(-0.021, 0.0, 0.02, E=10e6, nu=0.45, rho=1150, velocity=[67.0, 0.0]),
+            wall=box(0.0, -0.04, 0.0025, 0.04, E=2e11, nu=0.3, rho=7850),
         ),
         place(
             "disc on a mat",
             cell=0.05,
             end=0.3,
             room=0.3,
-            bodies={
-                "mat": box(
-                    *(-1.0, -0.1, 1.0, 0.0),
-                    E=100e3,
-                    sides=[
-                        {"side": "left", "velocity": [-0.28, 0.0]},
-                        {"side": "right", "velocity": [0.28, 0.0]},
-                    ],
-                ),
-                "disc": disc(0.0, 0.21, 0.2, E=10e6),
-            },
+            mat=box(
+                *(-1.0, -0.1, 1.0, 0.0),
+                E=100e3,
+                sides=[
+                    {"side": "left", "velocity": [-0.28, 0.0]},
+                    {"side": "right", "velocity": [0.28, 0.0]},
+                ],
+            ),
+            disc=disc(0.0, 0.21, 0.2, E=10e6),
         ),
         place(
             "rollers",
@@ -101,11 +93,9 @@ every = scenes(
             end=0.4,
             friction=0.5,
             gravity=0,
-            bodies={
-                "left": roller(-0.3, -4.0),
-                "right": roller(0.3, 4.0),
-                "disc": disc(0.0, 0.39, 0.15, E=100e3, velocity=[0.0, -1.0]),
-            },
+            left=roller(-0.3, -4.0),
+            right=roller(0.3, 4.0),
+            disc=disc(0.0, 0.39, 0.15, E=100e3, velocity=[0.0, -1.0]),
         ),
         place(
             "pin cushion",
@@ -113,10 +103,8 @@ every = scenes(
             misses=CUSHION,
             cell=0.05,
             end=0.2,
-            bodies={
-                "pins": polygon(*PINS, fixed="bottom", E=10e6),
-                "cushion": box(-0.5, 0.31, 0.5, 0.71, E=100e3),
-            },
+            pins=polygon(*PINS, fixed="bottom", E=10e6),
+            cushion=box(-0.5, 0.31, 0.5, 0.71, E=100e3),
         ),
         place(
             "moving ground",
@@ -126,10 +114,8 @@ every = scenes(
             friction=0.5,
             gravity=[[0.0, 0.0, -9.81], [0.1, 8.0, -9.81]],
             settled=True,
-            bodies={
-                "block": box(0.03, 0.013, 0.63, 0.313, E=12e6, nu=0.3),
-                "plane": plane(-0.4, -0.187, 1.2, 0.013, E=30e6, nu=0.3),
-            },
+            block=box(0.03, 0.013, 0.63, 0.313, E=12e6, nu=0.3),
+            plane=plane(-0.4, -0.187, 1.2, 0.013, E=30e6, nu=0.3),
         ),
     ]
 )

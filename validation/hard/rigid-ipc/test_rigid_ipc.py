@@ -33,10 +33,8 @@ every = scenes(
             end=0.4,
             gravity=0,
             friction=0.1,
-            bodies={
-                "hub": {"ring": [0.0, 0.0, 0.21, 0.4], "angular_velocity": 3.0},
-                "axle": disc(0.0, 0.0, 0.2, velocity=[0.5, 0.0]),
-            },
+            hub={"ring": [0.0, 0.0, 0.21, 0.4], "angular_velocity": 3.0},
+            axle=disc(0.0, 0.0, 0.2, velocity=[0.5, 0.0]),
         ),
         place("tower of five", made.piled, rows=[1, 1, 1, 1, 1]),
         place("pyramid of ten", made.piled, rows=[4, 3, 2, 1]),

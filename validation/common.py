@@ -1,0 +1,134 @@
+"""What several cases share: options of contact, scenes in short, forces of a surface, stress, orders."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from mpmfw.api import hookimpl
+
+sys.path.append(str(Path(__file__).parent / "finite-elements"))  # for rings_fem and slider_fem
+
+POSITION = {"contact.bardenhagen.criterion": "position"}
+#: The normal of the stiffer body.
+MASTER = {"contact.bardenhagen.normal": "master"}
+#: Friction increments of [H17] to the letter, which nothing keeps below Coulomb's cap.
+LITERAL = {"contact.hamad2017.friction_law": "literal"}
+
+
+def specified(*direction):
+    """Return a normal that is given."""
+    return {"contact.bardenhagen.normal": "specified", "contact.bardenhagen.direction": list(direction)}
+
+
+def over(key, label, values):
+    """Return the settings of methods for each value of one key; ``label`` names it, as ``kappa {:.3g}``."""
+    return {label.format(value): {key: value} for value in values}
+
+
+def elastic(density, young, poisson, model="linear_elastic", **further):
+    """Return a material."""
+    return {"model": model, "density": density, "youngs_modulus": young, "poissons_ratio": poisson, **further}
+
+
+def rectangle(left, bottom, right, top, **body):
+    """Return a body that is a rectangle."""
+    return {"geometry": {"type": "rectangle", "lower": [left, bottom], "upper": [right, top]}, **body}
+
+
+def disc(x, y, radius, **body):
+    """Return a body that is a disc."""
+    return {"geometry": {"type": "disc", "centre": [x, y], "radius": radius}, **body}
+
+
+def polygon(points, **body):
+    """Return a body that is a polygon, anticlockwise."""
+    return {"geometry": {"type": "polygon", "points": np.array(points, float).tolist()}, **body}
+
+
+def fixed(**axes):
+    """Return sides with the axes that are fixed: ``xy`` is all, ``bottom="y"``."""
+    return [{"side": side, "fixed": True if held == "xy" else [held]} for side, held in axes.items()]
+
+
+def scene(cell, lower, upper, end, interval, material, bodies, **tables):
+    """Return a scene of one material, with CPDI and penalty contact; bodies that are not rigid are of it.
+
+    ``tables`` are added to those that are made: grid, time, shape, contact (None: without), materials."""
+    made = {
+        "grid": {"cell_size": cell, "lower": list(lower), "upper": list(upper)},
+        "time": {"end": end, "output_interval": interval},
+        "shape": {"method": "cpdi"},
+        "contact": {"method": "penalty"},
+        "materials": {"solid": material},
+    }
+    for name, table in tables.items():
+        made[name] = {**made[name], **table} if name in made and isinstance(table, dict) else table
+    made = {name: table for name, table in made.items() if table is not None}
+    usual = {"material": "solid", "particles": {"size": "0.5 cells"}}
+    made["bodies"] = {name: body if "rigid" in body else {**usual, **body} for name, body in bodies.items()}
+    return made
+
+
+def observed_order(sizes, errors):
+    """Return the slope of the least-squares line of log |error| over log(cell size)."""
+    return float(np.polyfit(np.log(sizes), np.log(np.abs(errors)), 1)[0])
+
+
+def nodes_of(tree, body, k):
+    """Return positions [m] and forces [N/m], (n, 2) each, and lengths (n,) [m] of a body's surface nodes.
+
+    They are those of output ``k``; half of each segment belongs to each of its nodes.
+    """
+    surface = tree[f"surface/{body}"].to_dataset().isel(time=k)
+    position, after = surface["position"].values, surface["next"].values
+    length = 0.5 * np.linalg.norm(position[after] - position, axis=1)
+    length += np.bincount(after, length, len(length))
+    return position, surface["force"].values, length
+
+
+class PointForces:
+    """Nodal forces f_i += Σ_p φ_ip m_p a_p of accelerations at the points, with the step's shape functions.
+
+    A subclass has ``acceleration(state, dt)`` (n, dim) [m/s²] in a step of ``dt`` [s]."""
+
+    name = "point_forces"
+
+    @hookimpl
+    def after_momentum_projection(self, phi):
+        """Keep this step's table of shape functions."""
+        self.phi = phi
+
+    @hookimpl
+    def add_nodal_force(self, grid, state, dt):
+        """Add the forces of all points."""
+        phi, force = self.phi, state.particles.mass[:, None] * self.acceleration(state, dt)
+        point = np.repeat(np.arange(len(force)), np.diff(phi.row))
+        np.add.at(grid.force, phi.nodes, phi.weight[:, None] * force[point])
+
+
+PRESSURE, BLOCKS = 0.2e6, ("lower", "upper")  #: on the two blocks at rest of contact-stress [Pa]
+
+
+def stress(tree):
+    """Return errors of σ_yy of the points of two blocks at rest, 1 m wide, against −p at the end [%].
+
+    Within a cell of the interface: the ``mean`` by volume, the largest ``departure``, and the largest one two
+    cells ``off the walls``. Over both blocks: ``l2`` = sqrt(∫ (σ_yy + p)² dV / ∫ p² dV).
+    """
+    h, heights = float(tree.attrs["cell_size"]), []
+    frames = [tree[f"particles/{body}"].to_dataset().isel(time=-1) for body in BLOCKS]
+    x, y = np.concatenate([frame["position"].values for frame in frames]).T
+    volume = np.concatenate([frame["volume"].values for frame in frames])
+    ratio = np.concatenate([-frame["stress"].values[:, 1, 1] / PRESSURE for frame in frames])
+    for body, at in zip(BLOCKS, (np.max, np.min), strict=True):  # of the nodes that met at the start
+        nodes = tree[f"surface/{body}"]["position"].values[..., 1]
+        heights.append(nodes[-1][np.abs(nodes[0] - at(nodes[0])) < 0.05 * h].mean())
+    near = np.abs(y - float(np.mean(heights))) < h
+    off_walls = near & (x > 2.0 * h) & (x < 1.0 - 2.0 * h)
+    return {
+        "mean": 100.0 * (np.average(ratio[near], weights=volume[near]) - 1.0),
+        "departure": 100.0 * np.abs(ratio[near] - 1.0).max(),
+        "off the walls": 100.0 * np.abs(ratio[off_walls] - 1.0).max(),
+        "l2": 100.0 * np.sqrt(np.average((ratio - 1.0) ** 2, weights=volume)),
+    }
