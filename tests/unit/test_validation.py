@@ -7,10 +7,11 @@ import pytest
 
 from command_line import called
 from mpmfw.campaigns.executors import InProcess
+from mpmfw.campaigns.store import Store
 from mpmfw.validation import Case, CaseRun, Method, Place, Runs, by_method, methods
 from mpmfw.validation import suite as suites
 from mpmfw.validation.page import BEGIN, END
-from mpmfw.validation.suite import find_cases, rows_of, run_cases, store_of
+from mpmfw.validation.suite import find_cases, rows_of, run_cases
 
 GREEN = """
 from measures import SIX
@@ -229,11 +230,11 @@ def test_cases_run_one_by_one_make_one_table_of_todays_code(suite, tmp_path):
     validate(folder, tmp_path, "a")
     with (tmp_path / "out" / "validation.csv").open() as file:
         assert [row["case"] for row in csv.DictReader(file)] == ["a", "a", "b"]
-    assert rows_of([folder / "b"], store_of(tmp_path / "out"), quick=True) == []
+    assert rows_of([folder / "b"], Store(tmp_path / "out" / "runs"), quick=True) == []
     (folder / "b" / "test_b.py").write_text(GREEN)
-    assert rows_of([folder / "b"], store_of(tmp_path / "out"), quick=False) == []
+    assert rows_of([folder / "b"], Store(tmp_path / "out" / "runs"), quick=False) == []
     (folder / "measures.py").write_text("SIX = 6.5\n")
-    assert rows_of(find_cases(folder), store_of(tmp_path / "out"), quick=False) == []
+    assert rows_of(find_cases(folder), Store(tmp_path / "out" / "runs"), quick=False) == []
 
 
 LEAVES = """

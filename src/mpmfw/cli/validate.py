@@ -42,8 +42,9 @@ def validate(
         import pytest  # noqa: F401
     except ImportError as error:
         raise SceneError("validate needs pytest: pip install 'mpmfw[testing]'") from error
-    from mpmfw.validation.page import red_rows, said, summary, write_csv, write_page
-    from mpmfw.validation.suite import find_cases, rows_of, run_cases, store_of, suite_of
+    from mpmfw.campaigns.store import Store
+    from mpmfw.validation.page import GATES, said, summary, write_csv, write_page
+    from mpmfw.validation.suite import find_cases, rows_of, run_cases, suite_of
 
     folder = suite_of(suite)
     found = find_cases(folder, cases or ())
@@ -51,10 +52,12 @@ def validate(
     running: dict[str, Any] = {**args.workers(jobs, scheduler, None), "force": force}
     with campaign_progress("cases") as reports:
         rows = run_cases(found, output, quick=quick, progress=reports["progress"], **running)
-    for row in red_rows(rows):
+    for row in (row for row in rows if row["verdict"] in GATES[1:]):
         typer.echo(f"{row['verdict']}: {row['case']}: {said(row)}")
     others = [case for case in find_cases(folder) if case not in found]
-    everything = sorted([*rows, *rows_of(others, store_of(output), quick)], key=lambda row: str(row["case"]))
+    everything = sorted(
+        [*rows, *rows_of(others, Store(output / "runs"), quick)], key=lambda row: str(row["case"])
+    )
     write_csv(everything, output / "validation.csv")
     if document is not None:
         named = ["--suite", str(suite)] if suite not in (None, folder) else []

@@ -19,10 +19,6 @@ from mpmfw.validation.case import CONTACTS, SHAPES, Method
 
 Rows = list[dict[str, Any]]
 BEGIN, END = "<!-- mpmfw validate: begin -->", "<!-- mpmfw validate: end -->"
-COLUMNS = (
-    "case", "method", "quantity", "reference", "value", "unit", "least", "most", "verdict", "seconds", "note",
-    "reason",
-)  # fmt: skip
 #: Verdicts on gates.
 GATES = ("holds", "RED", "known red")
 #: Colours of a page's figures; fewer make a smaller file.
@@ -39,7 +35,7 @@ def said(row: Mapping[str, Any]) -> str:
 
 def write_csv(rows: Rows, path: Path) -> None:
     """Write every row with its full digits."""
-    replace_bytes(pd.DataFrame(rows, columns=COLUMNS).to_csv(index=False, na_rep="nan").encode(), path)
+    replace_bytes(pd.DataFrame(rows).to_csv(index=False, na_rep="nan").encode(), path)
 
 
 def summary(rows: Rows) -> str:
@@ -51,11 +47,6 @@ def summary(rows: Rows) -> str:
         f"{known} known red; {len(rows) - holds - red - known} more values, of which {count['outside']} "
         f"outside the gates' limits and {count['failed']} of runs that failed"
     )
-
-
-def red_rows(rows: Rows) -> Rows:
-    """Return the gates that do not hold."""
-    return [row for row in rows if row["verdict"] in GATES[1:]]
 
 
 def write_page(rows: Rows, path: Path, command: str, figures: Path | None = None) -> None:
@@ -73,15 +64,13 @@ def write_page(rows: Rows, path: Path, command: str, figures: Path | None = None
     write_csv(rows, folder / "rows.csv")
     packages = ", ".join(f"{name} {version(name)}" for name in ("mpmfw", "numpy", "numba"))
     written = f"{command}, Python {platform.python_version()}, {packages}, {processor()}"
-    red = [
-        f"- `{row['case']}`: {said(row)}{'' if row['reason'] else ': not known why'}"
-        for row in red_rows(rows)
-    ]
+    known = [row for row in rows if row["verdict"] in GATES[1:]]
+    red = [f"- `{row['case']}`: {said(row)}" for row in known]
     parts = [
         f"{BEGIN}\n\nWritten by {written}.\n{summary(rows)}. [All rows]({folder.name}/rows.csv).",
         "\n".join(["Gates that do not hold:\n", *red]) if red else "Every gate holds.",
         "Values within their limits, of those that have any, by case and method:",
-        f"{_matrix(pd.DataFrame(rows))}\n\n{END}",
+        f"{_matrix(pd.DataFrame(rows)) if rows else ''}\n\n{END}",
     ]
     text = "\n\n".join(parts)
     replace_bytes(f"{before}{text}{rest.partition(END)[2]}".encode(), path)

@@ -157,14 +157,11 @@ def _alone(suite: Path) -> Iterator[None]:
 
 
 def suite_of(given: Path | None = None) -> Path:
-    """Return the folder of a suite: as given, one of mpmfw's own by name (``hard``), or the main one.
-
-    Its own are installed with it, or in the checkout that it runs from."""
+    """Return the folder of a suite: as given, one that is shipped by name (``hard``), or the main one."""
     package = Path(__file__).parents[1]
     own = package / "cases" if (package / "cases").is_dir() else package.parents[1] / "validation"
-    if given is None:
-        return own
-    return own / given if len(given.parts) == 1 and not given.is_dir() and (own / given).is_dir() else given
+    inside = given is not None and len(given.parts) == 1 and not given.is_dir() and (own / given).is_dir()
+    return own if given is None else own / given if inside else given
 
 
 def find_cases(suite: Path, names: Sequence[str] = ()) -> list[Path]:
@@ -183,10 +180,12 @@ def run_cases(
 ) -> list[dict[str, Any]]:  # fmt: skip
     """Run cases, longest first, but those that today's code has done; return their rows.
 
-    ``output`` is the folder for figures and, in ``runs``, results.
-    """
+    ``output`` is the folder for figures and, in ``runs``, results."""
     output.mkdir(parents=True, exist_ok=True)
-    runner, store = executor_of(executor, jobs) if executor is not None else Pool(jobs), store_of(output)
+    runner, store = (
+        executor_of(executor, jobs) if executor is not None else Pool(jobs),
+        Store(output / "runs"),
+    )
     ordered = sorted(cases, key=_cost, reverse=True)
     tasks = [CaseTask(_key(one, quick), one.name, one, output, quick) for one in ordered]
     for task in tasks:
@@ -207,11 +206,6 @@ def rows_of(cases: Iterable[Path], store: Store, quick: bool, missing: str = "")
         elif why := outcome.status if outcome is not None else missing:
             rows += broken(folder, why)
     return rows
-
-
-def store_of(output: Path) -> Store:
-    """Return the store of a suite's results."""
-    return Store(output / "runs")
 
 
 def _key(folder: Path, quick: bool) -> str:
