@@ -2,43 +2,27 @@
 # cost: 60
 
 import numpy as np
+from common import disc, rectangle, scene
 
 from mpmfw.validation import Place, Runs, methods
 
 RADIUS, SPEED = 0.25, 1.0
 
 
-def scene(count, cell):
+def row(count, cell):
     """Return a row of ``count`` discs of 1, 2, 3, … times the density, and a block far away."""
-    bodies = {
-        f"disc{k}": {
-            "geometry": {"type": "disc", "centre": [0.3 + 0.52 * k, 0.3], "radius": RADIUS},
-            "segment": 0.01,
-            "rigid": {"density": 1000.0 * (k + 1)},
-            "velocity": [0.0 if k else SPEED, 0.0],
-        }
-        for k in range(count)
-    }
-    block = {"type": "rectangle", "lower": [0.0, -1.2], "upper": [0.4, -0.8]}
-    return {
-        "grid": {"cell_size": cell, "lower": [-0.4, -1.6], "upper": [3.2, 1.2]},
-        "time": {"end": 0.02 * count + 0.4, "output_interval": 0.02},
-        "shape": {"method": "cpdi"},
-        "contact": {"method": "lcp"},
-        "materials": {
-            "rubber": {"model": "neo_hookean", "density": 1e3, "bulk_modulus": 1e6, "shear_modulus": 5e5}
-        },
-        "bodies": {
-            "block": {"material": "rubber", "geometry": block, "particles": {"size": "0.5 cells"}},
-            **bodies,
-        },
-        "output": {"particles": False},
-    }
+    rubber = {"model": "neo_hookean", "density": 1e3, "bulk_modulus": 1e6, "shear_modulus": 5e5}
+    bodies = {"block": rectangle(0.0, -1.2, 0.4, -0.8)}
+    for k in range(count):
+        moving = {"rigid": {"density": 1000.0 * (k + 1)}, "velocity": [0.0 if k else SPEED, 0.0]}
+        bodies[f"disc{k}"] = disc(0.3 + 0.52 * k, 0.3, RADIUS, segment=0.01, **moving)
+    more = {"contact": {"method": "lcp"}, "output": {"particles": False}}
+    return scene(cell, [-0.4, -1.6], [3.2, 1.2], 0.02 * count + 0.4, 0.02, rubber, bodies, **more)
 
 
 cradle = Runs(
     "cradle",
-    scene,
+    row,
     methods(["lcp"], bound=True) + methods(["impulse"], when="full"),
     [
         Place(f"{count} discs, h = {cell:g} m", make={"count": count, "cell": cell})

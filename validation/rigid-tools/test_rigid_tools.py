@@ -2,6 +2,7 @@
 # cost: 60
 
 import numpy as np
+from common import disc, elastic, polygon, rectangle, scene
 
 from mpmfw.validation import CLASSICAL, Place, Runs, methods
 
@@ -12,21 +13,13 @@ FINEST = 0.4852
 METHODS = [*methods(), *methods(["lcp", CLASSICAL[1]], when="full")]
 
 
-def scene(cell, end, lower, upper, friction, bodies, **more):
+def rubber(cell, end, lower, upper, friction, bodies, **more):
     """Return a scene of rubber."""
-    rubber = {"model": "linear_elastic", "density": 1e3, "youngs_modulus": 1e6, "poissons_ratio": 0.3}
-    rubber["damping"] = {"bulk": "2 ms", "shear": "2 ms"}
-    soft = {"material": "rubber", "particles": {"size": "0.5 cells"}, "segment": "0.25 cells"}
-    return {
-        "grid": {"cell_size": cell, "lower": lower, "upper": upper},
-        "time": {"end": end, "output_interval": end / 100.0},
-        "shape": {"method": "cpdi"},
-        "contact": {"method": "penalty", "friction": friction},
-        "materials": {"rubber": rubber},
-        "bodies": {name: body if "rigid" in body else {**soft, **body} for name, body in bodies.items()},
-        "output": {"particles": False, "surface": False},
-        **more,
-    }
+    solid = elastic(1e3, 1e6, 0.3, damping={"bulk": "2 ms", "shear": "2 ms"})
+    soft = {"segment": "0.25 cells"}
+    bodies = {name: body if "rigid" in body else {**soft, **body} for name, body in bodies.items()}
+    tables = {"contact": {"friction": friction}, "output": {"particles": False, "surface": False}, **more}
+    return scene(cell, lower, upper, end, end / 100.0, solid, bodies, **tables)
 
 
 def band(cell):
@@ -35,19 +28,14 @@ def band(cell):
     arc, leg = np.stack([np.sin(angle), np.cos(angle)], axis=1), 0.5
     near, far = 1.0002 * RADIUS, RADIUS + THICK
     points = [[-leg, near], *(near * arc), [near, -leg], [far, -leg], *(far * arc[::-1]), [-leg, far]]
+    pulled = [{"side": "left", "fixed": True}, {"side": "bottom", "pressure": -PULL / THICK}]
+    turns = {"motion": {"angular_velocity": [[0.0, 0.0], [0.2, -0.3]]}}
     bodies = {
-        "band": {
-            "geometry": {"type": "polygon", "points": np.array(points).tolist()},
-            "sides": [{"side": "left", "fixed": True}, {"side": "bottom", "pressure": -PULL / THICK}],
-        },
-        "drum": {
-            "geometry": {"type": "disc", "centre": [0.0, 0.0], "radius": RADIUS},
-            "segment": 0.02,
-            "rigid": {"motion": {"angular_velocity": [[0.0, 0.0], [0.2, -0.3]]}},
-        },
+        "band": polygon(points, sides=pulled),
+        "drum": disc(0.0, 0.0, RADIUS, segment=0.02, rigid=turns),
     }
     lower, upper, drag = [-0.8, -0.8], [2.6, 2.6], {"calm": {"model": "drag", "rate": 20.0}}
-    return scene(cell, 0.8, lower, upper, FRICTION, bodies, settle={"tolerance": 1e-2}, loads=drag)
+    return rubber(cell, 0.8, lower, upper, FRICTION, bodies, settle={"tolerance": 1e-2}, loads=drag)
 
 
 def tension(tree):
@@ -72,13 +60,12 @@ def test_band(run):
 
 def grip(cell, friction):
     """Return a block that two plates press by 1 % each, and lift by 20 mm once gravity acts."""
-    bodies = {"block": {"geometry": {"type": "rectangle", "lower": [0.0, 0.0], "upper": [EDGE, EDGE]}}}
+    bodies = {"block": rectangle(0.0, 0.0, EDGE, EDGE)}
     for name, x, way in (("left", -0.2, 0.04), ("right", EDGE, -0.04)):
         table = [[0.0, way, 0.0], [0.1, way, 0.0], [0.11, 0, 0], [0.4, 0, 0], [0.5, 0, 0.2], [0.6, 0, 0]]
-        plate = {"type": "rectangle", "lower": [x, -1.3], "upper": [x + 0.2, 0.7]}
-        bodies[name] = {"geometry": plate, "rigid": {"motion": {"velocity": table}}}
+        bodies[name] = rectangle(x, -1.3, x + 0.2, 0.7, rigid={"motion": {"velocity": table}})
     gravity = {"table": [[0.15, 0.0, 0.0], [0.3, 0.0, -GRAVITY]]}
-    return scene(cell, 0.8, [-0.3, -1.1], [0.7, 0.9], friction, bodies, gravity=gravity)
+    return rubber(cell, 0.8, [-0.3, -1.1], [0.7, 0.9], friction, bodies, gravity=gravity)
 
 
 def held(tree, friction):
@@ -116,15 +103,12 @@ def test_grip(run):
 
 def rebound(cell):
     """Return a free rigid disc that falls on an elastic block in flight."""
-    disc = {
-        "geometry": {"type": "disc", "centre": [0.1, 0.26], "radius": 0.25},
-        "segment": 0.01,
-        "rigid": {"density": 1e3},
-        "velocity": [0.0, -1.0],
+    bodies = {
+        "block": rectangle(-0.6, -0.5, 0.6, 0.0),
+        "disc": disc(0.1, 0.26, 0.25, segment=0.01, rigid={"density": 1e3}, velocity=[0.0, -1.0]),
     }
-    block = {"geometry": {"type": "rectangle", "lower": [-0.6, -0.5], "upper": [0.6, 0.0]}}
-    bodies, output = {"block": block, "disc": disc}, {"particles": False, "surface": False, "ledger": True}
-    return scene(cell, 0.15, [-1.0, -1.1], [1.0, 1.0], FRICTION, bodies, output=output)
+    output = {"particles": False, "surface": False, "ledger": True}
+    return rubber(cell, 0.15, [-1.0, -1.1], [1.0, 1.0], FRICTION, bodies, output=output)
 
 
 def bounced(tree):
