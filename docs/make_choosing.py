@@ -51,7 +51,7 @@ def column(tree: xr.DataTree) -> float:
 SCENES: dict[str, Callable[[xr.DataTree], float]] = {
     "footing": footing,
     "press-fit": press_fit,
-    "column": column,
+    "column-collapse": column,
 }
 
 
@@ -73,7 +73,7 @@ def compared(scene: str, column_: str, contacts: tuple[str, ...]) -> list[float]
 
 def problems() -> dict[str, list[float]]:
     """Return errors [%] by problem, a value for each contact."""
-    finer = result("column", STRONGEST, **{"grid.cell_size": 0.01})[0]
+    finer = result("column-collapse", STRONGEST, **{"grid.cell_size": 0.01})[0]
     rows = {
         "impact of two rings\nimpulse over time": compared(
             "colliding-rings-4-a-cell", "impulse_curve_error", CONTACTS
@@ -130,8 +130,8 @@ SETTINGS: tuple[tuple[str, str, dict[str, Any]], ...] = (
     ("footing", "penalty", {"grid.cell_size": 0.0625}),
     ("footing", STRONGEST, {"grid.cell_size": 0.0625}),
     ("footing", "penalty", {"bodies.soil.volumetric": "pointwise"}),
-    ("column", STRONGEST, {"contact.friction": 0.3}),
-    ("column", STRONGEST, {"stepping.transfer": "flip", "stepping.pic_fraction": 0.05}),
+    ("column-collapse", STRONGEST, {"contact.friction": 0.3}),
+    ("column-collapse", STRONGEST, {"stepping.transfer": "flip", "stepping.pic_fraction": 0.05}),
 )
 
 

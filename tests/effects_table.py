@@ -82,7 +82,9 @@ EFFECTS = {
     "affine field": brings(arrays="particles/affine", series="affine_energy"),
     "affine moments": brings(arrays="particles/moment"),
     "gravity": brings("gravity", modules=".gravity"),
-    "prescribed sides": brings("constraint", modules=".constraint .side_rows", series="side_force side_work"),
+    "prescribed sides": brings(
+        "constraint", modules=".constraint .side_rows", series="side_reaction side_work"
+    ),
     "settling": brings(modules=".settling"),
     "pressure": brings("pressure on solid top", modules=".side_loads"),
     "damping": brings(

@@ -31,10 +31,11 @@ for kind in slip no-slip; do
   measure "./cylinder-$kind-turned.toml" "$all"
   measure "rolling-sphere-$kind-rigid" "$all"
 done
-for scene in block-rigid stopping-block belt colliding-discs colliding-discs-level hertz-impact taylor-bar; do
+for scene in block-rigid stopping-block belt colliding-discs colliding-discs-level hertz-impact; do
   measure "./$scene.toml" "$all"
 done
 measure sliding-block "$all"
 measure footing "$all" --set grid.cell_size=0.25
 measure wheel "$all"
+measure taylor-bar "$all"
 measure colliding-rings "$all"

@@ -13,38 +13,7 @@ from mpmfw.plots.style import dress, new_figure
 
 plt.style.use("mpmfw.plots.journal")
 
-length, radius = 32.4e-3, 3.2e-3
-scene = {
-    "title": "Taylor's bar",
-    "grid": {
-        "cell_size": radius / 5,
-        "lower": [0.0, -0.005],
-        "upper": [0.01, 0.036],
-        "axisymmetric": True,
-    },
-    "time": {"end": "80 us", "output_interval": "4 us"},
-    "shape": {"method": "cpdi"},
-    "materials": {
-        "copper": {
-            "model": "j2",
-            "density": 8930.0,
-            "youngs_modulus": "117 GPa",
-            "poissons_ratio": 0.35,
-            "yield_stress": "400 MPa",
-            "hardening_modulus": "100 MPa",
-        }
-    },
-    "bodies": {
-        "bar": {
-            "material": "copper",
-            "geometry": {"type": "rectangle", "lower": [0.0, 0.0], "upper": [radius, length]},
-            "particles": {"size": "0.5 cells"},
-            "velocity": [0.0, -227.0],
-            "sides": [{"side": "bottom", "fixed": ["y"]}],
-        }
-    },
-}
-tree = mpmfw.run(scene)
+tree = mpmfw.run("taylor-bar")
 
 # %%
 # The bar after 80 µs, in the half-plane of radius and height:

@@ -71,6 +71,9 @@ class BarrierLaw(SpringLaw):
     def range(self) -> float:
         return self.threshold
 
+    def compliance(self) -> None:
+        """Return None: barriers give by no more than their reach."""
+
     def estimate_frequency(self, bulk_frequency: float) -> float:
         """Return the frequency of a place where barriers give a pressure of a thousandth of κ M."""
         return FIRST / self.options.reach * super().estimate_frequency(bulk_frequency)

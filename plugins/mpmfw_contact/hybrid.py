@@ -59,6 +59,10 @@ class Hybrid(Impulse):
         reduced = [a * b / (a + b) if np.isfinite(a + b) else min(a, b, 1e300) for a, b in both]
         self.modulus: FloatArray = self.options.kappa * np.array(reduced, dtype=float) / self.cell_size
 
+    def compliance(self) -> FloatArray:
+        """h / (κ K), overlap under a unit of pressure, of every pair [m/Pa]."""
+        return 1.0 / self.modulus
+
     def activate(self, rows: ContactRows, grid: Grid, *, moves: bool) -> None:
         """Push rows that overlap; MUSL's second momentum is only stopped."""
         if moves:

@@ -176,3 +176,14 @@ def test_a_missing_extra_is_named_with_status_2(tmp_path, monkeypatch, module, a
     monkeypatch.setitem(sys.modules, module, None)
     assert f"pip install 'mpmfw[{extra}]'" in called(*arguments, status=2).output
     assert {path.name for path in tmp_path.iterdir()} <= {"scene.toml", "validation-results"}
+
+
+def test_warm_up_takes_first_steps_of_every_combination(scene):
+    result = called("warm-up", scene, "--contact", "bardenhagen,penalty", "--shape", "gimp,cpdi")
+    assert "s to compile" in result.stdout
+    lines = result.stdout.splitlines()
+    assert [line.partition(":")[0] for line in lines] == [
+        f"{contact}, {shape}" for contact in ("bardenhagen", "penalty") for shape in ("gimp", "cpdi")
+    ]
+    called("warm-up", scene, "--contact", "foo", status=2)
+    assert not list(scene.parent.glob("*.nc*"))  # nothing is written

@@ -46,10 +46,18 @@ def test_the_way_to_equilibrium_does_not_decide_where_it_is(monkeypatch):
         assert 0.0 < np.abs(other - shipped).max() < 0.02 * np.abs(shipped).max(), name
 
 
+@pytest.mark.filterwarnings("ignore:the scene still moved")
 def test_settling_gives_up_after_its_crossings(monkeypatch):
     monkeypatch.setattr(settling, "CROSSINGS", 0.5)
     with pytest.warns(mpmfw.ResultsWarning, match="settling stopped"):
         mpmfw.run(hanging())
+
+
+def test_motion_left_is_a_share_of_the_strain_energy(monkeypatch):
+    assert settling.concern({"settle_motion": 0.9e-3}) == []
+    assert settling.concern({"settle_motion": 1.1e-3})
+    monkeypatch.setattr(settling, "MOTION_LEFT", 1e-2)
+    assert settling.concern({"settle_motion": 1.1e-3}) == []
 
 
 def flutters(*, outputs=12, share=0.9, swing=0.05, every=1, slip=1.0, way=0.01):

@@ -24,8 +24,8 @@ def choosing():
         ("press-fit", "lcp", 0.0),
         # The case of validation runs its scene
         pytest.param("footing", "penalty", 1.0945, marks=pytest.mark.long),
-        ("column", "bardenhagen(criterion=position,normal=master)", 2.50),
-        pytest.param("column", "penalty", math.nan, marks=pytest.mark.long),
+        ("column-collapse", "bardenhagen(criterion=position,normal=master)", 2.50),
+        pytest.param("column-collapse", "penalty", math.nan, marks=pytest.mark.long),
     ],
 )
 def test_a_problem_has_the_result_of_the_page(choosing, scene, contact, expected):

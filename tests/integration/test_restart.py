@@ -34,6 +34,8 @@ COARSE = {
         "time.end": 0.006,
         "time.output_interval": 0.001,
     },
+    "column-collapse": {"grid.cell_size": 0.04, "time.end": 0.02},
+    "taylor-bar": {"grid.cell_size": "1.6 mm", "time.end": "4 us"},
     "footing": {"grid.cell_size": 0.25, "time.end": 0.02},
     "roller": {"grid.cell_size": 0.25, "settle.max_time": 0.02, "time.end": 0.02},
     "wheel": {"grid.cell_size": 0.2, "time.end": 0.02},

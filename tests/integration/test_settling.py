@@ -103,3 +103,16 @@ def test_a_body_at_rest_stays_for_five_thousand_steps():
     way = np.linalg.norm(place - place[0], axis=1)
     assert way.max() < 1e-6
     assert np.ptp(way[2:]) < 1e-7
+
+
+@pytest.mark.filterwarnings("ignore:settling stopped")
+@pytest.mark.parametrize(("max_time", "warned"), [(None, False), (5e-3, True)])
+def test_a_scene_that_still_moves_at_its_first_output_warns(max_time, warned):
+    quarter_period = {"end": 5e-3, "output_interval": 5e-3}
+    sim = Simulation(
+        column(gravity={"vector": [0.0, -G]}, settle={"max_time": max_time}, time=quarter_period)
+    )
+    sim.run()
+    assert any("still moved" in text for text in sim.concerns()) == warned
+    assert (sim._settled["settle_residual"] > 1e-3) == warned
+    assert sim.status == "ok"

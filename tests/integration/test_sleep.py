@@ -159,7 +159,7 @@ def test_what_is_refused(changes, said):
 
 def test_the_side_under_a_sleeping_body_keeps_its_force():
     run = mpmfw.run(stack())
-    force = run["series"]["side_force"].sel(side="bottom", axis="y").dropna("body", how="all").isel(body=0)
+    force = run["series"]["side_reaction"].sel(axis="y").isel(side=0)
     asleep = force.values[-3:]
     assert (asleep > 0.5 * force.values[1:].max()).all()
     assert np.ptp(asleep) < 0.05 * asleep.mean()

@@ -106,7 +106,7 @@ def test_a_footing_has_prandtls_load_and_the_bar_a_published_length():
         },
         {"axis": ["x", "y"]},
     )
-    scene = load_scene(ARENA / "scenes" / "taylor-bar.toml", set={"bodies.bar.particles.size": 0.2})
+    scene = load_scene("taylor-bar", set={"bodies.bar.particles.size": 0.2})
     run = xr.DataTree.from_dict({"particles/bar": points})
     assert measure_of("length").of(run, scene, About()).values == pytest.approx([0.75])
     force = ("time", "pair", "axis"), [[[9.0, 9.0]], *[[[0.0, 0.0]]] * 3, [[3.0, 4.0]], [[3.0, 4.0]]]

@@ -5,10 +5,11 @@ import math
 import pytest
 
 from contact_scenes import impact
-from mpmfw.runs.prediction import TIMED, predict
+from mpmfw.runs.prediction import TIMED, driven_speed, predict, share_of_springs
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
 from mpmfw.state.fields import STEP_STAGES
+from scenes_for_tests import scene_of, solid
 
 
 def made(contact="penalty", shape="cpdi", **tables):
@@ -68,3 +69,36 @@ def test_outputs_come_between_steps_as_in_the_run(monkeypatch, interval, frames)
     predict(simulation, [])
     assert len(taken) == frames
     assert taken[0] == 1
+
+
+CELL = 0.1
+
+
+def pressed(contact, **options):
+    """A block on another one of four times its modulus, whose top is driven down."""
+    materials = {
+        name: {"model": "linear_elastic", "density": 1000, "youngs_modulus": young, "poissons_ratio": 0.0}
+        for name, young in (("soft", 1e6), ("firm", 4e6))
+    }
+    driven = [{"side": "top", "velocity": ["free", -0.01]}]
+    bodies = {
+        "firm": solid([0.0, -1.0], [1.0, 0.0], 0.05, "firm"),
+        "soft": solid([0.0, 0.0], [1.0, 0.5], 0.05, sides=driven),
+    }
+    tables = {"contact": {"method": contact, **options}, "materials": materials}
+    return Simulation(scene_of(bodies, CELL, [-1.0, -2.0], [2.0, 2.0], end=0.01, **tables))
+
+
+SOFT = {"penalty": {"kappa": 1.0}}
+
+
+@pytest.mark.parametrize(
+    ("contact", "options", "kappa"), [("penalty", {}, 4.0), ("penalty", SOFT, 1.0), ("adhesion", {}, 4.0)]
+)
+def test_springs_and_bodies_are_in_series(contact, options, kappa):
+    """h / (κ M) of the softer body's modulus beside L / M of both, along the motion alone."""
+    simulation = pressed(contact, **options)
+    springs, bodies = CELL / (kappa * 1e6), 0.5 / 1e6 + 1.0 / 4e6
+    assert driven_speed(simulation).tolist() == [0.0, 0.01]
+    assert share_of_springs(simulation, 1) == pytest.approx(springs / (springs + bodies), rel=1e-12)
+    assert share_of_springs(simulation, 0) == 0.0  # the blocks do not press on each other along x

@@ -40,7 +40,7 @@ def band(cell):
 
 def tension(tree):
     """Return the error [%] of the tension of the band against e^(μ φ R / (R + t/2)) times the pull."""
-    reaction = tree["series"]["side_force"].sel(body="band", side="left", axis="x").values
+    reaction = tree["series"]["side_reaction"].sel(side="band-left", axis="x").values
     exact = PULL * np.exp(FRICTION * 0.5 * np.pi * RADIUS / (RADIUS + 0.5 * THICK))
     return 100.0 * (abs(reaction[-10:].mean()) / exact - 1.0)
 

@@ -18,7 +18,7 @@ from mpmfw.cli.compare import compare
 from mpmfw.cli.explain import explain
 from mpmfw.cli.figures import animate, export, plot, report, view
 from mpmfw.cli.plugins import check, new, plugins, schema
-from mpmfw.cli.run import benchmark, resume, run
+from mpmfw.cli.run import benchmark, resume, run, warm_up
 from mpmfw.cli.stability import stability
 from mpmfw.cli.study import choose, rank, study
 from mpmfw.cli.validate import validate
@@ -82,7 +82,7 @@ def prune(
 
 _COMMANDS = (
     run, resume, compare, study, rank, choose, stability, report, plot, animate, view, export, explain,
-    schema, plugins, benchmark, validate, check, new,
+    schema, plugins, benchmark, warm_up, validate, check, new,
 )  # fmt: skip
 
 for command in _COMMANDS:

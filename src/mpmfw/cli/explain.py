@@ -51,6 +51,7 @@ def explain(
 
     found = predict(simulation, [array.nbytes for _, array in named_arrays(simulation.state)])
     _print_step(simulation, found, everything)
+    _print_share_of_springs(simulation)
     _print_cost(simulation, found, everything)
     typer.echo("Facts of the scene that are not used")
     for line in unused_facts(simulation) or ["none"]:
@@ -114,6 +115,20 @@ def _print_step(simulation: Simulation, found: Prediction, everything: bool) -> 
     what = "first step" if simulation.scene.settle is None else "first step, of settling"
     typer.echo(f"dt = {found.first_step:.6g} s: {what}, {why}")
     typer.echo(f"least limit: {limits[0][0]:.6g} s, {limits[0][1]}\n")
+
+
+def _print_share_of_springs(simulation: Simulation) -> None:
+    """Print the part of driven sides' motion or of overlaps that contact springs take."""
+    from mpmfw.runs.prediction import driven_speed, share_of_springs
+
+    speed = driven_speed(simulation)
+    axis = int(speed.argmax()) if speed.any() else None
+    if axis is None and not simulation.scene.allow_overlap:
+        return
+    share, law = share_of_springs(simulation, axis), simulation.contact
+    if share > 0.0 and law is not None:
+        of = "the overlap" if axis is None else "the sides' motion"
+        typer.echo(f"springs of {law.label} take about {100 * share:.2g} % of {of}; stiffer ones take less\n")
 
 
 def _print_cost(simulation: Simulation, found: Prediction, everything: bool) -> None:

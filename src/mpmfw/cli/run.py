@@ -1,4 +1,4 @@
-"""``mpmfw run`` and ``resume``: one scene, one file of results; and ``benchmark``: time by stage."""
+"""``mpmfw run`` and ``resume``: one scene, one file of results; ``benchmark``: time by stage; ``warm-up``."""
 
 from __future__ import annotations
 
@@ -60,6 +60,9 @@ def resume(
 #: Steps after which the shipped scenes are in contact.
 IN_CONTACT = {"colliding-rings": 250}
 
+#: Steps that call all kernels of a scene that starts in contact.
+FIRST_STEPS = 5
+
 #: Columns of a measurement that are not shown.
 HIDDEN = ("dim", "ns_low", "ns_high")
 
@@ -95,3 +98,26 @@ def benchmark(
     heads = {key: HEADS.get(key, key.removeprefix("ns_")) for row in rows for key in row}
     print_table(rows, heads, labels=("scene", "contact", "shape"), title=f"Scenes: {what}")
     typer.echo(f"{processor()}; other processes kept {load.others():.1f} cores busy")
+
+
+def warm_up(
+    scene: args.SceneName = "rolling-cylinder-slip",
+    contact: args.Contacts = None,
+    shape: args.Shapes = None,
+    trust: args.Trust = False,
+) -> None:
+    """Compile the kernels of SCENE, so that its runs start at once.
+
+    It takes the first steps and an output with every combination of methods, by default the scene's."""
+    from itertools import product
+
+    from mpmfw.runs.simulation import Simulation
+
+    contacts, shapes = args.names(contact, "contact"), args.names(shape, "shape")
+    for chosen in product(contacts or (None,), shapes or (None,)):
+        loaded = args.chosen_scene(scene, *chosen, None, trust)
+        simulation = Simulation(loaded)
+        simulation.advance(FIRST_STEPS)
+        simulation.frame()
+        seconds, label = simulation.clock.compile_time, ", ".join(name for name in chosen if name)
+        typer.echo(f"{label or loaded.name}: {seconds:.1f} s to compile or load kernels")

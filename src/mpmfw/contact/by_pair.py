@@ -106,7 +106,7 @@ class ContactsByPair(ContactStrategy):
 
     def _combine(self, auto_map: Any) -> None:
         """Set the facts that all contacts have together."""
-        contacts = self.contacts
+        contacts, base = self.contacts, self.base
         given = {each.surface_map for each in contacts if each.needs_surface}
         maps = {auto_map if each == "auto" else each for each in given}
         if len(maps) > 1:
@@ -115,6 +115,7 @@ class ContactsByPair(ContactStrategy):
         for fact in ("needs_surface", "uses_friction", "takes_friction_law"):
             setattr(self, fact, any(getattr(each, fact) for each in contacts))
         self.softer_by = " or ".join(filter(None, (each.softer_by for each in contacts))) or None
+        self.compliance = getattr(base, "compliance", lambda: None)
         # the one that lacks a radius, which bodies of revolution need
         self.detection = min((each.detection for each in contacts), key=lambda each: each.has_radius)
 

@@ -160,6 +160,10 @@ class SpringLaw(ForceLaw):
         softer = [min(bodies[p.first].p_wave_modulus, bodies[p.second].p_wave_modulus) for p in state.pairs]
         self.modulus: FloatArray = self.kappa * np.array(softer, dtype=float) / self.cell_size
 
+    def compliance(self) -> FloatArray | None:
+        """Return h / (κ M), the overlap under a unit of pressure, of every pair [m/Pa]."""
+        return 1.0 / self.modulus
+
     def estimate_frequency(self, bulk_frequency: float) -> float:
         return self.kappa * bulk_frequency**2
 

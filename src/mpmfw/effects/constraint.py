@@ -13,8 +13,8 @@ from mpmfw.effects.side_rows import AXIS, PlaneSides, SideTable, list_rows, meet
 from mpmfw.errors import SceneError
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import FLAT, Acts, Setup
-from mpmfw.scene.sides import motion_of
-from mpmfw.state.fields import SIDES, AnyArray, Field, FloatArray
+from mpmfw.scene.sides import motion_of, side_labels
+from mpmfw.state.fields import AnyArray, Field, FloatArray
 from mpmfw.state.history import IndexMap
 from mpmfw.state.structs import Body, Grid
 
@@ -23,15 +23,15 @@ if TYPE_CHECKING:
     from mpmfw.scene.tables import Settle
 
 FIELDS = (
-    Field("side_force", ("body", "side", "axis"), "N m-1",
+    Field("side_reaction", ("side", "axis"), "N m-1",
           "force of a prescribed side on the body, mean over the output interval", "series", output=True,
-          missing=True, mean=True),
-    Field("side_work", ("body", "side"), "J m-1", "work of a moving side on the body since time zero",
-          "series", output=True, missing=True),
+          mean=True),
+    Field("side_work", ("side",), "J m-1", "work of a moving side on the body since time zero", "series",
+          output=True),
 )  # fmt: skip
-MOMENT = Field("side_moment", ("body", "side", "rotation"), "N m m-1",
+MOMENT = Field("side_moment", ("side", "rotation"), "N m m-1",
                "moment of a prescribed side on the body about output.side_moment, mean over the interval",
-               "series", output=True, missing=True, mean=True)  # fmt: skip
+               "series", output=True, mean=True)  # fmt: skip
 
 #: Largest number of passes over rows that share nodes; two sides may prescribe different velocities at their
 #: corner.
@@ -66,8 +66,10 @@ class Constraint:
         self.about = setup.scene.output.side_moment
         axes_of_turn = 0 if self.about is None else 1 if setup.dim == 2 else 3
         self.twist, self.moment = np.zeros((2, len(sides), axes_of_turn))
-        self.places = [b.index for b in bodies], [SIDES.index(side.side) for _, side in sides]
-        self.shape = len(setup.state.bodies), 2 * setup.dim
+        labels = side_labels(setup.scene)
+        #: place of each side among those of the results, where conditions on one side are one
+        self.place = [labels.index(f"{body.name}-{side.side}") for body, side in sides]
+        self.n_labels = len(labels)
         #: While a scene settles, moving sides are held where they are.
         self.at_rest = False
         faces = [_face_of(setup, body, side) for body, side in sides]
@@ -218,20 +220,21 @@ class Constraint:
     @hookimpl
     def diagnostics(self, interval: float) -> dict[str, AnyArray]:
         """Return mean forces since the last output, zero at the first, and the works."""
-        force, work = np.full((*self.shape, len(self.pace[0])), np.nan), np.full(self.shape, np.nan)
         stepped = self.moved_for > 0.0
         impulse = np.einsum("se,sed->sd", self.impulse, self.directions)
         if interval > 0.0:
             self.force[stepped] = impulse[stepped] / self.moved_for[stepped, None]
             self.moment[stepped] = self.twist[stepped] / self.moved_for[stepped, None]
-        force[self.places], work[self.places] = self.force, self.works
         self.impulse[:], self.moved_for[:], self.twist[:] = 0.0, 0.0, 0.0
-        series = {"side_force": force, "side_work": work}
-        if self.about is not None:
-            moment = np.full((*self.shape, self.moment.shape[1]), np.nan)
-            moment[self.places] = self.moment
-            series["side_moment"] = moment
-        return series
+        series = {"side_reaction": self.force, "side_work": self.works}
+        series |= {} if self.about is None else {"side_moment": self.moment}
+        return {name: self._by_label(values) for name, values in series.items()}
+
+    def _by_label(self, values: FloatArray) -> FloatArray:
+        """Return sums over the conditions of each side."""
+        sums = np.zeros((self.n_labels, *values.shape[1:]))
+        np.add.at(sums, self.place, values)
+        return sums
 
 
 class ConstraintInTime(Constraint):

@@ -6,7 +6,7 @@ is damped alike, and the damping vanishes with the unbalanced force: nothing of 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -20,6 +20,7 @@ from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.state.structs import Body, Grid, State
 
 if TYPE_CHECKING:
+    from mpmfw.scene import Scene
     from mpmfw.scene.tables import Settle
 
 #: Share of the unbalanced force.
@@ -27,6 +28,9 @@ DAMPING = 0.8
 
 #: Share of FLIP while settling: the rest filters motion within a cell, which the grid does not damp.
 FLIP_SHARE = 0.9
+
+#: Kinetic over strain energy of a scene that is not at rest: 3 % of the static displacement.
+MOTION_LEFT = 1e-3
 
 #: Crossings of the longest body by its elastic wave after which settling gives up by default.
 CROSSINGS = 100
@@ -56,6 +60,29 @@ def from_setup(setup: Setup) -> Acts:
     assert asked is not None
     longest = f"{CROSSINGS} crossings" if asked.max_time is None else f"{asked.max_time:g} s"
     return Acts(f"[settle]: to {asked.tolerance:g} of the internal forces, for {longest} at most")
+
+
+def is_settled_for_good(scene: Scene) -> bool:
+    """Return whether the scene should stay at rest."""
+    constant = scene.gravity is None or scene.gravity.is_constant
+    bodies = scene.bodies.values()
+    return (
+        scene.settle is not None
+        and (scene.settle.gravity is None and constant and not scene.loads)
+        and all(body.velocity is None and body.angular_velocity is None for body in bodies)
+        and all(side.is_constant for body in bodies for side in body.sides)
+        and all(getattr(body, "rigid", True) is True for body in bodies)
+    )
+
+
+def concern(settled: Mapping[str, float]) -> list[str]:
+    """Return a sentence if the scene moved after settling."""
+    if (share := settled.get("settle_motion", 0.0)) <= MOTION_LEFT:
+        return []
+    return [
+        f"the scene still moved at the first output after settling, with {100 * share:.2g} % of the strain "
+        "energy as kinetic energy; try a smaller settle.tolerance, or a longer settle.max_time"
+    ]
 
 
 def longest_settling(asked: Settle, bodies: Iterable[Body]) -> float:

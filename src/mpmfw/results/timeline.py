@@ -49,6 +49,7 @@ class RunHeader:
     connectivity: Mapping[str, IntArray] = dataclasses.field(default_factory=dict)
     #: root attributes; mappings and sequences are stored as JSON, a value of None is left out
     attributes: Mapping[str, Any] = dataclasses.field(default_factory=dict)
+    sides: tuple[str, ...] = ()  #: labels ``body-side`` of prescribed sides
     more_pairs: bool = False  #: whether frames may name further pairs
     per_metre: bool = True  #: whether quantities in 2D are of a metre of thickness, else of the bodies' own
 

@@ -18,7 +18,7 @@ from mpmfw.errors import MpmfwError
 from mpmfw.results.reading import checked_tree, read_run, tree_of
 from mpmfw.results.replacing import check_room, claim, release, replacement
 from mpmfw.results.timeline import Frame, RunHeader, Timeline
-from mpmfw.state.fields import SIDES, AnyArray, Field
+from mpmfw.state.fields import AnyArray, Field
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -241,7 +241,7 @@ class RunWriter:
         _labels(dataset, "axis", axes)
         _labels(dataset, "axis2", axes)
         _labels(dataset, "rotation", ("z",) if header.dim == 2 else axes)
-        _labels(dataset, "side", SIDES[: 2 * header.dim])
+        _labels(dataset, "side", header.sides)
         _labels(dataset, "body", header.bodies)
         _labels(dataset, "pair", header.pairs, grows=header.more_pairs)
         variables = []

@@ -13,6 +13,7 @@ from mpmfw.errors import PluginError, SimulationError
 from mpmfw.plugin.checks import described, naming
 from mpmfw.results import Frame, RunHeader, provenance
 from mpmfw.results.timeline import STATIC
+from mpmfw.scene.sides import side_labels
 from mpmfw.state.fields import PARTICLE_FIELDS, SURFACE_FIELDS, AnyArray, Field
 from mpmfw.state.structs import State
 from mpmfw.state.windows import update_pairs
@@ -29,7 +30,7 @@ class Recorder:
     def __init__(
         self, scene: Scene, state: State, declared: tuple[Field, ...], hook: Any, recording: Sequence[Any]
     ) -> None:
-        self.state, self.hook, self.recording = state, hook, recording
+        self.state, self.hook, self.recording, self.sides = state, hook, recording, side_labels(scene)
         groups = {"series", "contact"}
         groups |= {group for group in ("particles", "surface") if getattr(scene.output, group)}
         core = PARTICLE_FIELDS if state.surface is None else (*PARTICLE_FIELDS, *SURFACE_FIELDS)
@@ -57,6 +58,7 @@ class Recorder:
             dim=state.grid.dim,
             bodies=tuple(body.name for body in state.bodies),
             pairs=tuple(pair.label for pair in state.pairs),
+            sides=self.sides,
             more_pairs=state.near is not None,
             per_metre=state.particles.thickness is None,
             particle_count={b.name: b.particles.stop - b.particles.start for b in state.bodies},

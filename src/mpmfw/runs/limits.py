@@ -229,8 +229,7 @@ def remarks_on_results(scene: Scene, header: RunHeader) -> list[str]:
 def results_size(scene: Scene, header: RunHeader) -> tuple[float, float, float]:
     """Return frames with points, bytes of each, and bytes of all results."""
     lengths = {"axis": header.dim, "axis2": header.dim, "rotation": 1 if header.dim == 2 else 3}
-    lengths["side"] = 2 * header.dim
-    lengths |= {"body": len(header.bodies), "pair": len(header.pairs)}
+    lengths |= {"body": len(header.bodies), "pair": len(header.pairs), "side": len(header.sides)}
     lengths |= {"particle": sum(header.particle_count.values())}
     lengths |= {"surface_node": sum(header.surface_count.values())}
     points = others = 0.0

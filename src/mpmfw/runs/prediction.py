@@ -7,11 +7,14 @@ import time as clocks
 from collections.abc import Iterable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from mpmfw.effects.settling import longest_settling
 from mpmfw.runs.limits import outputs_of, steps_of
-from mpmfw.state.fields import STEP_STAGES
+from mpmfw.scene.sides import motion_of
+from mpmfw.state.fields import STEP_STAGES, FloatArray
 from mpmfw.step.schemes import interpolate
 
 if TYPE_CHECKING:
@@ -105,3 +108,36 @@ def _tables(simulation: Simulation) -> int:
     arrays = [array for table in tables for array in table.kernel_arrays]
     arrays += [array for each in rows.values() for array in (each.members() | each.of_rows()).values()]
     return sum(int(array.nbytes) for array in arrays)
+
+
+def driven_speed(simulation: Simulation) -> FloatArray:
+    """Largest speed of driven sides along each axis (dim,) [m/s]."""
+    speed = np.zeros(simulation.scene.dim)
+    for body in simulation.scene.bodies.values():
+        for side in body.sides:
+            speed = np.fmax(speed, np.abs(motion_of(side, len(speed)).values).max(axis=0))
+    return speed
+
+
+def share_of_springs(simulation: Simulation, axis: int | None) -> float:
+    """Estimate the part of a displacement that contact springs take, in series with the bodies.
+
+    Under a unit pressure, springs yield by h / (κ M) and a body by its length over M. A pair counts if its
+    boxes are less than a cell apart and, with an ``axis``, follow each other along it."""
+    state, h = simulation.state, simulation.scene.grid.cell_size
+    contact: Any = simulation.contact
+    springs = contact.compliance() if hasattr(contact, "compliance") else None
+    if springs is None:
+        return 0.0
+    lower, upper = (np.array([getattr(body, end) for body in state.bodies]) for end in ("lower", "upper"))
+    of_springs, loaded = 0.0, set()
+    for pair, compliance in zip(state.pairs, springs, strict=True):
+        both = [pair.first, pair.second]
+        gap = lower[both].max(0) - upper[both].min(0)  # negative where boxes overlap
+        if gap.max() < h and (axis is None or gap[axis] > -h):
+            of_springs += float(compliance)
+            loaded |= set(both)
+    length = np.ptp(np.stack([lower, upper]), axis=0)
+    along = length.min(1) if axis is None else length[:, axis]
+    of_bodies = sum(along[b] / state.bodies[b].p_wave_modulus for b in loaded)
+    return of_springs / (of_springs + of_bodies) if loaded else 0.0

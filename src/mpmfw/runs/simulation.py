@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import math
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
-from mpmfw.effects.settling import Settling
+from mpmfw.effects.settling import Settling, concern, is_settled_for_good
 from mpmfw.errors import Diverged, PluginError, SceneError, SimulationError
 from mpmfw.kernels._jit import import_numba_without_scipy
 from mpmfw.plugin.checks import bundled, declared_fields
@@ -282,6 +283,9 @@ class Simulation:
         self.clock("output")
         self._gather()
         frame = self._recorder.frame(interval, points=points)
+        if self._next_output == 2 and is_settled_for_good(self.scene):
+            kinetic, strain = (float(frame.series[f"{kind}_energy"].sum()) for kind in ("kinetic", "strain"))
+            self._settled["settle_motion"] = kinetic / max(strain, sys.float_info.min)
         if write is not None:
             write(frame)
         self.clock.flush()
@@ -360,7 +364,7 @@ class Simulation:
     def concerns(self) -> list[str]:
         """Return warnings for a reader of the results; complete at the end."""
         of_plugins = [text for answer in self.hook.concerns() or [] for text in answer]
-        return [*coarse_bodies(self.scene), *of_plugins]
+        return [*coarse_bodies(self.scene), *concern(self._settled), *of_plugins]
 
     @property
     def status(self) -> str:

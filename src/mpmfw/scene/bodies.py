@@ -72,6 +72,13 @@ class Side(Table):
         """Return True if the side has a load, and no prescribed motion."""
         return self.pressure is not None or self.traction is not None or self.force is not None
 
+    @property
+    def is_constant(self) -> bool:
+        """Return True if the side does not move and its loads are constant."""
+        loads = (self.pressure, self.traction, self.force)
+        changing = any(isinstance(load, tuple) and isinstance(load[0], tuple) for load in loads)
+        return self.velocity is None and not changing
+
 
 class Body(Table):
     """One body; without ``velocity`` and ``angular_velocity`` it starts at rest."""

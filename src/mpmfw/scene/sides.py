@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mpmfw.scene.bodies import Body, Side
 from mpmfw.scene.problem import Path, Problem
 from mpmfw.units import TimeTable
+
+if TYPE_CHECKING:
+    from mpmfw.scene.scene import Scene
 
 #: Axis of the body across each side, and the sides at its upper end.
 AXIS = {"left": 0, "right": 0, "bottom": 1, "top": 1, "back": 2, "front": 2}
@@ -28,6 +31,12 @@ def motion_of(side: Side, dim: int) -> TimeTable:
         return TimeTable([[np.nan if v == "free" else v for v in row] for row in rows_of(side.velocity)])
     fixed = "xyz" if side.fixed is True else side.fixed or ()
     return TimeTable.constant([0.0 if name in fixed else np.nan for name in "xyz"[:dim]])
+
+
+def side_labels(scene: Scene) -> tuple[str, ...]:
+    """Return the labels ``body-side`` of prescribed sides, once each."""
+    held = [(name, side) for name, body in scene.bodies.items() for side in body.sides if not side.is_loaded]
+    return tuple(dict.fromkeys(f"{name}-{side.side}" for name, side in held))
 
 
 def check_sides(body: Body, path: Path, dim: int, end: float) -> Iterator[Problem]:

@@ -14,8 +14,6 @@ FloatArray: TypeAlias = npt.NDArray[np.float64]
 IntArray: TypeAlias = npt.NDArray[np.int64]
 IndexArray: TypeAlias = npt.NDArray[np.int32]
 AnyArray: TypeAlias = npt.NDArray[Any]
-#: Labels of the dimension ``side``; in 2D the first four.
-SIDES = ("left", "right", "bottom", "top", "back", "front")
 
 Group: TypeAlias = Literal["particles", "grid", "surface", "contact", "series"]
 
