@@ -67,7 +67,7 @@ def pressure(tree, state):
     K ρ g H²/2, and how far it ``varies`` there [%].
 
     H is that of soil that keeps its volume between the walls."""
-    series = tree["series"]["side_force"].sel(body="soil", side="left", axis="x")
+    series = tree["series"]["side_reaction"].sel(side="soil-left", axis="x")
     force, moved = series.values[1:], SPEEDS[state][0] * series["time"].values[1:]
     share = force / (0.5 * DENSITY * GRAVITY * (HEIGHT * WIDTH / (WIDTH - moved)) ** 2)
     late = share[2 * len(share) // 3 :]
