@@ -1,16 +1,18 @@
 """A column of sand that collapses: its run-out against experiments."""
-# cost: 90
+# cost: 110
 
 import numpy as np
 from common import elastic, fixed, rectangle, scene
 
-from mpmfw.validation import CLASSICAL, Place, Runs, methods
+from mpmfw.validation import CLASSICAL, Place, Runs, known_red, methods, together
 
 WIDTH, GRAVITY = 0.1, 9.81
 #: Height of sand at the toe, over the width: three to five grains of the experiments.
 TOE = 0.05
 #: φ [°] whose shear on a plane, arctan sin φ with ψ = 0, is an angle of repose of 31°.
 ANGLE = 36.9
+#: Viscosity of grains of 0.5 mm [Pa s]: Δμ d √(p ρ_s) / I₀, p = ρ g W / 4 (Jop, Forterre & Pouliquen 2006).
+VISCOSITY = 0.5
 
 
 def run_out(aspect):
@@ -22,7 +24,9 @@ def column(aspect, cells):
     """Return a column so many ``cells`` wide and ``aspect`` times as high."""
     cell, height = WIDTH / cells, aspect * WIDTH
     end, reach = 6.0 * float(np.sqrt(height / GRAVITY)), WIDTH * (1.0 + 2.4 * run_out(aspect))
-    sand = elastic(1600.0, 1e6, 0.3, "mohr_coulomb", friction_angle=float(np.radians(ANGLE)))
+    damping = {"shear": VISCOSITY * 2.6 / 1e6}  # over G
+    angle = float(np.radians(ANGLE))
+    sand = elastic(1600.0, 1e6, 0.3, "mohr_coulomb", friction_angle=angle, damping=damping)
     bodies = {
         "sand": rectangle(0.0, 0.0, WIDTH, height, initial_stress={"k0": 0.5}, sides=fixed(left="x")),
         "floor": rectangle(-3.0 * cell, -3.0 * cell, reach - 2.0 * cell, 0.0, rigid=True),
@@ -52,13 +56,23 @@ def deposit(tree, aspect):
     }
 
 
+AT = f", φ = {ANGLE}°, η = {VISCOSITY:g} Pa s"
 PLACES = [
-    Place(f"a = {aspect}, W/h = {cells}, φ = {ANGLE}°", make={"aspect": aspect, "cells": cells}, when=when)
-    for aspect, cells, when in ((1.2, 10, ""), (1.2, 20, "full"), (3.0, 10, "full"), (3.0, 20, "full"))
+    Place(f"a = {aspect}, W/h = {cells}{AT}", make={"aspect": aspect, "cells": cells}, when=when)
+    for aspect, cells, when in (
+        *((1.2, 10, ""), (1.2, 20, "full"), (1.2, 40, "full")),
+        *((3.0, 10, "full"), (3.0, 20, "full")),
+    )
 ]
+gated = Runs("column", column, methods([CLASSICAL[1]], ["gimp"], bound=True), PLACES)
+METHOD, HIGH = str(gated.methods[0]), "run-out at the toe, error, a = 3.0, W/h = "
 
 
-@Runs("column", column, methods([CLASSICAL[1]], ["gimp"], bound=True), PLACES)
+@known_red(
+    METHOD, f"{HIGH}10{AT}", "-14.0 %, and -10.2 % with half the cell: the grains' viscosity, not fitted"
+)
+@known_red(METHOD, f"{HIGH}20{AT}", "-10.2 %, after -14.0 % with 10 cells: the grains' viscosity, not fitted")
+@gated
 def test_column(run):
     run.gates(
         deposit,
@@ -66,3 +80,13 @@ def test_column(run):
         ("gain of volume, {at}", "volume", 0.0, 6.5, "%"),
         aspect=run.place.make["aspect"],
     )
+
+
+@together(gated)
+def test_convergence(case, runs):
+    found = {(run.place.make["aspect"], run.place.make["cells"]): run for run in runs}
+    for (aspect, cells), run in found.items():
+        if finer := found.get((aspect, 2 * cells)):
+            one, other = (each.of(deposit, "toe", aspect=aspect) for each in (run, finer))
+            quantity = f"run-out at the toe, change by half the cell, a = {aspect}, W/h = {cells}"
+            case.gate(quantity, other - one, 0.0, 5.0, "%", method=METHOD, binds=True)
