@@ -106,3 +106,35 @@ def slows(tree):
 @Runs("flat", level, METHODS, [place(2), place(4)], set={**SERIES_ONLY, "output.ledger": True}, when="full")
 def test_flat(run):
     run.gate(f"{SLOWS}, {run.place.at}", run.of(slows), 0.0, 0.5, "%")
+
+
+TOP, LIMIT = 5.0, 0.3  #: angular velocity at the start [rad/s], coefficient of friction
+
+
+def topspin():
+    """Return the sphere with topspin on a level plane: friction turns 2/7 of ω R into velocity."""
+    given = load_scene("rolling-sphere-no-slip-rigid").to_mapping()
+    down = {"vector": [0.0, -10.0, 0.0]}
+    given["bodies"]["sphere"]["angular_velocity"] = [0.0, 0.0, -TOP]
+    given["contact"] |= {"friction": LIMIT, "pairs": []}
+    given["time"]["end"] = 1.2
+    del given["reference"]
+    return given | {"gravity": down, "settle": given["settle"] | {"gravity": down}}
+
+
+def rolls(tree):
+    """Return errors of the acceleration while it slips, and of the velocity with which it rolls [%]."""
+    velocity = tree["series"]["mean_velocity"].sel(body="sphere", axis="x")
+    slips = velocity.sel(time=slice(0.0, 0.6))
+    fitted = float((slips * slips.time).sum() / (slips.time**2).sum())
+    rolling = float(velocity.sel(time=slice(0.9, None)).mean()) / (2.0 / 7.0 * TOP * RADIUS)
+    return {"slips": 100.0 * (fitted / (10.0 * LIMIT) - 1.0), "rolls": 100.0 * (rolling - 1.0)}
+
+
+@Runs("topspin", topspin, METHODS, [place(2), place(4)], set=SERIES_ONLY, when="full")
+def test_topspin(run):
+    run.gates(
+        rolls,
+        ("topspin: acceleration while it slips, error, {at}", "slips", 0.0, 1.0, "%"),
+        ("topspin: velocity when it rolls over 2/7 ω R, error, {at}", "rolls", 0.0, 5.0, "%"),
+    )
