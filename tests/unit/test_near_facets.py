@@ -40,8 +40,8 @@ def test_the_nearest_bodies_are_kept_in_any_order():
 def test_a_run_with_lists_is_one_without(monkeypatch):
     """Lists that last until bodies have moved by the SKIN find what lists of every step find, to the bit."""
     made = []
-    plain = near_facets.write_boxes
-    monkeypatch.setattr(near_facets, "write_boxes", lambda *given: (made.append(1), plain(*given))[1])
+    plain = near_facets.list_near
+    monkeypatch.setattr(near_facets, "list_near", lambda *given: (made.append(1), plain(*given))[1])
 
     def run():
         made.clear()

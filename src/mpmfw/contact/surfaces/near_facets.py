@@ -93,12 +93,17 @@ def boxes_of(outline: Surface, cell_size: float) -> FacetBoxes:
     )  # fmt: skip
 
 
-def write_boxes(outline: Surface, boxes: FacetBoxes) -> None:
+@device
+def write_boxes(outline: Surface, boxes: FacetBoxes, spacing: tuple[float, ...]) -> None:
     """Write the boxes of all facets and blocks."""
-    corners = outline.position[outline.facets[boxes.order]]
-    for side, least in enumerate((np.minimum, np.maximum)):
-        least.reduce(corners, axis=1, out=boxes.facet[:, side])
-        boxes.block[:, side] = least.reduceat(boxes.facet[:, side], boxes.begin[:-1])
+    for block in range(len(boxes.block)):
+        lower, upper, begin = boxes.block[block, 0], boxes.block[block, 1], boxes.begin[block]
+        for k in range(begin, boxes.begin[block + 1]):
+            low, high = boxes.facet[k, 0], boxes.facet[k, 1]
+            read_box(boxes.order[k], outline.facets, outline.position, low, high, spacing)
+            for d in range(len(spacing)):
+                lower[d] = low[d] if k == begin else min(lower[d], low[d])
+                upper[d] = high[d] if k == begin else max(upper[d], high[d])
 
 
 @device
@@ -128,6 +133,7 @@ def list_near(
     entries, stored or not."""
     count, limit, chosen, last = 0, cutoff * cutoff, boxes.chosen, partners.last
     lower, upper = scratch.vector(spacing), scratch.vector(spacing)
+    write_boxes(outline, boxes, spacing)
     for a in range(len(item_first) - 1):
         top, low, high = 0, bodies.lower[a], bodies.upper[a]
         for k in range(partners.first[a], partners.first[a + 1]):
@@ -222,7 +228,6 @@ class VerletList:
         if near and not (
             self.listed and measure_motion(self.outline, self.listed_at, self.near.moved) <= most
         ):
-            write_boxes(self.outline, self.blocks)
             given = (
                 self.items, self.item_first, self.radius + self.skin, self.outline, self.boxes, self.partners,
                 self.blocks, self.near, self.spacing,

@@ -144,12 +144,15 @@ FLUSH = 0.05
 
 @device
 def facing_facet(
-    s: int, outward: Floats, m: int, share: Floats, reach: Float, outline: Surface, near: NearFacets,
-    spacing: tuple[float, ...],
+    s: int, outward: Floats, m: int, gap: Float, share: Floats, reach: Float, outline: Surface,
+    near: NearFacets, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """Return the facet nearest to a point of facet m, of the same body, that faces node s; −1 if none is
-    within ``reach`` [m]. ``share`` are the point's barycentric coordinates; the first of equals counts."""
+    within ``reach`` [m]. ``share`` are the point's barycentric coordinates, ``gap`` [m] is its distance from
+    the node; the first of equals counts."""
     start, corners = scratch.vector(spacing), scratch.matrix(spacing, spacing)
+    other = body_of(m, outline)
+    bound = (reach + abs(gap) + near.moved[outline.body[s]] + near.moved[other]) * (1.0 + ROUNDING)
     read_corners(m, outline.position, outline.facets, corners, spacing)
     for d in range(len(spacing)):
         start[d] = 0.0
@@ -158,7 +161,7 @@ def facing_facet(
     facing, least = -1, reach * reach
     for k in range(near.first[s], near.first[s + 1]):
         n = near.facet[k]
-        if body_of(n, outline) != body_of(m, outline) or hidden(n, outline.body[s], outline):
+        if near.away[k] > bound or body_of(n, outline) != other or hidden(n, outline.body[s], outline):
             continue
         read_corners(n, outline.position, outline.facets, corners, spacing)
         square = squared_distance(start, corners, spacing)
@@ -192,10 +195,12 @@ def reorient(
             looked = True
         if not past and not opposes(outward, m, outline, spacing):
             area_of(m, outline, area, spacing)
-            flush = gap <= FLUSH * extent_of(length_of(area, spacing), spacing)
-            distance_to(s, m, outline, share, normal, spacing)
-            reach = ROUND_THE_CORNER * radius
-            m = facing_facet(s, outward, m, share, reach, outline, near, spacing) if flush else -1
+            if gap <= FLUSH * extent_of(length_of(area, spacing), spacing):
+                distance_to(s, m, outline, share, normal, spacing)
+                reach = ROUND_THE_CORNER * radius
+                m = facing_facet(s, outward, m, gap, share, reach, outline, near, spacing)
+            else:
+                m = -1
             if m >= 0:
                 gap = distance_to(s, m, outline, share, normal, spacing)
                 past = past_a_seam(s, m, share, normal, outline, spacing)

@@ -46,24 +46,58 @@ def slot_for(s: int, other: int, outline: Surface, candidates: Candidates) -> in
 
 
 @device
+def share_corner(s: int, m: int, n: int, square: Float, outline: Surface, spacing: tuple[float, ...]) -> bool:
+    """Return true if facets m and n share a corner whose squared distance from node s is ``square`` [m²]."""
+    shared = False
+    for a in range(len(spacing)):
+        for b in range(len(spacing)):
+            p, to_corner = outline.facets[m, a], 0.0
+            if p == outline.facets[n, b]:
+                for d in range(len(spacing)):
+                    to_corner += (outline.position[s, d] - outline.position[p, d]) ** 2
+                shared = shared or to_corner == square
+    return shared
+
+
+@device
 def keep_nearest(
     s: int, m: int, least: Float, radius: Float, outline: Surface, candidates: Candidates,
     spacing: tuple[float, ...],
-) -> None:  # fmt: skip
-    """Keep facet m, at least ``least`` [m] away, if no other of its body is as close to node s. The first of
-    equals is kept, and the nearest bodies: the order does not matter."""
+) -> Float:  # fmt: skip
+    """Keep facet m, at least ``least`` [m] away, if no other of its body is as close to node s; return the
+    distance beyond which none can be [m]. The first of equals is kept, and the nearest bodies: the order does
+    not matter."""
     j = slot_for(s, body_of(m, outline), outline, candidates)
     kept, distance = candidates.facet[s, j], abs(candidates.gap[s, j])
     reach = min(distance * ROUNDING + (ROUNDING - 1.0) * radius, radius)
     if m == kept or least > reach or hidden(m, outline.body[s], outline):
-        return
-    # in space the normals of edges and corners, which signed distances take, cost more than the distance
-    if len(spacing) == 3 and square_of(s, m, outline, spacing) > reach * reach * ROUNDING:
-        return
+        return reach
+    if len(spacing) == 3:
+        # in space the normals of edges and corners, which signed distances take, cost more than the distance
+        square = square_of(s, m, outline, spacing)
+        if square > reach * reach * ROUNDING:
+            return reach
+        if math.sqrt(square) == distance and share_corner(s, m, kept, square, outline, spacing):
+            candidates.facet[s, j] = min(m, kept)  # both have the same closest point
+            return reach
     share, normal = scratch.vector(spacing), scratch.vector(spacing)
     gap = distance_to(s, m, outline, share, normal, spacing)
     if abs(gap) < radius and (abs(gap) < distance or (abs(gap) == distance and m < kept)):
         candidates.facet[s, j], candidates.gap[s, j] = m, gap
+        reach = min(abs(gap) * ROUNDING + (ROUNDING - 1.0) * radius, reach)
+    return reach
+
+
+@device
+def nearest_listed(s: int, outline: Surface, near: NearFacets, spacing: tuple[float, ...]) -> int:
+    """Return the facet nearest to node s of those listed, or one that was when bodies had not moved."""
+    nearest, closest = math.inf, near.facet[near.first[s]]
+    for k in range(near.first[s], near.first[s + 1]):
+        if near.away[k] * near.away[k] < nearest:
+            square = square_of(s, near.facet[k], outline, spacing)
+            if square < nearest:
+                nearest, closest = square, near.facet[k]
+    return closest
 
 
 @device
@@ -71,20 +105,26 @@ def search_node(
     s: int, radius: Float, outline: Surface, near: NearFacets, candidates: Candidates,
     spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
-    """Find the closest facets of node s; those of the last step rule out most others."""
+    """Find the closest facets of node s; those of the last step, or the nearest, rule out most others."""
     last, slots = scratch.integers(SLOTS), candidates.facet.shape[1]
     for j in range(slots):
         last[j] = candidates.facet[s, j]
     clear(s, candidates)
     if near.first[s] == near.first[s + 1]:
         return
+    if last[0] < 0:
+        last[0] = nearest_listed(s, outline, near, spacing)
     for j in range(slots):
         if last[j] >= 0:
             keep_nearest(s, last[j], 0.0, radius, outline, candidates, spacing)
+    bound, end = 0.0, 0  # facets of the present body end there
     for k in range(near.first[s], near.first[s + 1]):
         m = near.facet[k]
-        least = near.away[k] - near.moved[outline.body[s]] - near.moved[body_of(m, outline)]
-        keep_nearest(s, m, least, radius, outline, candidates, spacing)
+        if m < end and near.away[k] > bound:
+            continue
+        other = body_of(m, outline)
+        motion, end = near.moved[outline.body[s]] + near.moved[other], outline.facet_first[other + 1]
+        bound = motion + keep_nearest(s, m, near.away[k] - motion, radius, outline, candidates, spacing)
 
 
 #: Least cosine between a slave node's normal and the direction out of a body by which the node has gone
