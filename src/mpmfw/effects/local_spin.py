@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mpmfw.kernels import device, kernel, scratch
+from mpmfw.kernels import device, kernel, lanes, scratch
 from mpmfw.kernels.arithmetic import add_scaled_row, determinant, invert, set_scaled_row
+from mpmfw.kernels.lanes import LANES, WIDTH
 from mpmfw.kernels.types import Float, Floats, Ints, Nodes, Points
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.state.fields import FloatArray
@@ -81,32 +82,36 @@ def moments_of_domains(
     """Σ_p m_p ((x_p − c)(x_p − c)ᵀ + Σ_a r_a r_aᵀ / 3) to ``second``, r_a the half-edge vectors of the
     deformed domain F R_0; the same elements as :func:`moments_of_nodes`."""
     dim = len(spacing)
-    r, c = scratch.vector(spacing), scratch.vector(spacing)
-    own, sums = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)
-    for d in range(dim):
-        c[d] = centre[d]
-        for e in range(dim):
-            sums[d, e] = 0.0
-    for p in range(begin, end):
+    masses, each = scratch.vector(LANES), scratch.matrices(LANES, spacing, spacing)
+    m, r = lanes.matrix((0.0,), (0.0,)), lanes.matrix((0.0,), spacing)
+    f, edges = lanes.matrix(spacing, spacing), lanes.matrix(spacing, spacing)
+    deformed, sums = lanes.matrix(spacing, spacing), lanes.matrix(spacing, spacing)
+    for lane in range(WIDTH):
         for d in range(dim):
-            r[d] = points.position[p, d] - c[d]
+            for e in range(dim):
+                each[lane, d, e] = 0.0
+    lanes.read(each, (0, 1, 2, 3), sums, spacing)
+    for p in range(begin, end, WIDTH):
+        for lane in range(WIDTH):
+            masses[lane] = points.mass[p + lane] if p + lane < end else 0.0
+        lanes.read(masses, (0, 1, 2, 3), m, spacing)
+        own = lanes.points_from(p, end)
+        lanes.read(points.position, own, r, spacing)
+        lanes.read(points.deformation_gradient, own, f, spacing)
+        lanes.read(half_edges, own, edges, spacing)
+        lanes.multiply(f, edges, deformed, spacing)
+        for d in range(dim):
+            r[0, d] = r[0, d] - centre[d]
         for d in range(dim):
             for e in range(d, dim if dim == 3 else d + 1):
-                own[d, e] = 3.0 * r[d] * r[e]
-        for a in range(dim):
-            for d in range(dim):
-                r[d] = 0.0
-                for e in range(dim):
-                    r[d] += points.deformation_gradient[p, d, e] * half_edges[p, e, a]
-            for d in range(dim):
-                for e in range(d, dim if dim == 3 else d + 1):
-                    own[d, e] += r[d] * r[e]
-        for d in range(dim):
-            for e in range(d, dim if dim == 3 else d + 1):
-                sums[d, e] += points.mass[p] * own[d, e]
+                moment = 3.0 * r[0, d] * r[0, e]
+                for a in range(dim):
+                    moment = lanes.multiply_add(deformed[d, a], deformed[e, a], moment)
+                sums[d, e] = lanes.multiply_add(m[0, 0], moment, sums[d, e])
+    lanes.write(each, (0, 1, 2, 3), sums, spacing)
     for d in range(dim):
         for e in range(dim):
-            second[d, e] = sums[d, e] / 3.0
+            second[d, e] = (each[0, d, e] + each[1, d, e] + each[2, d, e] + each[3, d, e]) / 3.0
 
 
 @device
