@@ -132,6 +132,35 @@ def add_outer_product(_typing: Any, out: Any, a: Any, i: Any, b: Any, j: Any, sp
 
 
 @intrinsic
+def add_to_rows(
+    _typing: Any, out: Any, i: Any, factors: Any, k: Any, other: Any, j: Any, spacing: Any, rows: Any
+) -> Any:
+    """``out[i + c, :] += factors[k, c] * other[j, :]`` of ``len(rows)`` adjacent rows c, four numbers at a time.
+
+    ``factors`` is of shape (n, len(rows)), all else as in :func:`add_scaled_row`."""
+    _check(out, other)
+    _check(factors, factors)
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        dim, count = len(signature.args[6]), len(signature.args[7])
+        factor = builder.load(_row_of(context, builder, signature, args, 2, count), align=8)
+        row = builder.load(_row_of(context, builder, signature, args, 4, dim), align=8)
+        target = builder.bitcast(
+            _row_of(context, builder, signature, args, 0, dim), ir.DoubleType().as_pointer()
+        )
+        for first in range(0, count * dim, 4):
+            part = range(first, min(first + 4, count * dim))
+            vector = ir.VectorType(ir.DoubleType(), len(part)).as_pointer()
+            place = builder.bitcast(builder.gep(target, [_INT(first)]), vector)
+            left = _chosen(builder, factor, [number // dim for number in part])
+            right = _chosen(builder, row, [number % dim for number in part])
+            builder.store(fused(builder, left, right, builder.load(place, align=8)), place, align=8)
+        return context.get_dummy_value()
+
+    return types.void(out, i, factors, k, other, j, spacing, rows), codegen
+
+
+@intrinsic
 def divide(_typing: Any, out: Any, number: Any, spacing: Any) -> Any:
     """``out[d, e] /= number`` in one operation; one after the other, divisions take four times as long."""
     _check(out, out)

@@ -12,7 +12,7 @@ import numpy as np
 
 from mpmfw.kernels import scratch
 from mpmfw.kernels._jit import device, kernel
-from mpmfw.kernels.arithmetic import add_scaled_row, set_scaled_row
+from mpmfw.kernels.arithmetic import add_scaled_row, add_to_rows, set_scaled_row
 from mpmfw.kernels.particle_grid import set_traction
 from mpmfw.kernels.stencil import NodeRange, fill_tensor_product
 from mpmfw.kernels.types import Floats, Ints, Nodes, Points, Table
@@ -103,6 +103,21 @@ def _is_apart(factors: Table, p: int, own_nodes: NodeRange, spacing: tuple[float
 
 
 @device
+def _add_to_line(
+    out: Floats, i: np.uint64, along: Floats, kind: int, row: Floats, own_nodes: NodeRange | None,
+    spacing: tuple[float, ...],
+) -> None:  # fmt: skip
+    """out[i + c, :] += along[kind, c] row[0, :] of the nodes of a line that are among ``own_nodes``."""
+    if own_nodes is None:
+        add_to_rows(out, i, along, kind, row, 0, spacing, NODES)
+    else:
+        for c in range(WIDTH):
+            k = i + np.uint64(c)
+            if own_nodes[0] <= k < own_nodes[1]:
+                add_scaled_row(out, k, along[kind, c], row, 0, spacing)
+
+
+@device
 def _project(
     points: Points, affine: Floats | None, thickness: Floats | None, factors: Table, grid: Nodes,
     mass: Floats | None, force: Floats | None, spacing: tuple[float, ...], own_nodes: NodeRange | None,
@@ -143,18 +158,17 @@ def _project(
                     for d in range(1, last):
                         add_scaled_row(across, 0, slope[0, d], traction, d, spacing)
                     set_scaled_row(down, 0, share, traction, last, spacing)
-                for c in range(WIDTH):
-                    k = i + np.uint64(c)
-                    if own_nodes is not None and (k < own_nodes[0] or k >= own_nodes[1]):
-                        continue
-                    if mass is not None:
-                        mass[k] += along[VALUE, c] * (share * m)
-                    add_scaled_row(grid.momentum, k, along[VALUE, c], value, 0, spacing)
-                    if affine is not None:
-                        add_scaled_row(grid.momentum, k, along[MOMENT, c], change, 0, spacing)
-                    if force is not None:
-                        add_scaled_row(force, k, along[VALUE, c], across, 0, spacing)
-                        add_scaled_row(force, k, along[SLOPE, c], down, 0, spacing)
+                _add_to_line(grid.momentum, i, along, VALUE, value, own_nodes, spacing)
+                if affine is not None:
+                    _add_to_line(grid.momentum, i, along, MOMENT, change, own_nodes, spacing)
+                if force is not None:
+                    _add_to_line(force, i, along, VALUE, across, own_nodes, spacing)
+                    _add_to_line(force, i, along, SLOPE, down, own_nodes, spacing)
+                if mass is not None:
+                    for c in range(WIDTH):
+                        k = i + np.uint64(c)
+                        if own_nodes is None or own_nodes[0] <= k < own_nodes[1]:
+                            mass[k] += along[VALUE, c] * (share * m)
 
 
 @kernel
