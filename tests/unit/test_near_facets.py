@@ -73,3 +73,18 @@ def test_lists_have_all_facets_of_the_other_body_whose_box_is_near(make):
     assert sum(map(len, expected)) > 0
     for ours, theirs in zip(listed, expected, strict=True):
         np.testing.assert_array_equal(np.sort(ours), theirs)
+
+
+def test_of_facets_that_meet_at_the_closest_node_the_first_is_kept():
+    scene = ball_on_a_box()
+    upper = {"type": "box", "lower": [-0.5, -0.5, 0.0], "upper": [0.5, 0.5, 0.5]}
+    scene["bodies"]["ball"] = {**scene["bodies"]["solid"], "geometry": upper}
+    sim = Simulation(scene)
+    sim.advance(2)
+    surface, facet = sim.state.surface, sim.contact.detection.candidates.facet[:, 0]
+    x, nodes = surface.position, np.flatnonzero(facet >= 0)
+    inside = nodes[np.abs(x[nodes, :2]).max(axis=1) < 0.45]
+    assert len(inside) > 20
+    for s in inside:
+        other = np.flatnonzero((surface.body != surface.body[s]) & (np.abs(x - x[s]).max(axis=1) < 1e-9))[0]
+        assert facet[s] == surface.star[surface.star_first[other] : surface.star_first[other + 1]].min()
