@@ -86,10 +86,7 @@ def moments_of_domains(
     m, r = lanes.matrix((0.0,), (0.0,)), lanes.matrix((0.0,), spacing)
     f, edges = lanes.matrix(spacing, spacing), lanes.matrix(spacing, spacing)
     deformed, sums = lanes.matrix(spacing, spacing), lanes.matrix(spacing, spacing)
-    for lane in range(WIDTH):
-        for d in range(dim):
-            for e in range(dim):
-                each[lane, d, e] = 0.0
+    each[:] = 0.0
     lanes.read(each, (0, 1, 2, 3), sums, spacing)
     for p in range(begin, end, WIDTH):
         for lane in range(WIDTH):

@@ -135,7 +135,7 @@ def add_outer_product(_typing: Any, out: Any, a: Any, i: Any, b: Any, j: Any, sp
 def add_to_rows(
     _typing: Any, out: Any, i: Any, factors: Any, k: Any, other: Any, j: Any, spacing: Any, rows: Any
 ) -> Any:
-    """``out[i + c, :] += factors[k, c] * other[j, :]`` of ``len(rows)`` adjacent rows c, four numbers at a time.
+    """``out[i + c, :] += factors[k, c] * other[j, :]`` of ``len(rows)`` adjacent rows c, by four numbers.
 
     ``factors`` is of shape (n, len(rows)), all else as in :func:`add_scaled_row`."""
     _check(out, other)

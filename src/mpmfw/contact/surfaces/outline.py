@@ -45,6 +45,20 @@ def square_of(s: int, m: int, outline: Surface, spacing: tuple[float, ...]) -> F
 
 
 @device
+def share_corner(s: int, m: int, n: int, square: Float, outline: Surface, spacing: tuple[float, ...]) -> bool:
+    """Return true if facets m and n share a corner whose squared distance from node s is ``square`` [m²]."""
+    shared = False
+    for a in range(len(spacing)):
+        for b in range(len(spacing)):
+            p, to_corner = outline.facets[m, a], 0.0
+            if p == outline.facets[n, b]:
+                for d in range(len(spacing)):
+                    to_corner += (outline.position[s, d] - outline.position[p, d]) ** 2
+                shared = shared or to_corner == square
+    return shared
+
+
+@device
 def body_of(m: int, outline: Surface) -> int:
     """Body of facet m."""
     body: int = outline.body[outline.facets[m, 0]]

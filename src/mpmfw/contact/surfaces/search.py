@@ -17,6 +17,7 @@ from mpmfw.contact.surfaces.outline import (
     opposition,
     past_a_seam,
     reorient,
+    share_corner,
     square_of,
 )
 from mpmfw.kernels import device, kernel, scratch
@@ -43,20 +44,6 @@ def slot_for(s: int, other: int, outline: Surface, candidates: Candidates) -> in
         if far > farthest or (far == farthest and m > facet[s, slot]):
             slot = j
     return slot
-
-
-@device
-def share_corner(s: int, m: int, n: int, square: Float, outline: Surface, spacing: tuple[float, ...]) -> bool:
-    """Return true if facets m and n share a corner whose squared distance from node s is ``square`` [m²]."""
-    shared = False
-    for a in range(len(spacing)):
-        for b in range(len(spacing)):
-            p, to_corner = outline.facets[m, a], 0.0
-            if p == outline.facets[n, b]:
-                for d in range(len(spacing)):
-                    to_corner += (outline.position[s, d] - outline.position[p, d]) ** 2
-                shared = shared or to_corner == square
-    return shared
 
 
 @device
