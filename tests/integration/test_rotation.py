@@ -29,6 +29,20 @@ def brick_answer(shape, rotation):
     return np.asarray(spin[-1] * inertia / impulse[-1])
 
 
+@pytest.mark.parametrize("left_out", [0, 1])
+def test_the_excess_inertia_is_that_of_second_moments(left_out):
+    sim = Simulation(one_body(BRICK, size=0.125, shape__method="cpdi", bodies__solid__rotation="spin"))
+    sim.advance(1)
+    p, g, edges = sim.state.particles, sim.state.grid, sim.manager.get_plugin("local_spin").half_edges
+    end, excess, centre = p.count - left_out, np.zeros((3, 3)), g.mass @ g.position / g.mass.sum()
+    find_excess(0, end, p, edges, 0, len(g.mass), g, excess, g.spacing)
+    q, x, r = p.position[:end] - centre, g.position - centre, (p.deformation_gradient @ edges)[:end]
+    true = np.einsum("p,pd,pe->de", p.mass[:end], q, q) + np.einsum("p,pda,pea->de", p.mass[:end], r, r) / 3.0
+    grid, material = (np.trace(s) * np.eye(3) - s for s in (np.einsum("i,id,ie->de", g.mass, x, x), true))
+    expected = grid @ np.linalg.inv(material) @ grid - grid
+    np.testing.assert_allclose(excess, expected, rtol=0.0, atol=1e-9 * np.abs(expected).max())
+
+
 @pytest.mark.parametrize("rotation", ["exact", "spin"])
 def test_the_inertia_in_the_plane_is_the_material_s(rotation):
     plate = {"type": "rectangle", "lower": BRICK["lower"][:2], "upper": BRICK["upper"][:2]}
