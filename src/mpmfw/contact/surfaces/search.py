@@ -78,12 +78,12 @@ def keep_nearest(
 @device
 def nearest_listed(s: int, outline: Surface, near: NearFacets, spacing: tuple[float, ...]) -> int:
     """Return the facet nearest to node s of those listed, or one that was when bodies had not moved."""
-    nearest, closest = math.inf, near.facet[near.first[s]]
+    nearest, closest = math.inf, int(near.facet[near.first[s]])
     for k in range(near.first[s], near.first[s + 1]):
         if near.away[k] * near.away[k] < nearest:
             square = square_of(s, near.facet[k], outline, spacing)
             if square < nearest:
-                nearest, closest = square, near.facet[k]
+                nearest, closest = square, int(near.facet[k])
     return closest
 
 
