@@ -141,6 +141,11 @@ DAMPINGS: list[tuple[str, dict[str, float]]] = [
 ]
 OTHER_MATERIAL = {**SOFT, "shear_modulus": 1e6}
 FIELD = {"model": "body_force", "force": [9.0, 0.0]}
+PARTS = [
+    {"type": "rectangle", "lower": [-0.5, -0.5], "upper": [0.5, 0.5]},
+    {"type": "disc", "centre": [0.5, 0.5], "radius": 0.3},
+]
+OTHER_PART = {"type": "disc", "centre": [0.5, 0.5], "radius": 0.2}
 RIGID = {"type": "rectangle", "lower": [0.005, -0.25], "upper": [0.505, 0.25]}
 WALL = {"type": "half_space", "point": [0.005, 0.0], "normal": [-1.0, 0.0], "extent": 9.0}
 NUDGED = {"velocity": [-1.0, 0.0], "angular_velocity": 2.0, "about": [0.2, 0.0]}
@@ -303,6 +308,15 @@ ROWS: dict[str, tuple[dict[str, Any], str, Any, Any]] = {
     "Output.particle_interval": (body(time__output_interval=1e-3), "", None, 2e-3),
     "Output.side_moment": (held(), "", None, [0.0, 0.3]),
     "Output.contact_moment": (pair(), "", "centre_of_mass", [0.0, 0.3]),
+    **{
+        f"{kind}.parts": (
+            body(**{f"{SOLID}__geometry": {"type": kind.lower(), "parts": PARTS}}),
+            f"{SOLID}__geometry__parts",
+            PARTS,
+            [PARTS[0], OTHER_PART],
+        )
+        for kind in ("Union", "Difference")
+    },
     "Particles.layout": (ROUND_BODY, f"{SOLID}__particles__layout", "lattice", "fitted"),
     "Particles.size": (body(), f"{SOLID}__particles__size", 0.25, 0.125),
     "Particles.offset": (ROUND_BODY, f"{SOLID}__particles__offset", [0.0], [0.3]),

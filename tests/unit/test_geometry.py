@@ -14,6 +14,7 @@ from pydantic import ValidationError
 from mpmfw.geometry import (
     Ball,
     Box,
+    Cylinder,
     Disc,
     MeshFile,
     Particles,
@@ -22,6 +23,8 @@ from mpmfw.geometry import (
     Ring,
     discretise,
 )
+from mpmfw.geometry.combined import Difference, Union
+from mpmfw.geometry.surface_checks import check_surface
 from mpmfw.runs import bodies
 from mpmfw.scene import load_scene
 from msh_files import write_msh
@@ -36,11 +39,18 @@ PLANE = {
         points=((0, 0), (3, 0), (3, 1), (1, 2), (0, 1.5)), holes=(((1, 0.5), (1.5, 0.5), (1.2, 1)),)
     ),
 }
+PLANE |= {
+    "union": Union(parts=(PLANE["disc"], PLANE["rectangle"])),
+    "difference": Difference(parts=(PLANE["polygon"], Disc(centre=(2.0, 0.0), radius=0.3))),
+}
 SOLID = {
     "box": Box(lower=(0, 0, 0), upper=(1, 2, 0.5)),
     "ball": Ball(centre=(0, 1, 0.2), radius=0.8),
 }
-NOT_FITTED = {"ball"}
+SOLID["union in space"] = Union(parts=tuple(SOLID.values()))
+NOT_FITTED = {"ball", "union in space"}
+#: Of which gmsh fills what lies between straight segments.
+POLYGONS = {"polygon", "union", "difference"}
 
 
 def signed_area(loop):
@@ -90,7 +100,7 @@ def assert_mirrored(points, centre, axis):
     assert_same_points(mirrored + centre, points)
 
 
-@pytest.mark.parametrize("name", [n for n in (*PLANE, *SOLID) if n not in NOT_FITTED | {"polygon"}])
+@pytest.mark.parametrize("name", [n for n in (*PLANE, *SOLID) if n not in NOT_FITTED | POLYGONS])
 @settings(max_examples=15)
 @given(size=st.floats(0.05, 4.0))
 def test_fitted_keeps_the_volume(name, size):
@@ -253,3 +263,52 @@ def test_bodies_that_are_alike_share_a_layout(layout, monkeypatch):
         own = discretise(body.geometry, body.particles, body.segment_length(scene.grid.cell_size))
         for name in ("position", "volume", "half_edges", "corners", "outlines"):
             np.testing.assert_allclose(getattr(found, name), getattr(own, name), rtol=1e-9, atol=1e-12)
+
+
+def test_a_union_and_a_difference_have_the_volumes_of_their_parts():
+    """Of a disc on the corner of a square, and of a cylinder through a box, a quarter each."""
+    square, disc = Rectangle(lower=(0, 0), upper=(2, 2)), Disc(centre=(2, 2), radius=1.0)
+    quarter = np.pi / 4
+    assert Union(parts=(square, disc)).exact_volume == pytest.approx(4 + 3 * quarter, rel=1e-6)
+    cut = Difference(parts=(square, disc))
+    assert cut.exact_volume == pytest.approx(4 - quarter, rel=1e-6)
+    ((outline, _),) = cut.surfaces(0.1)
+    far = np.linalg.norm(outline - 2.0, axis=1)
+    on_arc = outline[far < 1.0 + 1e-3]
+    assert np.abs(far[far < 1.0 + 1e-3] - 1.0).max() < 1e-6  # nodes lie on the circle
+    assert len(on_arc) == math.ceil(0.5 * np.pi / 0.1) + 1
+    corners = np.array([[0, 0], [2, 0], [2, 1], [1, 2], [0, 2]])
+    assert np.linalg.norm(outline[:, None] - corners, axis=2).min(axis=0).max() < 1e-6
+    fitted = discretise(cut, Particles(layout="fitted", size=0.1), 0.1)
+    between = shapely.Polygon(fitted.outlines[0]).area  # straight segments on the arc
+    assert fitted.volume.sum() == pytest.approx(between, rel=1e-9)
+    assert between == pytest.approx(4 - quarter, rel=1e-3)
+    box, shaft = Box(lower=(0, 0, 0), upper=(2, 2, 1)), Cylinder(centre=(2, 2, 0.5), radius=1.0, length=3)
+    drilled = Difference(parts=(box, shaft))
+    assert drilled.exact_volume == pytest.approx(4 - quarter, rel=1e-3)
+    assert Union(parts=(box, shaft)).exact_volume == pytest.approx(4 + 3 * np.pi - quarter, rel=1e-3)
+    for nodes, facets in drilled.surfaces(0.3):
+        check_surface(nodes, facets)
+    assert drilled.lattice(0.1, (0.0,) * 3).volume.sum() == pytest.approx(drilled.exact_volume, rel=1e-9)
+
+
+def test_parts_without_a_hole_between_them_are_one_piece():
+    left, right = (Rectangle(lower=(x, 0), upper=(x + 1, 1)) for x in (0, 1.5))
+    bar = Rectangle(lower=(0.5, 0.4), upper=(2, 0.6))
+    assert not Union(parts=(left, right)).is_connected
+    assert Union(parts=(left, right, bar)).is_connected
+    half = Difference(parts=(left, Union(parts=(bar, right))))
+    assert half.exact_volume == pytest.approx(0.9)
+
+
+@pytest.mark.parametrize(
+    ("kind", "parts", "said"),
+    [
+        (Difference, (Disc(centre=(0, 0), radius=1), Disc(centre=(0, 0), radius=2)), "nothing is left"),
+        (Union, (Disc(centre=(0, 0), radius=1), Ball(centre=(0, 0, 0), radius=2)), "expected one of both"),
+        (Union, (Disc(centre=(0, 0), radius=1),), "at least 2"),
+    ],
+)
+def test_parts_that_make_no_body_are_refused(kind, parts, said):
+    with pytest.raises(ValidationError, match=said):
+        kind(parts=parts)

@@ -20,6 +20,7 @@ from pydantic import (
 
 from mpmfw.errors import SceneError
 from mpmfw.geometry.base import BodyGeometry, LengthInCells
+from mpmfw.geometry.combined import Difference, Union
 from mpmfw.geometry.disc import Disc, Ring
 from mpmfw.geometry.extrusion import Cylinder, Extrusion, Revolution, Torus
 from mpmfw.geometry.half_space import HalfSpace
@@ -114,7 +115,9 @@ Geometry = Annotated[
     | Extrusion
     | Revolution
     | SurfaceMesh
-    | HalfSpace,
+    | HalfSpace
+    | Union
+    | Difference,
     Field(discriminator="type"),
     WrapValidator(_of_any_distribution),
     WrapSerializer(lambda one, handler: one.model_dump() if isinstance(one, BodyGeometry) else handler(one)),
