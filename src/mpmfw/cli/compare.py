@@ -41,7 +41,7 @@ def compare(
     jobs: args.Jobs = None,
     scheduler: args.Scheduler = None,
     repeats: args.Repeats = None,
-    form: FormatOption = Format.table,
+    form: FormatOption = Format.text,
 ) -> None:
     """Run SCENE with every combination of methods; join the results, by default in a file named after it.
 
@@ -79,7 +79,7 @@ def compare(
         if report is not None:
             reports["progress"] = _first_page(reports["progress"], path, report)
         dataset = run_all(loaded, vary=varied, **methods, **running, **reports)
-    alone = form is not Format.table
+    alone = form is not Format.text
     if alone:
         write_rows(table(dataset), form)
     else:

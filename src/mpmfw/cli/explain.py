@@ -118,7 +118,7 @@ def _print_step(simulation: Simulation, found: Prediction, everything: bool) -> 
 
 
 def _print_share_of_springs(simulation: Simulation) -> None:
-    """Print the part of driven sides' motion or of overlaps that contact springs take."""
+    """Print the part of the driven motion, or of overlaps, that contact springs take."""
     from mpmfw.runs.prediction import driven_speed, share_of_springs
 
     speed = driven_speed(simulation)
@@ -127,7 +127,7 @@ def _print_share_of_springs(simulation: Simulation) -> None:
         return
     share, law = share_of_springs(simulation, axis), simulation.contact
     if share > 0.0 and law is not None:
-        of = "the overlap" if axis is None else "the sides' motion"
+        of = "the overlap" if axis is None else "the driven motion"
         typer.echo(f"springs of {law.label} take about {100 * share:.2g} % of {of}; stiffer ones take less\n")
 
 

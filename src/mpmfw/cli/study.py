@@ -50,7 +50,7 @@ def study(
     axis: args.Axis = None,
     force: args.Force = False,
     trust: args.Trust = False,
-    form: FormatOption = Format.table,
+    form: FormatOption = Format.text,
 ) -> None:
     """Run all combinations of STUDY, and give error and CPU time of each.
 
@@ -80,13 +80,13 @@ def study(
         running |= {"progress": reports["progress"], "timing": timing.value}
         running |= {"code": args.names(code, "code")}
         dataset = run_study(loaded, under=under, about=about, **running)
-    if form is not Format.table:
+    if form is not Format.text:
         write_rows(list(rows(dataset)), form)
     else:
         _print(dataset)
         for sentence in conclusions(dataset):
             typer.echo(sentence)
-    typer.echo(f"{path}: errors and costs. For figures: mpmfw plot {path}", err=form is not Format.table)
+    typer.echo(f"{path}: errors and costs. For figures: mpmfw plot {path}", err=form is not Format.text)
 
 
 def _print(dataset: xr.Dataset) -> None:
@@ -146,7 +146,7 @@ def choose(
     force: args.Force = False,
     jobs: args.Jobs = None,
     scheduler: args.Scheduler = None,
-    form: FormatOption = Format.table,
+    form: FormatOption = Format.text,
     as_json: Annotated[bool, Option("--json", help="The same as --format json.")] = False,
 ) -> None:
     """Find the cheapest method and cell size with an error of SCENE below --error, from coarse to fine cells.
@@ -172,14 +172,14 @@ def choose(
         running |= {"contact": contacts, "shape": shapes, "code": args.names(code, "code") or ()}
         dataset = run_ladder(loaded, error, **running, **reports)
     _print_choice(dataset, form)
-    typer.echo(f"{path}: runs and answer", err=form is not Format.table)
+    typer.echo(f"{path}: runs and answer", err=form is not Format.text)
 
 
 def _print_choice(dataset: xr.Dataset, form: Format) -> None:
     from mpmfw.studies.conclusion import advice, method_rows
 
     rows = method_rows(dataset)
-    if form is not Format.table:
+    if form is not Format.text:
         write_rows(rows, form)
         return
     for row in rows:
@@ -204,7 +204,7 @@ def rank(
     pair: args.Pair = None,
     axis: args.Axis = None,
     output: args.Output = None,
-    form: FormatOption = Format.table,
+    form: FormatOption = Format.text,
     force: args.Replace = False,
 ) -> None:
     """Rank the methods of studies by the problems that they solve, and by their cost.
@@ -234,7 +234,7 @@ def rank(
     about = args.named(body=body, pair=pair, axis=axis)
     found = ranking.rank(results, by, reached, about)
     known = [name for name in ranking.QUANTITIES if found["over_best"].sel(quantity=name).notnull().any()]
-    if form is not Format.table:
+    if form is not Format.text:
         write_rows([{"quantity": name} | row for name in known for row in ranking.summary(found, name)], form)
     else:
         for quantity in known:
@@ -249,13 +249,13 @@ def rank(
     counts = Counter((one["method"], one["status"]) for one in json.loads(found.attrs["failures"]))
     for (method, status), times in counts.items():
         runs = "run does" if times == 1 else "runs do"
-        typer.echo(f"{method}: {times} {runs} not count: {status}", err=form is not Format.table)
+        typer.echo(f"{method}: {times} {runs} not count: {status}", err=form is not Format.text)
     if output is not None:
         from mpmfw.plots import write_figure
         from mpmfw.plots.records import profiles
 
         write_figure(profiles(found), output)
-        typer.echo(str(output), err=form is not Format.table)
+        typer.echo(str(output), err=form is not Format.text)
 
 
 def _show_records(folder: Path, form: Format, output: Path | None) -> None:
@@ -264,7 +264,7 @@ def _show_records(folder: Path, form: Format, output: Path | None) -> None:
 
     records = read_records(folder)
     scenes = ranked(records)
-    if form is not Format.table:
+    if form is not Format.text:
         write_rows([{"scene": scene} | row for scene, rows in scenes.items() for row in rows], form)
     else:
         words = ("code", "status", "machine")
@@ -277,4 +277,4 @@ def _show_records(folder: Path, form: Format, output: Path | None) -> None:
         from mpmfw.plots.records import dots
 
         write_figure(dots(dots_of(records)), output)
-        typer.echo(str(output), err=form is not Format.table)
+        typer.echo(str(output), err=form is not Format.text)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _WRAPPED = 24
 
 
-Format = StrEnum("Format", ("table", "csv", "json"))
+Format = StrEnum("Format", ("text", "csv", "json"))
 
 FormatOption: TypeAlias = Annotated[
     Format, Option("--format", help="Form of the table; csv and json have all digits.")

@@ -111,11 +111,14 @@ def _tables(simulation: Simulation) -> int:
 
 
 def driven_speed(simulation: Simulation) -> FloatArray:
-    """Largest speed of driven sides along each axis (dim,) [m/s]."""
+    """Largest speed of driven sides and rigid bodies along each axis (dim,) [m/s]."""
     speed = np.zeros(simulation.scene.dim)
     for body in simulation.scene.bodies.values():
         for side in body.sides:
             speed = np.fmax(speed, np.abs(motion_of(side, len(speed)).values).max(axis=0))
+    rigid: Any = simulation.state.rigid
+    for velocity, *_ in () if rigid is None else rigid.motion:
+        speed = np.maximum(speed, np.abs(velocity.values).max(axis=0))
     return speed
 
 
