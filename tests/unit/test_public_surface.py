@@ -8,8 +8,14 @@ import re
 from pathlib import Path
 
 import pytest
+import typer
 
 import mpmfw
+from mpmfw.cli import app
+from mpmfw.cli.tables import Format
+from mpmfw.effects.constraint import FIELDS
+from mpmfw.plugin.discovery import available
+from mpmfw.scene import json_schema, shipped_scenes
 
 ROOT = Path(__file__).resolve().parents[2]
 PLUGINS = ("mpmfw_code", "mpmfw_contact", "mpmfw_load", "mpmfw_shape", "mpmfw_material")
@@ -24,6 +30,38 @@ def test_the_page_of_versions_lists_the_names_of_the_library():
     page = (ROOT / "docs/guide/versions.md").read_text(encoding="utf-8")
     (row,) = [line for line in page.splitlines() if line.startswith("| `mpmfw`: ")]
     assert sorted(re.findall(r"`mpmfw\.(\w+)`", row)) == sorted(mpmfw.__all__)
+
+
+#: Names that other people's scenes, scripts and plug-ins rely on, by kind.
+SCENES = (
+    "rolling-cylinder-slip rolling-cylinder-no-slip rolling-sphere-slip rolling-sphere-no-slip colliding-rings "
+    "rolling-cylinder-slip-rigid rolling-cylinder-no-slip-rigid rolling-sphere-slip-rigid footing roller "
+    "rolling-sphere-no-slip-rigid taylor-bar column-collapse"
+)
+COMMANDS = (
+    "run compare study validate stability plot animate export explain schema plugins check resume choose rank "
+    "new report view warm-up benchmark store"
+)
+BUNDLED: dict[str, str] = {
+    "contact": "none separate bardenhagen nairn penalty hamad2017 hybrid impulse lcp barrier midplane "
+    "particles adhesion tied",
+    "detection": "nodes surfaces midplane points logistic",
+    "shape": "linear gimp cpdi cpdi2 bspline ck cubic_bspline",
+    "material": "neo_hookean linear_elastic j2 drucker_prager mohr_coulomb",
+    "law": "impulse penalty lcp",
+}
+
+
+def test_names_that_others_rely_on_are_there():
+    assert set(SCENES.split()) <= set(shipped_scenes())
+    assert set(COMMANDS.split()) <= set(typer.main.get_command(app).commands)
+    for kind, names in BUNDLED.items():
+        assert set(names.split()) <= set(available(kind)), kind
+    types = json_schema()["$defs"]
+    assert {"HalfSpace", "Union", "Difference"} <= set(types)
+    assert [form.value for form in Format] == ["text", "csv", "json"]
+    fields = {field.name: field.dims for field in FIELDS}
+    assert fields["side_reaction"] == ("side", "axis")
 
 
 def imports(source):
