@@ -34,13 +34,13 @@ def test_the_page_of_versions_lists_the_names_of_the_library():
 
 #: Names that other people's scenes, scripts and plug-ins rely on, by kind.
 SCENES = (
-    "rolling-cylinder-slip rolling-cylinder-no-slip rolling-sphere-slip rolling-sphere-no-slip colliding-rings "
-    "rolling-cylinder-slip-rigid rolling-cylinder-no-slip-rigid rolling-sphere-slip-rigid footing roller "
-    "rolling-sphere-no-slip-rigid taylor-bar column-collapse"
+    "rolling-cylinder-slip rolling-cylinder-no-slip rolling-sphere-slip rolling-sphere-no-slip "
+    "rolling-cylinder-slip-rigid rolling-cylinder-no-slip-rigid rolling-sphere-slip-rigid "
+    "rolling-sphere-no-slip-rigid colliding-rings footing roller taylor-bar column-collapse"
 )
 COMMANDS = (
-    "run compare study validate stability plot animate export explain schema plugins check resume choose rank "
-    "new report view warm-up benchmark store"
+    "run compare study validate stability plot animate export explain schema plugins check resume choose "
+    "rank new report view warm-up benchmark store"
 )
 BUNDLED: dict[str, str] = {
     "contact": "none separate bardenhagen nairn penalty hamad2017 hybrid impulse lcp barrier midplane "
