@@ -14,6 +14,7 @@ import xarray as xr
 import mpmfw
 from command_line import called
 from drop_for_tests import drop_scene
+from mpmfw import Simulation
 from mpmfw.errors import ResultsWarning
 from mpmfw.scene.toml_text import toml_text
 from scenes_for_tests import with_changes
@@ -187,3 +188,17 @@ def test_warm_up_takes_first_steps_of_every_combination(scene):
     ]
     called("warm-up", scene, "--contact", "foo", status=2)
     assert not list(scene.parent.glob("*.nc*"))  # nothing is written
+
+
+def test_warm_up_waits_until_bodies_touch(monkeypatch):
+    forces = []
+
+    class Watched(Simulation):
+        def advance(self, steps, write=None):
+            super().advance(steps, write and (lambda frame: [write(frame), forces.append(frame.series)]))
+
+    monkeypatch.setattr("mpmfw.runs.simulation.Simulation", Watched)
+    called("warm-up", "colliding-rings", "--contact", "penalty", "--shape", "linear")
+    acts = [bool(series["contact_force"].any()) for series in forces]
+    assert len(acts) > 6
+    assert acts.index(True) >= len(acts) - 6  # of the last look

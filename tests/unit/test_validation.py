@@ -42,7 +42,7 @@ RUNS = """
 from types import SimpleNamespace
 
 from mpmfw.errors import SimulationError
-from mpmfw.validation import Place, Runs, by_method, full, methods, together
+from mpmfw.validation import Place, Runs, by_method, full, known_red, methods, together
 
 def in_place(scene):
     if scene.grid.cell_size == 0.5 and scene.contact.method == "bardenhagen":
@@ -66,8 +66,10 @@ runs = Runs(
     methods=methods(["penalty", "bardenhagen"], ["cpdi", "gimp"]),
     places=places,
     by=in_place,
+    binds=["bardenhagen, cpdi"],
 )
 
+@known_red("bardenhagen, cpdi", "broken: run", "it breaks")
 @runs
 def test_size(run):
     run.gate(f"size, {run.place.at}", run.of(size, "size"), 0.0, 0.1, key="size")
@@ -161,6 +163,7 @@ def test_runs_at_places(suite, tmp_path):
     assert verdicts["bardenhagen, cpdi", "size, fine"] == "outside"  # not recommended
     assert verdicts["penalty, gimp", "twice"] == "outside"
     assert verdicts["bardenhagen, gimp", "broken: run"] == "failed"
+    assert verdicts["bardenhagen, cpdi", "broken: run"] == "known red"
     assert ("penalty, cpdi", "nothing") not in found
     assert found["penalty, cpdi", "total"]["value"] == pytest.approx(10.0 * (0.8 + 0.4 + 0.5))
     assert sum(row["quantity"].startswith("size") for row in rows) == 10

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from typer import Argument, Option
@@ -60,8 +60,8 @@ def resume(
 #: Steps after which the shipped scenes are in contact.
 IN_CONTACT = {"colliding-rings": 250}
 
-#: Steps that call all kernels of a scene that starts in contact.
-FIRST_STEPS = 5
+#: Steps that call all kernels once bodies touch; most waits for that, and the steps of one.
+FIRST_STEPS, WAITS, WAIT = 5, 10, 50
 
 #: Columns of a measurement that are not shown.
 HIDDEN = ("dim", "ns_low", "ns_high")
@@ -108,7 +108,9 @@ def warm_up(
 ) -> None:
     """Compile the kernels of SCENE, so that its runs start at once.
 
-    It takes the first steps and an output with every combination of methods, by default the scene's."""
+    It takes steps with outputs until bodies touch, at most 555, with every combination of methods, by default
+    the scene's."""
+    from collections import deque
     from itertools import product
 
     from mpmfw.runs.simulation import Simulation
@@ -116,8 +118,12 @@ def warm_up(
     contacts, shapes = args.names(contact, "contact"), args.names(shape, "shape")
     for chosen in product(contacts or (None,), shapes or (None,)):
         loaded = args.chosen_scene(scene, *chosen, None, trust)
-        simulation = Simulation(loaded)
-        simulation.advance(FIRST_STEPS)
-        simulation.frame()
+        simulation, frames = Simulation(loaded), deque[Any](maxlen=1)
+        for steps in (0, *[WAIT] * WAITS):
+            simulation.advance(steps)
+            simulation.advance(FIRST_STEPS, frames.append)
+            force = frames[0].series.get("contact_force")
+            if force is None or force.any():
+                break
         seconds, label = simulation.clock.compile_time, ", ".join(name for name in chosen if name)
         typer.echo(f"{label or loaded.name}: {seconds:.1f} s to compile or load kernels")

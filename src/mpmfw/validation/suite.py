@@ -69,6 +69,7 @@ def run(request: pytest.FixtureRequest, case: Case) -> CaseRun:
     """Run one point of the test's runs; one that fails keeps its row, red if a gate binds it."""
     point: tuple[Runs, Place, Method] = request.param
     runs, place, method = point
+    case.known = known_of(request.node)
     binds = runs.bound(method) and not place.is_open("run", method)
     try:
         return runs.start(case, place, method)
@@ -93,10 +94,15 @@ def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> Generator[None, Any, Any]
     case = pyfuncitem.funcargs.get("case")
     if not isinstance(case, Case):
         return (yield)
-    case.known = {mark.args[:2]: mark.args[2] for mark in pyfuncitem.iter_markers("known_red")}
+    case.known = known_of(pyfuncitem)
     start, result = len(case.rows), (yield)
     judge(pyfuncitem, case.rows[start:])
     return result
+
+
+def known_of(item: pytest.Item) -> dict[Any, str]:
+    """Return why gates of a test are known not to hold, by method and quantity."""
+    return {mark.args[:2]: mark.args[2] for mark in item.iter_markers("known_red")}
 
 
 def judge(item: pytest.Item, rows: Sequence[dict[str, Any]]) -> None:
