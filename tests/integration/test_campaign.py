@@ -218,6 +218,8 @@ def test_anybodys_executor_runs_a_campaign(undisturbed):
     assert data.attrs["cores"] == "the workers of a ThreadPoolExecutor"
     with pytest.raises(SceneError, match="executor: 3 cannot run tasks; expected"):
         mpmfw.campaign(SLIDING, VARY, executor=3)
+    with pytest.raises(SceneError, match="jobs: has no effect with an executor"):
+        mpmfw.campaign(SLIDING, VARY, executor=threads, jobs=3)
 
 
 class Deadly(Penalty):

@@ -14,6 +14,7 @@ from mpmfw.effects.ledger_works import GROWTH_LIMIT, EnergyGuard, HalfStep
 from mpmfw.effects.series import negligible_energy
 from mpmfw.errors import ResultsWarning
 from mpmfw.runs.simulation import Simulation
+from mpmfw.scene import load_scene, shipped_scenes
 
 TERMS = (
     "gravity_work",
@@ -223,6 +224,10 @@ def test_springs_loaded_at_first_may_give_what_they_hold():
     held = float(series["contact_work"].max())
     assert energy.max() - energy[0] > GROWTH_LIMIT * energy[0]  # a bound without them would stop it
     assert energy.max() <= energy[0] + 1.01 * held
+
+
+def test_every_shipped_scene_keeps_a_ledger():
+    assert all(load_scene(name).output.ledger for name in shipped_scenes())
 
 
 def test_the_ledger_changes_no_digit_of_the_motion():
