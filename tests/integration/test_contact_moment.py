@@ -7,6 +7,7 @@ import mpmfw
 from mpmfw.errors import SceneError
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
+from mpmfw.state.surface import closed_surface, nodes_left
 from mpmfw_testing.contact.motion import moment
 from scenes_for_tests import box, scene_of, solid, two_blocks, with_changes
 
@@ -122,6 +123,15 @@ def test_bodies_pass_nodes_that_have_left_their_points(method):
     state, gap = simulation.state, simulation.manager.get_plugin("gap")
     np.testing.assert_allclose(gap.diagnostics(state)["min_gap"], 1.25 - 5.0 * state.time, rtol=1e-6)
     assert simulation.status == "ok"
+
+
+def test_a_body_of_which_all_nodes_have_left_their_points_stays():
+    simulation = Simulation(load_scene(two_blocks("penalty")))
+    simulation.advance(1)
+    surface = simulation.state.surface
+    surface.table.weight[: surface.table.row[surface.body_first[1]]] = 0.0
+    assert nodes_left(surface).sum() == surface.body_first[1]
+    np.testing.assert_array_equal(closed_surface(surface).position, surface.position)
 
 
 def test_a_force_on_a_side_acts_where_there_are_points():

@@ -53,20 +53,22 @@ def nodes_left(surface: Surface) -> AnyArray:
 
 
 def closed_surface(surface: Surface) -> Surface:
-    """Return the surface with a membrane between the others instead of nodes that have left their points."""
+    """Return the surface with a membrane between the others instead of nodes that have left their points. A
+    closed part of which all nodes have left stays as it is."""
     left = nodes_left(surface)
     if not left.any():
         return surface
-    from scipy.sparse import csr_array, eye_array
-    from scipy.sparse.csgraph import laplacian
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import connected_components, laplacian
     from scipy.sparse.linalg import splu
 
     ends = surface.facets.ravel(), np.roll(surface.facets, 1, axis=1).ravel()
     edges = csr_array((np.ones(len(ends[0])), ends), shape=(surface.count,) * 2)
-    pull = laplacian(edges, symmetrized=True).tocsr()[left]
-    position, hold = surface.position.copy(), 1e-9  # holds parts of which all nodes have left
-    force = hold * position[left] - pull[:, ~left] @ position[~left]
-    position[left] = splu((pull[:, left] + hold * eye_array(len(force))).tocsc()).solve(force)
+    part = connected_components(edges, directed=False)[1]
+    left &= np.isin(part, part[~left])
+    pull, position = laplacian(edges, symmetrized=True).tocsr()[left], surface.position.copy()
+    if left.any():
+        position[left] = splu(pull[:, left].tocsc()).solve(-pull[:, ~left] @ position[~left])
     return dataclasses.replace(surface, position=position)
 
 
