@@ -35,14 +35,16 @@ def extremes(tree):
 
 
 def errors_of_turned(tree):
-    """Return the ``mean`` error of σ_yy in the turned block and the largest ``far`` from sides [%]."""
+    """Return errors of σ_yy in the turned block [%]: ``mean``, and the largest ``far`` from sides, and within
+    three cells of ``two``."""
     found = 100.0 * (stress(tree, TURN) - 1.0)
     begin = tree["particles/block"]["position"].isel(time=0).values - CENTRE
     c, s = math.cos(TURN), math.sin(TURN)
     # Distance from the nearer of two opposite sides
     inside = 0.5 - np.abs(begin @ np.array([[c, -s], [s, c]]))
-    far = (inside >= 3.0 * float(tree.attrs["cell_size"])).all(axis=1)
-    return {"mean": float(found.mean()), "far": float(np.abs(found[far]).max())}
+    near = (inside < 3.0 * float(tree.attrs["cell_size"])).sum(axis=1)
+    far, two = (float(np.abs(found[near == count]).max()) for count in (0, 2))
+    return {"mean": float(found.mean()), "far": far, "two": two}
 
 
 def place(at, size, past=0.3, upper=1.6, when=""):
@@ -92,5 +94,6 @@ def test_turned(run):
         errors_of_turned,
         ("mean σ_yy, error, turned by 30°, {at}", "mean", 0.0, 1.0, "%"),
         ("largest error farther than 3 h from sides, turned by 30°, {at}", "far", 0.0, (0.0, 2.0), "%"),
+        ("largest error within 3 h of two, turned by 30°, {at}", "two", 0.0, None, "%"),
         binds=True,
     )

@@ -1,6 +1,6 @@
 """The scenes of the shipped studies at three orientations and with two layouts of points.
 
-Bodies, velocities, loads and gravity turn together, and the grid does not. A gate takes the worst of the six.
+Bodies, velocities, loads and gravity turn together, and the grid does not. Gates bind each of the six runs.
 """
 # cost: 1200
 
