@@ -15,6 +15,7 @@ from mpmfw.effects.series import negligible_energy
 from mpmfw.errors import ResultsWarning
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene, shipped_scenes
+from scenes_for_tests import one_body
 
 TERMS = (
     "gravity_work",
@@ -249,3 +250,16 @@ def test_a_large_residual_is_told(shape):
     share = float(error / series["total_energy"].isel(time=0).sum())
     assert (share > LARGE_RESIDUAL) == (shape == "linear"), share
     assert any("has no account" in str(one.message) for one in warned) == (shape == "linear")
+
+
+@pytest.mark.filterwarnings("error::mpmfw.errors.ResultsWarning")
+def test_round_off_of_a_body_at_rest_is_no_large_residual():
+    still = one_body(
+        {"type": "rectangle", "lower": [0.0, 0.0], "upper": [1.0, 1.0]}, size=0.125, output={"ledger": True},
+        shape={"method": "linear"}, time={"end": 0.05, "output_interval": 0.005},
+    )  # fmt: skip
+    still["grid"]["cell_size"] = 0.25
+    still["materials"]["soft"] = {
+        "model": "neo_hookean", "density": 1000.0, "youngs_modulus": 1e6, "poissons_ratio": 0.3,
+    }  # fmt: skip
+    assert run(still).attrs["status"] == "ok"

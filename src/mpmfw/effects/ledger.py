@@ -96,11 +96,11 @@ class EnergyLedger(Observer):
         self.strategy, self.contact = contact, "" if contact is None else str(contact.name)
         self.accounted, self.half_steps = "spring_work" in setup.contact_fields, setup.scheme == "usl"
         self.tells_motion = self.half_steps and self.accounted and hasattr(contact, "work_over_last_step")
+        self.nothing = series.negligible_energy(setup.state)
         #: None where the scene allows unstable runs.
         self.guard: EnergyGuard | None = None
         if not setup.allow_unstable:
-            nothing, unit = series.negligible_energy(setup.state), series.energy_unit(setup.state)
-            self.guard = EnergyGuard(nothing, setup.remedies, unit)
+            self.guard = EnergyGuard(self.nothing, setup.remedies, series.energy_unit(setup.state))
         self.motion = self.start = self.lost = 0.0
         self.momentum = np.zeros((0, 0))
         self._forget()
@@ -251,7 +251,7 @@ class EnergyLedger(Observer):
     @hookimpl
     def concerns(self) -> list[str]:
         """Return that the error of the strain's integration is large."""
-        if not self.put_in or self.unbalanced <= LARGE_RESIDUAL * self.put_in:
+        if self.unbalanced <= max(LARGE_RESIDUAL * self.put_in, self.nothing) or not self.put_in:
             return []
         share = f"{self.unbalanced / self.put_in:.0%} of the energy put in"
         return [f"energy_residual: {share} has no account; try smaller cells, or another shape function"]
