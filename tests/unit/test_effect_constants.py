@@ -75,7 +75,7 @@ def side_table(rows, entries):
     return SideTable(
         nodes=np.zeros(entries, dtype=np.int64),
         weights=np.zeros(entries),
-        impulse=np.zeros((1, 3)),
+        impulse=np.zeros((rows, 3)),
         applied=np.zeros((0, 3)),
         **whole,
         **real,
