@@ -1,4 +1,4 @@
-"""What several cases share: options of contact, scenes in short, forces of a surface, stress, orders."""
+"""Options of contact, scenes in short, forces of a surface, stress and orders, for several cases."""
 
 import sys
 from pathlib import Path

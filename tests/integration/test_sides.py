@@ -81,6 +81,19 @@ def test_the_moment_of_a_side_carries_the_weight_and_its_lever(angle):
     assert series["side"].values.tolist() == ["solid-bottom"]
 
 
+def test_conditions_on_one_side_have_one_reaction():
+    """The sum of both: the same as of a side that is fixed at once."""
+    time, runs = {"end": 1e-3, "output_interval": 1e-3}, []
+    for fixed in ([True], [["x"], ["y"]]):
+        sides = [{"side": "bottom", "fixed": each} for each in fixed]
+        scene = block(bodies__solid__sides=sides, gravity={"vector": [3.0, -10.0]}, settle={}, time=time)
+        runs.append(mpmfw.run(scene)["series"].isel(time=-1))
+    both, one = runs
+    assert one["side"].values.tolist() == both["side"].values.tolist() == ["solid-bottom"]
+    assert (np.abs(both["side_reaction"]) > 0.0).all()
+    np.testing.assert_allclose(one["side_reaction"], both["side_reaction"], rtol=1e-6)
+
+
 def test_a_moment_without_a_prescribed_side_is_refused():
     with pytest.raises(SceneError, match="side_moment: has no effect: no side is fixed or driven"):
         mpmfw.load_scene(block(output={"side_moment": [0.0, 0.0]}))

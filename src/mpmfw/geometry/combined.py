@@ -212,7 +212,7 @@ class Union(Combined):
 
 
 class Difference(Combined):
-    """What of the first of the ``parts`` lies in none of the others."""
+    """The first of the ``parts`` without the others."""
 
     subtracts: ClassVar[bool] = True
     type: Literal["difference"] = "difference"

@@ -178,8 +178,8 @@ def view(
 ) -> None:
     """Serve a page with a run at the loopback address until it is interrupted; print the address.
 
-    It begins with ``field`` and has each ``every``-th output; port 0 takes a free one. A SceneError names the
-    library that is missing, or the fields if there is no such field.
+    It begins with ``field`` and has each ``every``-th output; port 0 takes a free one. A SceneError names a
+    missing library, or the fields if ``field`` is unknown.
     """
     with opened_run(results) as tree:
         server = Viewer(tree, field, every).server

@@ -1,7 +1,7 @@
 """An explicit finite-element program for the collision of two elastic rings, independent of the product.
 
 It shares nothing of ``mpmfw`` but the compilation of loops: elements, contact and time integration are its
-own, so that an agreement of the two is no consequence of a common error. ``distance`` reads the shipped
+own. So the two cannot agree through a common error. ``distance`` reads the shipped
 reference tables. Plane strain, SI units, per metre of thickness."""
 
 from rings_fem.collision import Collision, collide, distance
