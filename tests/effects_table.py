@@ -59,7 +59,7 @@ _SURFACES = "~surfaces " + " ".join(
 )
 _CONTACT = "contact_force friction_force contact_count frictional_work contact_energy damping_work"
 _ISOTROPIC = "material._isotropic"
-_SOIL = " material._frictional material._principal"
+_SOIL = " material._frictional material._principal material._return"
 EFFECTS = {
     **{
         name: brings(name, modules=f"shape.{name} shape._tables")

@@ -387,10 +387,14 @@ VALUES: dict[str, tuple[Any, Any]] = {
     "poissons_ratio": (0.3, 0.2), "yield_stress": (1e2, 1e3), "hardening_modulus": (0.0, 1e6),
     "hardening_exponent": (1.0, 0.3), "rate_factor": (0.0, 0.05), "reference_rate": (1.0, 1e-3),
     "friction_angle": (0.5, 0.3), "dilation_angle": (0.0, 0.2), "cohesion": (1e2, 2e2), "tension": (1e1, 5e1),
-    "fit": ("plane_strain", "extension"), "energy": ("split", "log"),
+    "fit": ("plane_strain", "extension"), "energy": ("split", "log"), "pressure_exponent": (0.5, 0.3),
+    "reference_pressure": (1e3, 2e3),
 }  # fmt: skip
 #: Options without which another has no effect.
-BESIDE = {"hardening_exponent": {"hardening_modulus": 1e6}, "reference_rate": {"rate_factor": 0.05}}
+BESIDE = {
+    "hardening_exponent": {"hardening_modulus": 1e6}, "reference_rate": {"rate_factor": 0.05},
+    "pressure_exponent": {"reference_pressure": 1e3}, "reference_pressure": {"pressure_exponent": 0.5},
+}  # fmt: skip
 YOUNG = {"youngs_modulus": 5e6, "poissons_ratio": 0.3}
 
 

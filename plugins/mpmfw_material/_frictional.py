@@ -8,14 +8,16 @@ from typing import ClassVar, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from mpmfw.api.types import FloatArray, Particles, Setup, hookimpl
+from mpmfw.api import Field as ArrayField
+from mpmfw.api.types import FloatArray, Particles, Setup, State, hookimpl
 from mpmfw.api.units import Angle, Pressure
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.arithmetic import invert
-from mpmfw.kernels.types import Float, Floats
+from mpmfw.kernels.types import Floats
 from mpmfw_material._isotropic import Moduli, pad_plane_strain
-from mpmfw_material._plastic import OPENED, SPACE, Flow, Plastic, pad
+from mpmfw_material._plastic import MODULUS, OPENED, SPACE, Flow, Plastic, pad
 from mpmfw_material._principal import compose, diagonalise, push_forward
+from mpmfw_material._return import norm_square, return_stiffened, wave_modulus
 
 #: Logarithm of the volume beyond which points no longer touch: what has opened so far opens no further.
 SEPARATED = math.log(2.0)
@@ -36,118 +38,16 @@ def restart_shape(f: Floats, jacobian: float, excess: float, axes: int, out: Flo
             f[d, e] = out[d, e] = edge if d == e else 0.0
 
 
-@device
-def return_to_cone(tau: Floats, bulk: float, shear: float, surface: tuple[float, float, float]) -> bool:
-    """Return principal stresses to √J₂ + η p ≤ k, with the flow of √J₂ + η̄ p; ``surface`` is (η, η̄, k).
-
-    de Souza Neto, Perić & Owen (2008), boxes 8.8 and 8.9: on the cone Δγ = f / (G + K η η̄), else its apex.
-    """
-    friction, dilation, cohesion = surface
-    p = (tau[0] + tau[1] + tau[2]) / 3.0
-    root = math.sqrt(0.5 * ((tau[0] - p) ** 2 + (tau[1] - p) ** 2 + (tau[2] - p) ** 2))
-    excess = root + friction * p - cohesion
-    if excess <= 0.0:
-        return False
-    slip = excess / (shear + bulk * friction * dilation)
-    if shear * slip < root:
-        mean, factor = p - bulk * dilation * slip, 1.0 - shear * slip / root
-    else:
-        mean, factor = cohesion / friction, 0.0
-    for a in range(3):
-        tau[a] = mean + factor * (tau[a] - p)
-    return True
-
-
-@device
-def flow_stress(a: int, plane: tuple[int, int], bulk: float, shear: float, dilation: float) -> Float:
-    """(D r)_a for the flow r = (1 + sin ψ) e_i − (1 − sin ψ) e_j of the plane (i, j)."""
-    along = (1.0 + dilation if a == plane[0] else 0.0) - (1.0 - dilation if a == plane[1] else 0.0)
-    return 2.0 * shear * along + (bulk - 2.0 / 3.0 * shear) * 2.0 * dilation
-
-
-@device
-def fall(
-    of: tuple[int, int], by: tuple[int, int], bulk: float, shear: float, friction: float, dilation: float
-) -> Float:
-    """Fall of the yield function of one plane per unit of flow on another: n · D r, symmetric."""
-    return (1.0 + friction) * flow_stress(of[0], by, bulk, shear, dilation) - (1.0 - friction) * flow_stress(
-        of[1], by, bulk, shear, dilation
-    )
-
-
-@device
-def return_to_pyramid(tau: Floats, bulk: float, shear: float, surface: tuple[float, float, float]) -> bool:
-    """Return principal stresses to f = (1 + sin φ) τ_i − (1 − sin φ) τ_j − 2 c cos φ ≤ 0 of all planes.
-
-    ``surface`` is (sin φ, sin ψ, 2 c cos φ). With τ₁ ≥ τ₂ ≥ τ₃ flow is on the plane (1, 3); on the edge with
-    (1, 2) or (2, 3), if the order changes otherwise; or at the apex c cot φ. de Souza Neto, Perić & Owen
-    (2008), boxes 8.4 to 8.7.
-    """
-    friction, dilation, cohesion = surface
-    i, k = 0, 0
-    for a in range(1, 3):
-        i = a if tau[a] > tau[i] else i
-        k = a if tau[a] <= tau[k] else k
-    j = 3 - i - k
-    main = (1.0 + friction) * tau[i] - (1.0 - friction) * tau[k] - cohesion
-    if main <= 0.0:
-        return False
-    own = fall((i, k), (i, k), bulk, shear, friction, dilation)
-    trial = scratch.vector(SPACE)
-    for a in range(3):
-        trial[a] = tau[a]
-        tau[a] -= main / own * flow_stress(a, (i, k), bulk, shear, dilation)
-    if tau[i] >= tau[j] >= tau[k]:
-        return True
-    beside = (i, j) if tau[j] < tau[k] else (j, k)
-    other = (1.0 + friction) * trial[beside[0]] - (1.0 - friction) * trial[beside[1]] - cohesion
-    both = fall((i, k), beside, bulk, shear, friction, dilation)
-    scale = 1.0 / (own * own - both * both)
-    for a in range(3):
-        tau[a] = trial[a] - scale * (
-            (own * main - both * other) * flow_stress(a, (i, k), bulk, shear, dilation)
-            + (own * other - both * main) * flow_stress(a, beside, bulk, shear, dilation)
-        )
-    if tau[i] < tau[k]:
-        for a in range(3):
-            tau[a] = 0.5 * cohesion / friction
-    return True
-
-
-@device
-def return_stress(
-    tau: Floats, bulk: float, shear: float, surface: tuple[float, float, float], tension: float, cone: bool
-) -> bool:
-    """Return trial stresses ``tau`` to the yield surface and to a mean tension of at most ``tension``.
-
-    Return True if they flow. At the cut-off the volume flows freely: the mean is that tension, and the other
-    surface takes what is left as if K were 0.
-    """
-    trial = scratch.vector(SPACE)
-    for a in range(3):
-        trial[a] = tau[a]
-    flows = (
-        return_to_cone(tau, bulk, shear, surface) if cone else return_to_pyramid(tau, bulk, shear, surface)
-    )
-    if tau[0] + tau[1] + tau[2] <= 3.0 * tension:
-        return flows
-    mean = (trial[0] + trial[1] + trial[2]) / 3.0
-    for a in range(3):
-        tau[a] = trial[a] - mean + tension
-    if cone:
-        return_to_cone(tau, 0.0, shear, surface)
-    else:
-        return_to_pyramid(tau, 0.0, shear, surface)
-    return True
-
-
 @kernel
 def frictional_stress(
     first: int, last: int, deformation_gradient: Floats, volume: Floats, flow: Flow, opened: Floats,
-    stress: Floats, bulk: float, shear: float, surface: tuple[float, float, float], tension: float,
-    cone: bool, spacing: tuple[float, ...], axes: int,
+    stress: Floats, modulus: Floats, bulk: float, shear: float, surface: tuple[float, float, float],
+    tension: float, cone: bool, stiffening: tuple[float, float], spacing: tuple[float, ...], axes: int,
 ) -> None:  # fmt: skip
     """σ = τ / J, with τ_a = (K − 2 G / 3) Σ ε + 2 G ε_a of ε = ½ ln F C_p⁻¹ Fᵀ, returned to the surface.
+
+    With ``stiffening`` (m > 0, p₀) that is t of :mod:`mpmfw_material._return`, ``bulk`` is K', and
+    ``modulus`` (n,) becomes that of waves.
 
     Plastic work is that of the stress after the return. Volume that tension ``opened`` (n,), as a logarithm,
     closes before there is pressure again. Beyond ``SEPARATED`` it opens no further: F and V become smaller.
@@ -169,8 +69,13 @@ def frictional_stress(
         for a in range(3):
             strain[a] += closed / 3.0
             tau[a] = (bulk - 2.0 / 3.0 * shear) * volumetric + 2.0 * shear * strain[a]
-        flows = return_stress(tau, bulk, shear, surface, tension, cone)
-        compose(tau, vectors, b)
+        flows, factor = return_stiffened(tau, bulk, shear, surface, tension, cone, stiffening)
+        shift = (factor - 1.0) * stiffening[1]
+        if stiffening[0] > 0.0:
+            modulus[p] = wave_modulus(tau, bulk, shear, stiffening, factor)
+        for a in range(3):
+            values[a] = factor * tau[a] - shift
+        compose(values, vectors, b)
         jacobian = invert(f, matrix, SPACE)
         for i in range(dim):
             for j in range(dim):
@@ -181,11 +86,11 @@ def frictional_stress(
             for a in range(3):
                 elastic = (tau[a] - pressure) / (2.0 * shear) + pressure / (3.0 * bulk)
                 plastic = strain[a] - elastic
-                flow.work[p] += tau[a] * plastic
+                flow.work[p] += values[a] * plastic
                 square += (plastic - (volumetric - pressure / bulk) / 3.0) ** 2
                 values[a] = math.exp(2.0 * elastic)
             flow.strain[p] += math.sqrt(2.0 / 3.0 * square)
-            if flows and pressure >= tension - 1e-12 * bulk:
+            if flows and pressure >= (tension + shift) / factor - 1e-12 * bulk:
                 opened[p] += volumetric - pressure / bulk
             compose(values, vectors, b)
             distorted = flow.metric[p, 0, 0] + flow.metric[p, 1, 1] + flow.metric[p, 2, 2] > DISTORTED
@@ -207,10 +112,22 @@ class FrictionalOptions(Moduli):
         ge=0,
         description="largest mean tension, at most that of the apex, c cot φ; left out, that of the apex",
     )
+    pressure_exponent: float = Field(
+        0.0, ge=0, lt=1, description="n: K and G grow as (1 + p/reference_pressure)^n with the pressure p"
+    )
+    reference_pressure: Pressure | None = Field(
+        None,
+        gt=0,
+        description="pressure at which K and G are 2^n times those at small strain",
+    )
 
     def apex(self) -> float:
         """Mean tension at which no shear is left, c cot φ [Pa]."""
         return self.cohesion / math.tan(self.friction_angle) if self.friction_angle > 0.0 else math.inf
+
+    def largest_tension(self) -> float:
+        """Mean tension that is cut off [Pa]: ``tension``, or that of the apex."""
+        return self.apex() if self.tension is None else self.tension
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
@@ -221,6 +138,11 @@ class FrictionalOptions(Moduli):
             raise ValueError("friction_angle and cohesion: expected at least one above zero")
         if self.tension is not None and self.tension > self.apex():
             raise ValueError(f"tension: expected at most c cot φ, {self.apex():.4g} Pa")
+        if (self.reference_pressure is None) != (self.pressure_exponent == 0.0):
+            raise ValueError("pressure_exponent and reference_pressure: expected both or neither")
+        if self.reference_pressure is not None and self.reference_pressure <= self.largest_tension():
+            limit = self.largest_tension()
+            raise ValueError(f"reference_pressure: expected above the largest mean tension, {limit:.4g} Pa")
         return self
 
 
@@ -238,33 +160,50 @@ class Frictional(Plastic):
         """Slopes of yield surface and plastic potential [1], and strength without pressure [Pa]."""
         raise NotImplementedError
 
-    def largest_tension(self) -> float:
-        """Mean tension that is cut off [Pa]: ``tension``, or that of the apex."""
-        return self.options.apex() if self.options.tension is None else self.options.tension
+    @property
+    def elasticity(self) -> tuple[float, float, tuple[float, float]]:
+        """K' = (1 − n) K, G and (m, p₀) of :mod:`mpmfw_material._return`; K, G and m = 0 if n is 0."""
+        n, reference = self.options.pressure_exponent, self.options.reference_pressure
+        return self.bulk_modulus * (1.0 - n), self.shear_modulus, (n / (1.0 - n), reference or 1.0)
+
+    @hookimpl
+    def declare_fields(self) -> list[ArrayField]:
+        return [*super().declare_fields(), *([MODULUS] if self.options.pressure_exponent else [])]
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
         super().setup(setup)
         self.opened, self.axes = self.shared(setup, OPENED), setup.dim
-        self.constants = (
-            self.bulk_modulus,
-            self.shear_modulus,
-            self.surface(),
-            self.largest_tension(),
-            self.cone,
-        )
+        stiffens = self.options.pressure_exponent > 0.0
+        self.modulus = self.shared(setup, MODULUS) if stiffens else np.empty(0)
+        bulk, shear, stiffening = self.elasticity
+        limit = self.options.largest_tension()
+        self.constants = bulk, shear, self.surface(), limit, self.cone, stiffening
 
     @hookimpl
     def update_stress(self, particles: Particles) -> None:
         self.over_points(
             frictional_stress, particles, particles.deformation_gradient, particles.volume, self.flow,
-            self.opened, particles.stress, *self.constants, self.spacing, self.axes
+            self.opened, particles.stress, self.modulus, *self.constants, self.spacing, self.axes
         )  # fmt: skip
+
+    @hookimpl
+    def stable_timestep(self, state: State) -> tuple[float, str] | None:  # noqa: ARG002
+        """2 / ω of the stiffest point [s], if moduli grow with pressure."""
+        if not len(self.modulus):
+            return None
+        least = self.bulk_modulus + 4.0 / 3.0 * self.shear_modulus
+        ratio = max(least, *(float(self.modulus[own].max()) for own in self.slices)) / least
+        return 2.0 / (self.bulk_frequency * math.sqrt(ratio)), f"wave speed under pressure ({self.name})"
 
     def set_stress(self, own: slice, stress: FloatArray) -> bool:
         """Take the elastic strain of the stress, and so the plastic metric: ½ ln b_e of b_e = C_p⁻¹."""
+        bulk, shear, (power, reference) = self.elasticity
+        if power:
+            square = norm_square(stress.T, bulk, shear, reference)[:, None]
+            stress = reference + (stress - reference) * square ** (-0.5 * power / (1.0 + power))
         mean = stress.mean(axis=1, keepdims=True)
-        strain = (stress - mean) / (2.0 * self.shear_modulus) + mean / (3.0 * self.bulk_modulus)
+        strain = (stress - mean) / (2.0 * shear) + mean / (3.0 * bulk)
         self.flow.metric[own] = np.exp(2.0 * strain)[:, :, None] * np.eye(3)
         return True
 
@@ -276,18 +215,32 @@ class Frictional(Plastic):
         return np.linalg.det(f), 0.5 * np.log(values), vectors
 
     def energy_of_points(self, particles: Particles, own: slice) -> FloatArray:
-        """Elastic energy W = K/2 (Σ ε)² + G Σ (ε − Σ ε / 3)², (n,) [J/m^3]."""
+        """Elastic energy, (n,) [J/m^3]: W = K/2 (Σ ε)² + G Σ (ε − Σ ε / 3)² of constant moduli."""
+        bulk, shear, (power, reference) = self.elasticity
         _, strain, _ = self._strain(particles, own)
         volumetric = strain.sum(1)
+        if power:
+            square = norm_square(_linear_stress(strain, bulk, shear).T, bulk, shear, reference)
+            scale = reference**2 / ((2.0 + power) * bulk)
+            return np.asarray(scale * (square ** (1.0 + 0.5 * power) - 1.0) + reference * volumetric)
         deviator = strain - volumetric[:, None] / 3.0
-        energy: FloatArray = self.shear_modulus * (deviator**2).sum(1)
-        energy += 0.5 * self.bulk_modulus * volumetric**2
+        energy: FloatArray = shear * (deviator**2).sum(1)
+        energy += 0.5 * bulk * volumetric**2
         return energy
 
     def stress_of_points(self, particles: Particles, own: slice) -> FloatArray:
         """σ, (n, 3, 3) [Pa]."""
+        bulk, shear, (power, reference) = self.elasticity
         jacobian, strain, vectors = self._strain(particles, own)
-        lame = self.bulk_modulus - 2.0 / 3.0 * self.shear_modulus
-        tau = lame * strain.sum(1)[:, None] + 2.0 * self.shear_modulus * strain
+        tau = _linear_stress(strain, bulk, shear)
+        if power:
+            factor = norm_square(tau.T, bulk, shear, reference)[:, None] ** (0.5 * power)
+            tau = reference + factor * (tau - reference)
         stress: FloatArray = np.einsum("nia,na,nja->nij", vectors, tau / jacobian[:, None], vectors)
         return stress
+
+
+def _linear_stress(strain: FloatArray, bulk: float, shear: float) -> FloatArray:
+    """Return (K − 2 G / 3) Σ ε + 2 G ε (n, 3) [Pa]."""
+    result: FloatArray = (bulk - 2.0 / 3.0 * shear) * strain.sum(1)[:, None] + 2.0 * shear * strain
+    return result

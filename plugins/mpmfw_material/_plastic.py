@@ -22,6 +22,7 @@ PLASTIC_METRIC = Field(
 )
 PLASTIC_WORK = Field("plastic_work", ("particle",), "J m-3", "plastic work per reference volume")
 OPENED = Field("opened", ("particle",), "1", "logarithm of the volume that tension has opened")
+MODULUS = Field("wave_modulus", ("particle",), "Pa", "modulus of plane waves under the present pressure")
 
 
 class Flow(Struct):

@@ -97,6 +97,7 @@ ELL = Polygon(
     holes=(((0.3, 0.3), (0.6, 0.3), (0.45, 0.7)),),
 )
 MODULI = "bulk_modulus=5e6, shear_modulus=3e6"
+STIFFENS = "friction_angle=0.5, cohesion=1e4, pressure_exponent=0.5, reference_pressure=2e5"
 #: Kind and plug-in, and what it cannot pass, with the reason.
 SOUND = {
     **{
@@ -120,6 +121,7 @@ SOUND = {
     ("material", f"j2({MODULI}, yield_stress=2e4, hardening_modulus=1e5)"): {},
     ("material", f"mohr_coulomb({MODULI}, friction_angle=0.5, cohesion=1e4)"): {},
     ("material", f"drucker_prager({MODULI}, friction_angle=0.5, dilation_angle=0.1, cohesion=1e4)"): {},
+    ("material", f"mohr_coulomb({MODULI}, {STIFFENS})"): {},
     ("material", SoundMaterial): {},
     ("load", "drag(rate=2, medium=[[0, 1, 0], [1, 0, 3]])"): {},
     ("load", "body_force(force=[3, -2])"): {},

@@ -42,11 +42,13 @@ def moved(scene):
 
 
 AXISYMMETRIC = {"grid__lower": [0.0, -1.0], "grid__axisymmetric": True}
+STIFFENS = {**SOIL, "pressure_exponent": 0.5, "reference_pressure": 1e4}
 ON_LINES = {"bodies__solid__geometry": {"type": "rectangle", "lower": [0.0, 0.0], "upper": [1.5, DEPTH]}}
 HALF = {"grid__cell_size": 0.125, "bodies__solid__particles__size": 0.0625}
 CASES = {
     "plane": ({}, 1e-9),
     "Drucker and Prager": ({"materials__soil__model": "drucker_prager"}, 1e-9),
+    "moduli that grow with pressure": ({"materials__soil": STIFFENS}, 1e-9),
     "table": ({"bodies__solid__initial_stress": {"table": [[0.0, 0.0, 0.0], [2.0, 4e4, 2e4]]}}, 1e-9),
     "averaged, on grid lines": ({"bodies__solid__volumetric": "auto", **ON_LINES}, 1e-9),
     "averaged, off grid lines": ({"bodies__solid__volumetric": "auto"}, 4e-3),
@@ -81,6 +83,23 @@ def test_without_it_the_layer_settles():
     scene = layer()
     del scene["bodies"]["solid"]["initial_stress"]
     assert moved(scene)[0] > 0.5
+
+
+def test_the_step_follows_the_stiffness_under_pressure():
+    """M = K' + 4 G / 3 + m K' (largest principal over norm of stress from p₀)², times A: here at the base."""
+    simulation = Simulation(layer(materials__soil=STIFFENS))
+    p, reference, k = simulation.state.particles, 1e4, 0.5 * K
+    vertical = float(-p.stress[:, 1, 1].min())
+    principal = reference + vertical * np.array([1.0, 0.5, 0.5])
+    mean = principal.mean()
+    norm = mean**2 + k / G * 0.5 * float(((principal - mean) ** 2).sum())
+    factor = (norm / reference**2) ** 0.25
+    modulus = factor * (k + 4.0 / 3.0 * G + k * principal[0] ** 2 / norm)
+    limits = {owner: limit for limit, owner in simulation.limits()}
+    expected = 0.25 / np.sqrt(modulus / DENSITY)
+    assert limits["wave speed under pressure (mohr_coulomb)"] == pytest.approx(expected, rel=1e-6)
+    assert simulation.stable_step() == pytest.approx(simulation.setup.safety * expected, rel=1e-6)
+    assert expected < 0.8 * limits["bulk wave speed (h / c)"]
 
 
 def test_top_density_and_the_direction_of_gravity_are_obeyed():

@@ -21,6 +21,8 @@ SAND = {
     "dilation_angle": "8 degree",
     "cohesion": "5 kPa",
 }
+#: Moduli that grow with the root of pressure, from above the apex (7.7 kPa).
+STIFFENS = {"pressure_exponent": 0.5, "reference_pressure": "8 kPa"}
 PHI, PSI, COHESION, CONFINEMENT = math.radians(33.0), math.radians(8.0), 5e3, 1e5
 FLOW_NUMBER = (1.0 + math.sin(PHI)) / (1.0 - math.sin(PHI))
 STRENGTH = FLOW_NUMBER * CONFINEMENT + 2.0 * COHESION * math.sqrt(FLOW_NUMBER)
@@ -33,13 +35,16 @@ class Point(PlasticPoint):
         super().__init__(self.write, dim)
         self.material = m = material
         self.opened = np.zeros(1)
-        self.constants = (*(m.bulk_modulus, m.shear_modulus, m.surface(), m.largest_tension(), m.cone),)
+        bulk, shear, stiffening = m.elasticity
+        self.modulus = np.zeros(1)
+        self.constants = bulk, shear, m.surface(), m.options.largest_tension(), m.cone, stiffening
 
     def write(self, f, flow, stress, spacing):
         """σ at F."""
         frictional_stress(
-            0, 1, f, np.ones(1), flow, self.opened, stress, *self.constants, spacing, len(spacing)
-        )
+            0, 1, f, np.ones(1), flow, self.opened, stress, self.modulus, *self.constants, spacing,
+            len(spacing),
+        )  # fmt: skip
 
     def tried(self, f):
         """τ at F without keeping anything."""
@@ -61,7 +66,9 @@ def deformation(strain, shear=0.0):
 
 def confined(point, pressure):
     """Compress isotropically to ``pressure``; return the logarithmic strain along each axis."""
-    strain = -pressure / (3.0 * point.material.bulk_modulus)
+    power, reference = point.constants[-1]  # K (1 + p / p0)^n over the path
+    linear = reference * ((1.0 + pressure / reference) ** (1.0 / (1.0 + power)) - 1.0) if power else pressure
+    strain = -linear / (3.0 * point.constants[0])
     point.stress(deformation([strain] * 3))
     return strain
 
@@ -85,9 +92,15 @@ def triaxial(point, sign, plane=False):
     return np.diag(tau), np.array(strains)
 
 
-@pytest.mark.parametrize(
-    "material", [MohrCoulomb(**SAND), DruckerPrager(**SAND, fit="compression")], ids=lambda m: m.name
-)
+def both(fit):
+    """Both models, whose moduli are constant or grow with pressure."""
+    soils = [MohrCoulomb(**SAND, **more) for more in ({}, STIFFENS)]
+    soils += [DruckerPrager(**SAND, **more, fit=fit) for more in ({}, STIFFENS)]
+    names = [f"{m.name}, n = {m.options.pressure_exponent}" for m in soils]
+    return pytest.mark.parametrize("material", soils, ids=names)
+
+
+@both("compression")
 def test_strength_in_triaxial_compression(material):
     """σ₁ = N_φ σ₃ + 2 c √N_φ, and the volume grows by the angle of dilation."""
     tau, strains = triaxial(Point(material), -1.0)
@@ -98,9 +111,7 @@ def test_strength_in_triaxial_compression(material):
         assert ratio == pytest.approx(2.0 * math.sin(PSI) / (1.0 - math.sin(PSI)), rel=1e-6)
 
 
-@pytest.mark.parametrize(
-    "material", [MohrCoulomb(**SAND), DruckerPrager(**SAND, fit="extension")], ids=lambda m: m.name
-)
+@both("extension")
 def test_strength_in_triaxial_extension(material):
     """The sides are the larger pressure: σ₃ = (σ₁ − 2 c √N_φ) / N_φ."""
     tau, _ = triaxial(Point(material), 1.0)
@@ -136,13 +147,56 @@ def test_direct_shear_under_a_constant_load(model):
     assert (heights[-1] - heights[-41]) / 1e-3 == pytest.approx(math.tan(PSI), rel=0.01)
 
 
-def test_an_oedometer_flows_at_the_active_ratio():
+@pytest.mark.parametrize("more", [{}, STIFFENS], ids=["constant", "stiffening"])
+def test_an_oedometer_flows_at_the_active_ratio(more):
     """ν / (1 − ν) is below 1 / N_φ, so that the sides bear (σ₁ − 2 c √N_φ) / N_φ."""
-    point = Point(MohrCoulomb(**{**SAND, "dilation_angle": 0.0, "poissons_ratio": 0.15}))
+    point = Point(MohrCoulomb(**{**SAND, "dilation_angle": 0.0, "poissons_ratio": 0.15}, **more))
     for strain in np.linspace(0.0, -1e-3, 21)[1:]:
         tau = np.diag(point.stress(deformation([0.0, strain, 0.0])))
     expected = (tau[1] + 2.0 * COHESION * math.sqrt(FLOW_NUMBER)) / FLOW_NUMBER
     assert tau[0] == tau[2] == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("exponent", [0.2, 0.5, 0.9])
+@pytest.mark.parametrize("pressure", [0.0, 1e4, 1e6])
+def test_moduli_grow_with_a_power_of_pressure(exponent, pressure):
+    """K and G are (1 + p/p₀)^n times those without pressure, by central differences."""
+    reference = 2e4
+    soil = MohrCoulomb(**SAND, pressure_exponent=exponent, reference_pressure=reference)
+    point, change = Point(soil), 1e-8
+    start = confined(point, pressure)
+    assert point.tried(deformation([start] * 3)) == pytest.approx(-pressure * np.eye(3), abs=1e-5)
+    factor = (1.0 + pressure / reference) ** exponent
+    waves = factor * (soil.bulk_modulus + 4.0 / 3.0 * soil.shear_modulus)
+    assert point.modulus[0] == pytest.approx(waves, rel=1e-6)
+
+    def slope(rate):
+        low, high = (point.tried(deformation(start + side * change * np.array(rate))) for side in (-1, 1))
+        return (high - low) / (2.0 * change)
+
+    assert np.trace(slope([1, 1, 1])) / 9.0 == pytest.approx(factor * soil.bulk_modulus, rel=1e-6)
+    assert slope([1, -1, 0])[0, 0] / 2.0 == pytest.approx(factor * soil.shear_modulus, rel=1e-6)
+
+
+def test_elasticity_under_pressure_is_that_published_and_gains_nothing_in_a_cycle():
+    """Houlsby, Amorosi & Rojas (2005), equations 9 to 11, in an oedometer: with x = 1 + k (1 − n) ε_v and
+    v² = x² + 3 g k (1 − n) ε_s² p + p₀ = p₀ x v^(n/(1−n)) and q = 3 g p₀ ε_s v^(n/(1−n)); ∮ τ dε = 0."""
+    n, reference = 0.6, 2e4
+    more = {"pressure_exponent": n, "reference_pressure": reference, "friction_angle": "85 degree"}
+    point = Point(MohrCoulomb(**{**SAND, **more}))
+    k, g = (modulus / reference for modulus in (point.material.bulk_modulus, point.material.shear_modulus))
+    axial = 1e-4
+    x = 1.0 + k * (1.0 - n) * axial
+    v = math.sqrt(x**2 + 3.0 * g * k * (1.0 - n) * (2.0 / 3.0 * axial) ** 2)
+    p, q = reference * (x * v ** (n / (1.0 - n)) - 1.0), 2.0 * g * reference * axial * v ** (n / (1.0 - n))
+    tau = point.stress(deformation([0.0, -axial, 0.0]))
+    assert -np.diag(tau) == pytest.approx([p - q / 3.0, p + 2.0 / 3.0 * q, p - q / 3.0], rel=1e-9)
+    angle = np.linspace(0.0, 2.0 * np.pi, 101)[:-1, None] + np.array([0.0, 2.0, 4.5])
+    path = axial * ([-1.0, -1.0, -1.0] + 0.3 * np.cos(angle))
+    rate = -0.3 * axial * np.sin(angle)
+    power = [np.diag(point.stress(deformation(e))) @ r for e, r in zip(path, rate, strict=True)]
+    assert point.work == 0.0
+    assert abs(np.mean(power)) < 1e-11 * np.abs(power).max()
 
 
 @pytest.mark.parametrize("model", [MohrCoulomb, DruckerPrager], ids=lambda m: m.name)
@@ -152,6 +206,8 @@ def test_tension_is_cut_off(model):
         ({}, COHESION / math.tan(PHI)),
         ({"tension": 2e3}, 2e3),
         ({"cohesion": 0.0}, 0.0),
+        (STIFFENS, COHESION / math.tan(PHI)),
+        ({"tension": 2e3, **STIFFENS}, 2e3),
     ]
     for options, expected in cases:
         point = Point(model(**{**SAND, **options}))
@@ -248,16 +304,19 @@ strains = st.lists(st.floats(-0.05, 0.05), min_size=9, max_size=9)
 
 
 @pytest.mark.parametrize("model", [MohrCoulomb, DruckerPrager], ids=lambda m: m.name)
+@pytest.mark.parametrize("more", [{}, STIFFENS], ids=["constant", "stiffening"])
 @given(first=strains, second=strains, turn=st.integers(0, 1000))
-def test_any_path_stays_on_the_surface_dissipates_and_turns_with_its_observer(model, first, second, turn):
-    material = model(**SAND)
+def test_any_path_stays_on_the_surface_dissipates_and_turns_with_its_observer(
+    model, more, first, second, turn
+):
+    material = model(**SAND, **more)
     q = Rotation.random(random_state=turn).as_matrix()
     plain, turned, work = Point(material), Point(material), 0.0
     for step in (first, second):
         f = np.eye(3) + np.reshape(step, (3, 3))
         tau = plain.stress(f)
         assert excess(material, tau) < 1e-12
-        assert plain.flow.work[0] >= work - 1e-9
+        assert plain.flow.work[0] >= work * (1.0 - 1e-15) - 1e-9
         work = float(plain.flow.work[0])
         np.testing.assert_allclose(turned.stress(q @ f), q @ tau @ q.T, atol=1e-9 * material.bulk_modulus)
 
@@ -268,6 +327,9 @@ def test_any_path_stays_on_the_surface_dissipates_and_turns_with_its_observer(mo
         ({"dilation_angle": "40 degree"}, "dilation_angle"),
         ({"tension": 8e3}, "tension: expected at most"),
         ({"friction_angle": 0.0, "cohesion": 0.0}, "cohesion"),
+        ({"pressure_exponent": 0.5}, "expected both or neither"),
+        ({"reference_pressure": 1e4}, "expected both or neither"),
+        ({**STIFFENS, "reference_pressure": 7e3}, "above the largest mean tension"),
     ],
 )
 def test_soils_without_sense_are_refused(options, message):

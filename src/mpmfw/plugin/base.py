@@ -83,6 +83,8 @@ class Material(PlugIn):
 
     #: Slices of the material points made of this material.
     slices: tuple[slice, ...] = ()
+    #: Largest of 2 c / h over its bodies, by its moduli at small strain [1/s].
+    bulk_frequency: float = 0.0
 
     def over_points(self, kernel: Callable[..., None], particles: Particles, *arguments: Any) -> None:
         """Call ``kernel(first, last, *arguments)`` for the material's points; threads have a part each.

@@ -146,13 +146,15 @@ def _put_together(
     )
     particles = make_particles(scene, layouts, bodies, transfer, n_fields)
     soft = [body for body in bodies if not body.rigid]
-    for body in soft:  # neighbours become one slice, and take one call of a kernel
+    frequencies = [_highest_frequency(scene, body, shape.courant) for body in soft]
+    for body, frequency in zip(soft, frequencies, strict=True):
+        # neighbours become one slice, and take one call of a kernel
         material, own = materials[scene.bodies[body.name].material], body.particles
         last = material.slices[-1:]
         if last and last[0].stop == own.start:
             material.slices, own = material.slices[:-1], slice(last[0].start, own.stop)
         material.slices = (*material.slices, own)
-    frequencies = [_highest_frequency(scene, body, shape.courant) for body in soft]
+        material.bulk_frequency = max(material.bulk_frequency, frequency)
     setup = Setup(
         State(particles, grid, bodies, ()),
         layouts,
