@@ -205,6 +205,9 @@ def test_pairs_have_friction_springs_and_warnings_of_their_own():
         "friction of c-d: 'pairs.c-d.tied' has none"
     ]
     assert [each.kappa for each in simulation.contact.contacts[:2]] == [4.0, 2.0]
+    labels = [pair.label for pair in simulation.state.pairs]
+    yields = dict(zip(labels, simulation.contact.compliance(), strict=True))
+    assert (yields["a-b"] / yields["a-c"], yields["c-d"]) == (2.0, 0.0)
 
 
 def test_pairs_with_the_same_contact_and_the_ledger_are_as_with_one():

@@ -186,8 +186,8 @@ def test_in_space_a_cube_falls_on_a_ball_on_a_slab_beyond_the_grid(method):
     assert reaction[-1, 2, 2] > 0.0 > reaction[-1, 1, 2]
 
 
-def test_a_free_top_keeps_energy_and_angular_momentum_over_twenty_turns():
-    """Its step alone is taken: nothing touches it."""
+def test_a_free_top_keeps_energy_and_angular_momentum_over_a_hundred_turns():
+    """Its step alone is taken: nothing touches it. Axes that are not made orthogonal again err by 1e-7."""
     far = {"type": "box", "lower": [-0.7, -0.7, -0.7], "upper": [-0.5, -0.5, -0.5]}
     top = {"type": "box", "lower": [-0.1, -0.2, -0.1], "upper": [0.2, 0.3, 0.1]}
     spin = {"rigid": {"density": 1000.0}, "angular_velocity": [1.0, 20.0, 2.0], "segment": 0.5}
@@ -197,9 +197,9 @@ def test_a_free_top_keeps_energy_and_angular_momentum_over_twenty_turns():
     assert bodies.spread[0] == pytest.approx(1000.0 * 0.03 / 12.0 * np.array([0.2, 0.3, 0.5]) ** 2)
     energy, moment = bodies.kinetic_energy.copy(), bodies.moment.copy()
     for _ in range(3_000):
-        bodies._turn(20 * 2.0 * np.pi / 20.0 / 3_000)
-    assert bodies.kinetic_energy == pytest.approx(energy, rel=4e-8)
-    assert np.abs(bodies.moment - moment).max() < 4e-8 * np.abs(moment).max()
+        bodies._turn(100 * 2.0 * np.pi / 20.0 / 3_000)
+    assert bodies.kinetic_energy == pytest.approx(energy, rel=1e-11)
+    assert np.abs(bodies.moment - moment).max() < 1e-11 * np.abs(moment).max()
     assert rigid.ITERATIONS > 20  # five are used
 
 

@@ -213,6 +213,17 @@ def test_a_box_on_a_belt_reaches_its_speed(method, angle):
     assert np.ptp(series["centre_of_mass"].values[:, 1], axis=0).max() == 0.0
 
 
+@pytest.mark.parametrize("method", ["lcp", "impulse"])
+def test_a_belt_does_not_push_a_rigid_box_by_its_nodes(method):
+    """One of them lies at the box's corner: as a slave the belt would move it into the box."""
+    belt = {"geometry": box([-0.9, -0.5], [2.9, 0.0]), "rigid": {"motion": {"surface_velocity": [0.5, 0.0]}}}
+    scene = drop(belt, method, gravity={"vector": [0.0, -10.0]})
+    scene["bodies"]["block"]["geometry"] = box([2.0, 0.0], [2.4, 0.3])
+    scene["bodies"]["box"] = {"geometry": box([0.0, 0.0], [0.4, 0.3]), "rigid": {"density": 1e3}}
+    velocity = series_of(scene)["mean_velocity"].sel(body="box", axis="x")
+    assert velocity.values == pytest.approx(3.0 * velocity["time"].values, abs=2e-3)
+
+
 @pytest.mark.parametrize("method", ["penalty", "lcp", "bardenhagen"])
 def test_a_run_says_that_contact_pushes_along_a_belt(method):
     def warnings(belt):

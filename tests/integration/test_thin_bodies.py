@@ -82,3 +82,17 @@ def test_a_step_past_it_is_refused():
 )
 def test_width_is_that_of_the_body_however_it_is_turned(geometry, width):
     assert geometry.width == pytest.approx(width, rel=1e-9)
+
+
+@pytest.mark.parametrize("shape", ["cpdi", "gimp"])
+def test_a_foil_of_a_ten_thousandth_of_a_cell_meets_a_plane(shape):
+    """Its nodes carry less than surface nodes of bodies of a cell that have left their points."""
+    foil = {"type": "rectangle", "lower": [-0.2, 0.013], "upper": [0.2, 0.013 + 1e-4 * CELL]}
+    mapping = scene(foil, 0.5, end=0.02, output_interval=0.02)
+    plane = {"type": "rectangle", "lower": [-0.8, -0.3], "upper": [0.8, 0.013]}
+    mapping["bodies"]["thin"] |= {"velocity": [0.0, -0.1]}
+    mapping["bodies"]["plane"] = {"geometry": plane, "rigid": True}
+    mapping |= {"shape": {"method": shape}, "contact": {"method": "penalty"}}
+    simulation = Simulation(mapping)
+    simulation.run()
+    assert simulation.state.particles.velocity[:, 1] == pytest.approx(0.1, abs=0.02)

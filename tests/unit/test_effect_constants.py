@@ -22,7 +22,8 @@ from scenes_for_tests import block, scene_of, solid
 def weighed(kernel, share, masses, **constants):
     """Weights of a surface node between two nodes of these masses, ``share`` from the first."""
     weight = np.array([1.0 - share, share])
-    interpreted(kernel, **constants)(np.array([0, 2]), np.array([0, 1]), weight, np.ones(1), np.array(masses))
+    given = np.ones(1), np.array([EMPTY]), np.array(masses)
+    interpreted(kernel, **constants)(np.array([0, 2]), np.array([0, 1]), weight, *given)
     return weight
 
 

@@ -18,7 +18,7 @@ from mpmfw.errors import SceneError
 from mpmfw.plugin.hooks import BoundHooks, Observer, make_manager, register
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup
-from mpmfw.state.fields import AnyArray, Field
+from mpmfw.state.fields import AnyArray, Field, FloatArray
 from mpmfw.state.structs import Grid, Pair, Particles, State, Stencil
 
 #: The record that not every contact has.
@@ -106,7 +106,7 @@ class ContactsByPair(ContactStrategy):
 
     def _combine(self, auto_map: Any) -> None:
         """Set the facts that all contacts have together."""
-        contacts, base = self.contacts, self.base
+        contacts = self.contacts
         given = {each.surface_map for each in contacts if each.needs_surface}
         maps = {auto_map if each == "auto" else each for each in given}
         if len(maps) > 1:
@@ -115,7 +115,6 @@ class ContactsByPair(ContactStrategy):
         for fact in ("needs_surface", "uses_friction", "takes_friction_law"):
             setattr(self, fact, any(getattr(each, fact) for each in contacts))
         self.softer_by = " or ".join(filter(None, (each.softer_by for each in contacts))) or None
-        self.compliance = getattr(base, "compliance", lambda: None)
         # the one that lacks a radius, which bodies of revolution need
         self.detection = min((each.detection for each in contacts), key=lambda each: each.has_radius)
 
@@ -143,6 +142,15 @@ class ContactsByPair(ContactStrategy):
 
         forces = [each for each in self.contacts if each.gives_forces]
         return [ContactEvents(*forces)] if forces else []
+
+    def compliance(self) -> FloatArray:
+        """Return the overlap under a unit of pressure of every pair [m/Pa], 0 where no springs act."""
+        found = np.zeros(len(self.state.pairs))
+        for contact in self.contacts:
+            own = contact.compliance() if hasattr(contact, "compliance") else None
+            acts = [contact.detection.acts_on(pair) for pair in self.state.pairs]
+            found += 0.0 if own is None else np.where(acts, own, 0.0)
+        return found
 
     def reach(self, cell_size: float) -> float | None:
         """Return the largest reach; ``cell_size`` is h [m]."""

@@ -390,7 +390,7 @@ class RigidBodies:
                 if np.abs(middle - last).max() <= 1e-15 * np.abs(middle).max():
                     break
             turned[free] = np.einsum("nda,nae->nde", turn, by)
-        self.turn = turned
+        self.turn = turned @ (1.5 * np.eye(self.dim) - 0.5 * np.swapaxes(turned, 1, 2) @ turned)  # orthogonal
         if free.any():
             self.spin[free] = self.spin_of(moment, free)
         for _ in range(3 if guided.any() else 0):  # by the mean of the spins at both ends

@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from mpmfw.effects.rigid_kinematics import moments_of
 from mpmfw.kernels import kernel, scratch
 from mpmfw.kernels.arithmetic import add_scaled_row
 from mpmfw.kernels.stencil import entries
@@ -14,7 +15,7 @@ from mpmfw.kernels.types import Floats, Indices, Ints, Table
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Effect, Setup
 from mpmfw.state.fields import MIN_GAP, AnyArray, Field
-from mpmfw.state.structs import Grid, State
+from mpmfw.state.structs import Body, Grid, State
 from mpmfw.state.surface import closed_surface, least_gaps, make_surface
 
 SurfaceMap = Literal["plain", "mass_weighted"]
@@ -25,17 +26,21 @@ LIGHT = 0.05
 #: Mass m_c of the mass-weighted map, as a fraction of a full cell's mass ρ h².
 CRITICAL_MASS = 0.1
 
-#: Share of a full cell's mass: surface nodes that have left their points, with less round them, stay.
+#: Share of a full cell's mass, or in a thin body of what a cell can hold of it: surface nodes that have left
+#: their points, with less round them, stay.
 EMPTY = 1e-4
 
 
 @kernel
-def weigh_plain(row: Ints, nodes: Indices, weight: Floats, cell_mass: Floats, node_mass: Floats) -> None:
+def weigh_plain(
+    row: Ints, nodes: Indices, weight: Floats, cell_mass: Floats, least: Floats, node_mass: Floats
+) -> None:
     """Nodes with next to no mass get no weight, and the others' sum stays 1; untouched where all carry mass.
 
     Under a straight boundary that reaches into a cell by the share N, the node beyond has the mass N² ρ h² /
     2 (CPDI). A force on a node with less than a tenth of that would be all acceleration. ``cell_mass`` is ρ
-    h² of the surface node's body; in a body thinner than a cell, four times the heaviest node's mass."""
+    h² of the surface node's body; in a body thinner than a cell, four times the heaviest node's mass. Where
+    all have less than ``least`` [kg/m], the node has left its points."""
     for s in range(len(row) - 1):
         lost, kept, heaviest, lightest = 0.0, 0.0, 0.0, math.inf
         for k in entries(row, s):
@@ -47,7 +52,7 @@ def weigh_plain(row: Ints, nodes: Indices, weight: Floats, cell_mass: Floats, no
             continue
         for k in entries(row, s):
             heaviest = max(heaviest, node_mass[nodes[k]])
-        if heaviest < EMPTY * cell_mass[s]:
+        if heaviest < least[s]:
             weight[row[s] : row[s + 1]] = 0.0
             continue
         light = LIGHT * min(cell_mass[s], 4.0 * heaviest)
@@ -65,7 +70,9 @@ def weigh_plain(row: Ints, nodes: Indices, weight: Floats, cell_mass: Floats, no
 
 
 @kernel
-def weigh_by_mass(row: Ints, nodes: Indices, weight: Floats, cell_mass: Floats, node_mass: Floats) -> None:
+def weigh_by_mass(
+    row: Ints, nodes: Indices, weight: Floats, cell_mass: Floats, least: Floats, node_mass: Floats
+) -> None:
     """N_i ← N_i m_i / (m_i + m_c), scaled to the sum 1."""
     for s in range(len(row) - 1):
         total = 0.0
@@ -73,7 +80,7 @@ def weigh_by_mass(row: Ints, nodes: Indices, weight: Floats, cell_mass: Floats, 
             m = node_mass[nodes[k]]
             weight[k] *= m / (m + CRITICAL_MASS * cell_mass[s])
             total += weight[k]
-        if total * CRITICAL_MASS < EMPTY:
+        if total * CRITICAL_MASS * cell_mass[s] < least[s]:
             weight[row[s] : row[s + 1]] = 0.0
             continue
         for k in range(row[s], row[s + 1]):
@@ -97,6 +104,15 @@ def move_points(
             position[s, d] += dt * motion[0, d]
 
 
+def _filled(body: Body, setup: Setup) -> float:
+    """Return the part of a cell that a body can fill: (4 V / S h)^dim, of a square its area; at most 1."""
+    if body.rigid:
+        return 1.0
+    volume, *_ = moments_of(body.outlines, body.facets)
+    area = setup.state.tracked_surface.tributary[setup.state.tracked_surface.of(body.index)].sum()
+    return float(min(1.0, 4.0 * volume / (area * setup.cell_size)) ** setup.dim)
+
+
 CELL_MASS = Field(
     "cell_mass", ("surface_node",), "kg m-1", "mass of a full cell of the surface node's body", "surface"
 )
@@ -117,6 +133,8 @@ class SurfaceTracker:
         self.cell_mass[:] = density[self.surface.body] * setup.cell_size**setup.dim
         if setup.state.grid.axisymmetric:
             self.cell_mass *= setup.state.grid.around(self.surface.position[:, 0])
+        filled = np.array([_filled(body, setup) for body in setup.bodies])
+        self.least = EMPTY * self.cell_mass * filled[self.surface.body]  #: mass of nodes that are not empty
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
@@ -141,9 +159,9 @@ class SurfaceTracker:
         phi = self.surface.table
         row = phi.row[: self.surface.on_grid + 1]
         if self.map == "plain":
-            weigh_plain(row, phi.nodes, phi.weight, self.cell_mass, grid.mass)
+            weigh_plain(row, phi.nodes, phi.weight, self.cell_mass, self.least, grid.mass)
         else:
-            weigh_by_mass(row, phi.nodes, phi.weight, self.cell_mass, grid.mass)
+            weigh_by_mass(row, phi.nodes, phi.weight, self.cell_mass, self.least, grid.mass)
 
     @hookimpl
     def advect(self, grid: Grid, dt: float) -> None:

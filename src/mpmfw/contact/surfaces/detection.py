@@ -175,7 +175,10 @@ class Surfaces(OnFacets):
             size = np.array([surface.tributary[surface.of(body.index)].sum() for body in bodies])
             ranks = stiffness_ranks(bodies) * len(bodies) + ranks_of(size)
             ranks[[body.index for body in bodies if body.name == master]] = len(bodies) ** 2
-        ranks[[body.index for body in bodies if body.rigid]] = 2 * len(bodies) ** 2  # it follows no node
+        rigid = setup.state.rigid
+        for body, (*_, belt) in () if rigid is None else zip(rigid.bodies, rigid.motion, strict=True):
+            # it follows no node; corners of others would meet the nodes of a belt, which it moves along it
+            ranks[body.index] = 2 * len(bodies) ** 2 + belt.values.any()
         return ranks
 
     def new_rows(self, own: dict[str, int | None]) -> SurfaceRows:
