@@ -25,10 +25,10 @@ def check_of(kind, name):
 
 @contextlib.contextmanager
 def quickly():
-    """Half of the examples of a search, at least three, and half of the cases of symmetries."""
+    """A third of the examples of a search, at least two, and half of the cases of symmetries."""
 
     def fewer(cases, trial, *, examples, **others):
-        search(cases, trial, examples=max(3, examples // 2), **others)
+        search(cases, trial, examples=max(2, examples // 3), **others)
 
     def every_other(cases, trial, **others):
         count = itertools.count()

@@ -7,7 +7,7 @@ import pytest
 from damaged import make, read_apart
 
 #: How many: ``MPMFW_DAMAGED=1000`` is the long form.
-COUNT = int(os.environ.get("MPMFW_DAMAGED", "15"))
+COUNT = int(os.environ.get("MPMFW_DAMAGED", "10"))
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this platform")

@@ -24,7 +24,7 @@ from mpmfw.scene.toml_text import toml_text
 from scenes_for_tests import with_changes
 
 #: How many, and the first: ``MPMFW_MUTANTS=100000`` is the long form.
-MUTANTS, FIRST = int(os.environ.get("MPMFW_MUTANTS", "1000")), int(os.environ.get("MPMFW_FIRST", "0"))
+MUTANTS, FIRST = int(os.environ.get("MPMFW_MUTANTS", "700")), int(os.environ.get("MPMFW_FIRST", "0"))
 AT_A_TIME = 100
 KERNELS = os.environ.get("NUMBA_CACHE_DIR", f"{os.sep}kernels{os.sep}")
 #: Memory that a mutant may have, and what a run takes whatever its scene [bytes].

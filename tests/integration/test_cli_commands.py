@@ -25,8 +25,8 @@ SCENE = toml_text(
     with_changes(
         drop_scene(),
         grid__upper=[3, 5],
-        time={"end": 0.08, "output_interval": 0.01},
-        bodies__upper__velocity=[0, -20],
+        time={"end": 0.04, "output_interval": 0.01},
+        bodies__upper__velocity=[0, -40],
     )
 )
 LEAD = ("contact", "shape")

@@ -8,7 +8,7 @@ from faulty_plugins.load import faults as load_faults
 from faulty_plugins.material.sound import Sound as SoundMaterial
 from faulty_plugins.planted import PLANTED, WITHOUT, planted
 from faulty_plugins.shape.sound import Sound as SoundShape
-from faulty_plugins.small import friction, geometry, other_kinds
+from faulty_plugins.small import friction, geometry
 from kit_for_tests import asked, check_of, entry_points_are_read_once  # noqa: F401
 from mpmfw.api import SceneError, hookimpl
 from mpmfw.campaigns.measures import MEASURES
@@ -144,8 +144,6 @@ SOUND = {
     ("geometry", "torus(centre=[0, 0, 0], radius=1, tube_radius=0.3)"): {},
     ("geometry", Extrusion(outline=ELL, low=0.0, high=1.0, angles=(0.3, 0.2, 0.1))): {},
     ("geometry", Revolution(outline=Polygon(points=((0, 0), (1, 0), (0, 1.4))), axis="y")): {},
-    ("boundary", other_kinds.Shaken): {},
-    ("output", other_kinds.Fastest): {},
     **{("measure", name): {} for name in MEASURES},
 }
 

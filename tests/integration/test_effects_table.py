@@ -11,6 +11,7 @@ import mpmfw
 from effects_table import CASES, LEAST, arrays_of, hooks_of
 from mpmfw.contact import rows, springs
 from mpmfw.contact.surfaces import detection, near_facets
+from mpmfw.plugin.hooks import BoundHooks
 from mpmfw.runs.simulation import Simulation
 from mpmfw_contact import penalty
 from scenes_for_tests import with_changes
@@ -105,6 +106,51 @@ def _spy(calls, key, function):
         return function(*arguments)
 
     return spy
+
+
+#: Hooks that one step of each scheme calls, and how often.
+USL = Counter(
+    [
+        *("interpolate", "detect", "after_momentum_projection", "add_nodal_force", "after_momentum_update"),
+        *("correct_inertia", "constrain_momentum", "after_velocity_gradient", "advect"),
+        *("update_particle_domains", "update_stress", "end_step"),
+    ]
+)
+#: The velocity that strains is projected once more, or before the forces.
+PER_STEP = {"usl": USL, **dict.fromkeys(("musl", "usf"), USL + Counter(["constrain_momentum"]))}
+
+
+def counted(sim):
+    """Count the calls of every hook's implementations from now on, by hook and plug-in."""
+    calls = Counter()
+    for hook in sim.hook_callers():
+        for implementation in getattr(sim.manager.hook, hook).get_hookimpls():
+            implementation.function = _spy(calls, (hook, implementation.plugin_name), implementation.function)
+    sim.hook = BoundHooks(sim.manager, sim.clock)
+    return calls
+
+
+@pytest.mark.parametrize("name", ["frictional", "settled", "ledger", "self-contact"])
+@pytest.mark.parametrize("scheme", PER_STEP)
+def test_every_hook_is_called_so_often_a_step(scheme, name):
+    sim = Simulation(with_changes(CASES[name].scene, stepping__scheme=scheme))
+    sim.advance(0, [].append)  # from the first output on the ledger runs
+    dt, calls = sim.stable_step(), counted(sim)
+    for _ in range(COUNTED):
+        sim.step(dt)
+    times = PER_STEP[scheme] + Counter({"interpolate_surface": int(sim.state.surface is not None)})
+    assert calls == {(hook, who): COUNTED * times[hook] for hook, who in hooks_of(sim) if times[hook]}
+
+
+def test_diagnostics_are_called_at_outputs_alone():
+    times = {"end": 4e-3, "output_interval": 2e-3}
+    sim = Simulation(with_changes(CASES["stability of contact"].scene, time=times))
+    calls = counted(sim)
+    sim._recorder.hook = sim.hook
+    sim.run()
+    assert sim.state.steps > 3
+    for plugin in ("body_series", "von_mises", "penalty", "time_step_series", "contact_events"):
+        assert calls["diagnostics", plugin] == 3
 
 
 #: Kernels of the search and of the force, each behind the one before it.

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from interpreted import interpreted
 from measures_for_tests import Torque, angular_momentum, turn_under
@@ -203,6 +205,47 @@ def test_what_is_held_turns_no_cell_and_more_inertia_than_the_nodes_have_adds_no
     np.testing.assert_array_equal(corrected(sim, momentum, momentum, edges=100.0), momentum)
 
 
+def operator_of(sim):
+    """K of (m v) += K Δv over the nodes with mass, which keeps momentum, and whether nodes carry mass."""
+    g = sim.state.grid
+    units = np.eye(g.mass.size * g.dim).reshape(-1, g.mass.size, g.dim) * g.mass[:, None]
+    rows = np.array([(corrected(sim, each, each) - each).ravel() for each in units])
+    carried = np.repeat(g.mass > 1e-12 * g.mass.max(), g.dim)
+    operator = rows[np.ix_(carried, carried)]
+    np.testing.assert_allclose(operator, operator.T, atol=1e-12 * g.mass.max())
+    drift = operator.reshape(len(operator), -1, g.dim).sum(axis=1)
+    np.testing.assert_allclose(drift, 0.0, atol=1e-12 * g.mass.max())
+    return operator, carried
+
+
+@settings(max_examples=8)
+@given(dim=st.sampled_from([2, 3]), seed=st.integers(0, 10**6), empty=st.floats(0.0, 0.5))
+def test_the_operator_adds_inertia_to_spin_alone(dim, seed, empty):
+    body = rectangle([-0.3, -0.2], [0.2, 0.3], "cpdi") if dim == 2 else one_body(BRICK, size=0.25)
+    sim, rng = projected(body)[0], np.random.default_rng(seed)
+    grid = sim.state.grid
+    grid.mass *= rng.uniform(0.01, 1.0, grid.mass.size) * (rng.random(grid.mass.size) >= empty)
+    operator, carried = operator_of(sim)
+    scale = max(np.abs(operator).max(), 1e-300)
+    assert np.linalg.eigvalsh(operator).min() >= -1e-12 * scale
+    for strain in rng.normal(size=(3, dim, dim)):
+        without_spin = (grid.position @ (strain + strain.T)).ravel()[carried]
+        np.testing.assert_allclose(operator @ without_spin, 0.0, atol=1e-10 * scale)
+
+
+def test_a_side_that_is_held_gains_no_spin():
+    """The change of velocity is that of the momenta in which boundary conditions are met."""
+    scene = rectangle([-0.3, -0.2], [0.2, 0.3], "cpdi")
+    sim, _ = projected(with_changes(scene, bodies__solid__sides=[{"side": "bottom", "fixed": True}]))
+    grid = sim.state.grid
+    grid.momentum[:] = np.random.default_rng(5).normal(size=grid.momentum.shape) * grid.mass[:, None]
+    momentum, held = grid.momentum.copy(), sim.manager.get_plugin("constraint").held_momentum(grid)
+    sim.manager.get_plugin("local_spin").correct_inertia(grid, sim.state.particles)
+    expected, other = corrected(sim, momentum, held), corrected(sim, momentum, momentum)
+    np.testing.assert_allclose(grid.momentum, expected, rtol=0.0, atol=1e-12 * np.abs(momentum).max())
+    assert np.abs(expected - other).max() > 1e-3 * np.abs(expected - momentum).max()
+
+
 def linearised(scene):
     """The scene's body at rest."""
     sim, phi = projected(scene)
@@ -217,15 +260,9 @@ def linearised(scene):
         + SHEAR * dots.transpose(0, 3, 2, 1)
         + SHEAR * np.einsum("ij,de->idje", trace, np.eye(dim))
     )
-    carried = np.repeat(g.mass > 1e-12 * g.mass.max(), dim)
-    units = (np.eye(1, n * dim, k).reshape(n, dim) * g.mass[:, None] for k in range(n * dim))
-    rows = [(corrected(sim, each, each) - each).ravel() for each in units]
-    keep = np.ix_(carried, carried)
-    operator = np.array(rows)[keep]
-    np.testing.assert_allclose(operator, operator.T, atol=1e-12 * g.mass.max())
-    drift = operator.reshape(len(operator), -1, dim).sum(axis=1)  # momentum is exact
-    np.testing.assert_allclose(drift, 0.0, atol=1e-12 * g.mass.max())
-    return Linear(np.repeat(g.mass, dim)[carried], stiffness.reshape(n * dim, -1)[keep], operator)
+    operator, carried = operator_of(sim)
+    stiffness = stiffness.reshape(n * dim, -1)[np.ix_(carried, carried)]
+    return Linear(np.repeat(g.mass, dim)[carried], stiffness, operator)
 
 
 def rectangle(lower, upper, shape):

@@ -1,10 +1,13 @@
 """A study on a Dask cluster, by its address, as an object, or by a client."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import pytest
 import xarray as xr
 
 import mpmfw
-from mpmfw.errors import SceneError
+from mpmfw.campaigns.executors import Futures
+from mpmfw.errors import MpmfwError, SceneError
 from studies_for_tests import tiny_study
 
 distributed = pytest.importorskip("distributed")
@@ -24,6 +27,20 @@ def test_a_scheduler_that_does_not_answer_is_said(monkeypatch):
 def test_a_text_that_is_no_address_is_said_at_once(address):
     with pytest.raises(SceneError, match="expected an address such as tcp"):
         mpmfw.study(tiny_study(), executor=address)
+
+
+def test_a_run_whose_worker_was_killed_is_one_that_died():
+    errors = {"a": distributed.scheduler.KilledWorker("a", None, 3), "c": ValueError("it broke")}
+
+    def work(task):
+        if task in errors:
+            raise errors[task]
+        return task
+
+    executor = Futures(lambda: ThreadPoolExecutor(1), "workers")
+    assert dict(executor.outcomes(work, ["a", "b"])) == {"a": None, "b": "b"}
+    with pytest.raises(MpmfwError, match="a run was dropped: it broke"):
+        list(executor.outcomes(work, ["c"]))
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")

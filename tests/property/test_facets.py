@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from mpmfw.geometry.layout import neighbours_of, stars_of
 from mpmfw.geometry.solids import box_surface, sphere_surface
 from mpmfw.kernels import Facets, closest_point, kernel, minimum_gap, signed_distance, squared_distance
-from mpmfw.kernels.facets import area_vector
+from mpmfw.kernels.facets import area_vector, project, write_gradients
 
 both = pytest.mark.parametrize("dim", [2, 3])
 seeds = st.integers(0, 2**32 - 1)
@@ -57,6 +57,36 @@ def test_no_point_of_the_facet_is_closer(dim, seed):
     assert square == pytest.approx((x - point) @ (x - point), rel=1e-9, abs=1e-14 * size**2)
     samples = rng.dirichlet(np.full(dim, 0.7), size=2000) @ corners
     assert ((samples - x) ** 2).sum(axis=1).min() >= square - 1e-12 * size**2
+
+
+@both
+@settled
+@given(seed=seeds)
+def test_a_rigid_motion_moves_the_closest_point_along(dim, seed):
+    rng = np.random.default_rng(seed)
+    corners, x = facet(dim, rng)
+    turn, _ = np.linalg.qr(rng.normal(size=(dim, dim)))
+    shift = rng.normal(size=dim)
+    (share, square), (moved, other) = found(x, corners), found(x @ turn + shift, corners @ turn + shift)
+    np.testing.assert_allclose(moved @ corners, share @ corners, atol=1e-10 * (1.0 + np.abs(corners).max()))
+    assert other == pytest.approx(square, rel=1e-9, abs=1e-13)
+
+
+@both
+@settled
+@given(seed=seeds)
+def test_gradients_are_the_differences_of_the_coordinates(dim, seed):
+    rng = np.random.default_rng(seed)
+    corners, x = facet(dim, rng)
+    spacing, normal, gradient = (1.0,) * dim, np.zeros(dim), np.zeros((dim, dim))
+    project(x, corners, np.zeros(dim), normal, spacing)
+    write_gradients(corners, normal, 1.0, gradient, spacing)
+    for d, step in enumerate(1e-5 * np.eye(dim)):
+        sides = np.zeros((2, dim))
+        for place, side in zip((x + step, x - step), sides, strict=True):
+            project(place, corners, side, np.zeros(dim), spacing)
+        expected = (sides[0] - sides[1]) / 2e-5
+        np.testing.assert_allclose(gradient[:, d], expected, atol=1e-6 * np.abs(gradient).max())
 
 
 def surface_of(nodes, facets):

@@ -18,7 +18,7 @@ HOLDS, BOUNDED = 1.005, 1.05
 DEPTH = 0.5
 STEPS = 300
 #: The same scenes each time; ``MPMFW_FULL_STABILITY=1`` draws others, and more.
-EXAMPLES, DERANDOMIZED = (400, False) if FULL else (30, True)
+EXAMPLES, DERANDOMIZED = (400, False) if FULL else (20, True)
 
 
 @st.composite

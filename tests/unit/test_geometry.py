@@ -100,6 +100,32 @@ def assert_mirrored(points, centre, axis):
     assert_same_points(mirrored + centre, points)
 
 
+@pytest.mark.parametrize("name", [*PLANE, "box", "ball"])
+@settings(max_examples=8)
+@given(size=st.floats(0.15, 4.0), offset=st.tuples(*[st.floats(0.0, 0.99)] * 2))
+def test_a_lattice_keeps_the_volume(name, size, offset):
+    geometry = (PLANE | SOLID)[name]
+    layout = discretise(geometry, Particles(size=size, offset=offset), None)
+    assert_consistent(layout, geometry)
+    centroid = layout.volume @ layout.position / layout.volume.sum()
+    np.testing.assert_allclose(centroid, geometry.centroid, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", [name for name in PLANE if name not in ("union", "difference")])
+@settings(max_examples=8)
+@given(segment=st.floats(0.01, 0.3))
+def test_outlines_run_with_the_material_on_their_left(name, segment):
+    geometry = PLANE[name]
+    outlines = geometry.outlines(segment)
+    # A chord of l on a circle of R cuts off an area of l²/(6 R²) of the disc
+    curved = name in ("disc", "ring")
+    assert_outlines_enclose(outlines, geometry.exact_volume, rel=0.1 * segment if curved else 1e-12)
+    for loop in outlines:
+        lengths = np.linalg.norm(np.roll(loop, -1, axis=0) - loop, axis=1)
+        assert lengths.max() <= segment * (1 + 1e-9)
+        assert not curved or np.ptp(lengths) < 1e-12
+
+
 @pytest.mark.parametrize("name", [n for n in (*PLANE, *SOLID) if n not in NOT_FITTED | POLYGONS])
 @settings(max_examples=15)
 @given(size=st.floats(0.05, 4.0))

@@ -145,7 +145,8 @@ def test_plain_xarray_opens_every_run(tmp_path, interval):
             one.contact = {} if k < 2 else one.contact
             writer.write(one if k % interval == 0 else dataclasses.replace(one, particles={}))
             writer.flush()
-            xr.open_datatree(path).close()
+            with xr.open_datatree(path) as begun:
+                np.testing.assert_array_equal(begun["series/kinetic_energy"][k], one.series["kinetic_energy"])
         writer.finish({})
     with xr.open_datatree(path) as plain:
         xr.testing.assert_identical(plain.load(), open_results(path))

@@ -2,6 +2,7 @@
 
 import csv
 import math
+from pathlib import Path
 
 import pytest
 
@@ -12,6 +13,7 @@ from mpmfw.validation import Case, CaseRun, Method, Place, Runs, by_method, meth
 from mpmfw.validation import suite as suites
 from mpmfw.validation.page import BEGIN, END
 from mpmfw.validation.suite import find_cases, rows_of, run_cases
+from python_files import module_of
 
 GREEN = """
 from measures import SIX
@@ -224,6 +226,45 @@ def test_table_figures_and_the_marked_part_of_a_page_are_written(suite, tmp_path
         ("size", 3.0, "shown"),
         ("nine", 9.0, "known red"),
     ]
+
+
+@pytest.mark.usefixtures("here")
+def test_rows_of_a_later_run_replace_those_of_its_cases_alone(suite, tmp_path, monkeypatch):
+    """By ``docs/add_rows.py``: page, rows and gates; the page names the cases that ran later."""
+    page, folder = tmp_path / "docs" / "page.md", suite(a=GREEN, b=NINE)
+    page.parent.mkdir()
+    page.write_text(f"{BEGIN}\n{END}\n")
+    validate(folder, tmp_path, "--document", page)
+    gates = page.parent / "page" / "gates.csv"
+    named = ",".join(
+        f"{name} {when}" for when in ("with κ = 1", "now") for name in ("limits", "value", "verdict")
+    )
+    before = "a,by hand,six,5 … 7,5.5 m,holds,5 … 7,6 m,holds"
+    gates.write_text(
+        f"case,method,quantity,{named}\n{before}\nb,by hand,nine,5 … 7,8,RED,5 … 7,9,known red\n"
+    )
+    (folder / "b" / "test_b.py").write_text(NINE.replace("9.0", "8.5") + GREEN.replace("six", "more"))
+    validate(folder, tmp_path / "later", "b")
+    script = module_of(Path(__file__).resolve().parents[2] / "docs" / "add_rows.py")
+    monkeypatch.setattr(script, "PAGE", page)
+    monkeypatch.setattr(
+        script.sys, "argv", ["add_rows.py", str(tmp_path / "later" / "out" / "validation.csv")]
+    )
+    for _ in range(2):  # to add them once more changes nothing
+        script.main()
+        assert gates.read_text().splitlines()[1:] == [
+            before,
+            "b,by hand,nine,5 … 7,8,RED,5 … 7,8.5,known red",
+            "b,by hand,more,,,,5 … 7,6 m,holds",
+        ]
+        with (page.parent / "page" / "rows.csv").open() as file:
+            rows = [(row["case"], row["quantity"], float(row["value"])) for row in csv.DictReader(file)]
+        assert rows == [
+            *(("a", "six", 6.0), ("a", "size", 3.0)),
+            *(("b", "nine", 8.5), ("b", "more", 6.0), ("b", "size", 3.0)),
+        ]
+        assert page.read_text().count("; later `mpmfw validate b`, Python") == 1
+        assert "- `b`: by hand, nine: 8.5" in page.read_text()
 
 
 @pytest.mark.usefixtures("here")

@@ -27,13 +27,14 @@ Point2D = tuple[Length, Length]
 Point3D = tuple[Length, Length, Length]
 
 
+_CELL_SIZE: TypeAdapter[float] = TypeAdapter(PositiveLength)
 _CELLS = re.compile(r"\s*([0-9]*\.?[0-9]+(?:[eE][+-]?[0-9]+)?)\s*cells?\s*")
 
 
 def context_of_cells(tables: Mapping[str, Any]) -> dict[str, float]:
     """Return the validation context of lengths in cells; a wrong cell size counts as 1 m."""
     try:
-        return {"cell_size": TypeAdapter(PositiveLength).validate_python(tables["grid"]["cell_size"])}
+        return {"cell_size": _CELL_SIZE.validate_python(tables["grid"]["cell_size"])}
     except (TypeError, LookupError, ValidationError):
         return {"cell_size": 1.0}
 

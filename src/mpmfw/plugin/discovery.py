@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import difflib
 import functools
 import inspect
@@ -111,7 +112,11 @@ def choices(kind: Kind) -> Available:
 
 def _search_path() -> tuple[tuple[str, int], ...]:
     """Return folders with distributions, and when these changed."""
-    return tuple([(folder, os.stat(folder).st_mtime_ns) for folder in sys.path if os.path.isdir(folder)])
+    found = []
+    for folder in sys.path:
+        with contextlib.suppress(OSError):
+            found.append((folder, os.stat(folder).st_mtime_ns))
+    return tuple(found)
 
 
 @functools.lru_cache(maxsize=16)

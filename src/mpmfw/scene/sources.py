@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import re
 import tomllib
@@ -93,6 +94,7 @@ class Source:
     said: Mapping[str, str] = field(default_factory=dict)  #: names of overrides that are not ``--set KEY``
 
 
+@functools.cache
 def shipped_texts(folder: str) -> dict[str, str]:
     """TOML texts in a folder of the package, by name."""
     inside = (resources.files("mpmfw") / folder).iterdir()

@@ -136,15 +136,14 @@ def with_options(
 ) -> tuple[BaseModel | None, list[Problem]]:
     """Return a plug-in's validated options, or the problems of options at ``path`` of the scene."""
     model: Any = getattr(plugin, "Options", _NoOptions)
-    text = f"Options of plug-in '{plugin.name}' of {distribution_text(plugin)}"
-    if not (isinstance(model, type) and issubclass(model, BaseModel)):
-        return None, [Problem(path, f"{text}: expected a pydantic model, found {shown(model)}")]
     try:
+        if not (isinstance(model, type) and issubclass(model, BaseModel)):
+            raise TypeError(f"expected a pydantic model, found {shown(model)}")
         return model.model_validate(dict(options)), []
     except ValidationError as error:
         return None, problems_of(error, model, options, path, core_keys)
     except KeyboardInterrupt:
         raise
     except BaseException as error:  # a stranger's validators may raise anything
-        message = f"{text} cannot judge them: {type(error).__name__}: {error}"
-        return None, [Problem(path, message)]
+        text = f"Options of plug-in '{plugin.name}' of {distribution_text(plugin)}"
+        return None, [Problem(path, f"{text} cannot judge them: {type(error).__name__}: {error}")]
