@@ -12,7 +12,7 @@ from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.stencil import CORNERS as EACH_CORNER
 from mpmfw.kernels.stencil import FULL, OUTSIDE, fill_domain, read_window
 from mpmfw.kernels.types import Float, Floats, Ints, Nodes, Table
-from mpmfw_shape._tables import PackedRows
+from mpmfw_shape._tables import BEYOND_AXIS, PackedRows
 from mpmfw_shape.cpdi import is_degenerate, make_rectangle
 
 CORNERS = Field(
@@ -174,6 +174,11 @@ class Cpdi2(PackedRows):
         super().setup(setup)
         self.corners = setup.allocate(self.name, CORNERS, corner=4)
         self.corners[:] = setup.corners
+        if setup.state.grid.axisymmetric:
+            radius = setup.state.particles.position[:, :1]
+            towards_axis = self.corners[..., 0] - radius
+            beyond = np.maximum(-towards_axis.min(axis=1, keepdims=True) / (BEYOND_AXIS * radius), 1.0)
+            self.corners[..., 0] = radius + towards_axis / beyond
         self.half_edges = setup.half_edges  # at the start; degenerate domains are compared with them
 
     @hookimpl

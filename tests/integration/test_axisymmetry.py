@@ -6,9 +6,9 @@ import pytest
 from test_restart import stop_and_go_on
 
 import mpmfw
-from mpmfw.effects import axisymmetry
 from mpmfw.errors import SceneError
 from mpmfw.runs.simulation import Simulation
+from mpmfw.state import structs
 from mpmfw.step.schemes import add_internal_force, gather_velocity_gradient, interpolate, project
 from mpmfw_material.neo_hookean import NeoHookean
 from scenes_for_tests import SOFT, scene_of, solid, with_changes
@@ -192,14 +192,14 @@ def test_the_axis_is_kept_and_two_threads_change_no_bit():
 def test_nodes_on_the_axis_alone_are_held(monkeypatch):
     def held(**changes):
         for name, value in changes.items():
-            monkeypatch.setattr(axisymmetry, name, value)
+            monkeypatch.setattr(structs, name, value)
         simulation, _ = begun(hollow())
         grid = simulation.state.grid
         grid.momentum[:] = 1.0
         simulation.manager.get_plugin("axisymmetry").constrain_momentum(grid=grid)
         return set(grid.position[grid.momentum[:, 0] == 0.0, 0].round(9).tolist())
 
-    assert held(ON_AXIS=axisymmetry.ON_AXIS) == {0.0}
+    assert held(ON_AXIS=structs.ON_AXIS) == {0.0}
     assert held(ON_AXIS=1.5) == {0.0, 0.1}
 
 

@@ -223,7 +223,10 @@ class ContactLaw(ContactStrategy):
         self.detection.find(grid, phi, particles, rows)
         if self.width is not None:
             if grid.axisymmetric:
-                width = grid.around(self.detection.radii(rows, grid))
+                radius = self.detection.radii(rows, grid)
+                width = grid.around(radius, self.detection.mean_radius)
+                on_axis = np.flatnonzero(grid.on_axis(radius[:, None]))
+                rows.normal[on_axis] = np.sign(rows.normal[on_axis]) * [0.0, 1.0]
             else:
                 width = self.width[rows.pair[: rows.count]]
             for area in (rows.area, rows.tributary_area):

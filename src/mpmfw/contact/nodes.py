@@ -73,7 +73,7 @@ class AtNodes(Detection):
 
     #: Whether forces act on the rows, which need nodes that have some mass.
     forces = False
-    has_radius = True
+    has_radius, mean_radius = True, 1.0 / 3.0
     selects_pairs = True
     #: What is projected on the nodes: volume gradients, and mean positions.
     projects_gradient = True
@@ -130,6 +130,7 @@ class AtNodes(Detection):
             gradient=np.zeros_like(grid.momentum) if self.projects_gradient else empty,
             mean=np.zeros_like(grid.momentum) if self.projects_mean or several else empty,
         )  # fmt: skip
+        self.on_axis = np.flatnonzero(grid.on_axis(grid.position))
         for name, array in (("volume_gradient", self.grid.gradient), ("mean_position", self.grid.mean)):
             if len(array):
                 self.state.arrays[f"{self.owner}/{name}"] = array
@@ -161,6 +162,7 @@ class AtNodes(Detection):
             nodes.shared[each.nodes] = True
         if len(nodes.gradient):
             project_volume_gradient(phi, particles, nodes, grid.spacing)
+            nodes.gradient[self.on_axis, 0] = 0.0  # of both halves
         if self.projects_mean or three:
             project_position(phi, particles, nodes, grid.spacing)
         more = sum(len(each.nodes) for each in near)

@@ -16,6 +16,7 @@ from mpmfw.kernels.surfaces import closest_facet, signed_distance
 from mpmfw.kernels.types import Faceted, Floats
 from mpmfw.state.fields import FloatArray, IntArray
 from mpmfw.state.structs import Grid, Pair, State
+from mpmfw.state.surface import outer_facets
 
 #: Distance from a rigid surface up to which nodes touch [cells]: of a node a cell away a body at the surface
 #: has next to nothing.
@@ -53,13 +54,22 @@ class RigidSurfaces:
 
     def __init__(self, state: State) -> None:
         self.state, self.surface = state, state.tracked_surface
+        outer = outer_facets(self.surface, state.grid)
+        #: outer facets of all bodies, as ranges without a gap
+        self.ranges = np.split(outer, np.flatnonzero(np.diff(outer) > 1) + 1)
 
     def measure(self, points: FloatArray, facets: slice) -> tuple[FloatArray, FloatArray]:
         """Return distance (n,) [m] and normal (n, dim) of points (n, dim) from a body's surface."""
-        distance, normal = np.empty(len(points)), np.empty_like(points)
-        measure_distances(
-            points, facets.start, facets.stop, self.surface, distance, normal, self.state.grid.spacing
-        )
+        distance, normal = np.full(len(points), np.inf), np.empty_like(points)
+        for each in self.ranges:
+            first, last = max(facets.start, each[0]), min(facets.stop, each[-1] + 1)
+            if first < last:
+                d, n = np.empty(len(points)), np.empty_like(points)
+                measure_distances(points, first, last, self.surface, d, n, self.state.grid.spacing)
+                nearer = np.abs(d) < np.abs(distance)
+                distance[nearer], normal[nearer] = d[nearer], n[nearer]
+        on_axis = self.state.grid.on_axis(points)  # where both halves meet
+        normal[on_axis] = np.sign(normal[on_axis]) * [0.0, 1.0]
         return distance, normal
 
     def find(self, grid: Grid, least_mass: float, acts_on: Callable[[Pair], bool] | None) -> list[NearRigid]:

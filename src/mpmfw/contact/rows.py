@@ -159,6 +159,8 @@ class Detection(PlugIn):
     leaves_bodies_out: bool = False
     #: Whether :meth:`radii` are known, round which rows of bodies of revolution act.
     has_radius: bool = False
+    #: Mean radius of what belongs to a node on the axis [cells].
+    mean_radius: float = 1.0 / 6.0
     #: Whether it lists rows of the pairs alone that ``acts_on`` selects.
     selects_pairs: ClassVar[bool] = False
     #: Selects pairs; None selects all.

@@ -27,9 +27,6 @@ from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.state.fields import AnyArray, Field
 from mpmfw.state.structs import Grid, Particles, State, Stencil
 
-#: Radius over the cell size below which a node lies on the axis.
-ON_AXIS = 1e-9
-
 HOOP_STRESS = Field("hoop_stress", ("particle",), "Pa", "Cauchy stress round the axis", output=True)
 HOOP_STRETCH = Field("hoop_stretch", ("particle",), "1", "stretch of the ring round the axis", output=True)
 
@@ -128,7 +125,7 @@ class Axisymmetry:
         """Hold the nodes on the axis, v_r = 0."""
         if self.frame != grid.frame:
             self.frame, on_grid = grid.frame, grid.offset[grid.n_fields - grid.rigid_fields]
-            self.axis = np.flatnonzero(grid.position[:on_grid, 0] < ON_AXIS * grid.cell_size)
+            self.axis = np.flatnonzero(grid.on_axis(grid.position[:on_grid]))
         grid.momentum[self.axis, 0] = 0.0
 
     @hookimpl(trylast=True)

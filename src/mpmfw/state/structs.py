@@ -17,6 +17,9 @@ from mpmfw.errors import SceneError, SimulationError
 from mpmfw.kernels import Struct, products, struct
 from mpmfw.state.fields import AnyArray, FloatArray, IndexArray, IntArray
 
+#: Radius over the cell size below which a place lies on the axis.
+ON_AXIS = 1e-9
+
 
 class Stencil(Struct):
     """Interpolation table of points, filled once a step; entries of point ``p`` are
@@ -250,11 +253,16 @@ class Grid(Struct):
         self.tensor_spacing = (self.cell_size,) * (3 if self.axisymmetric else self.dim)
         self.set()
 
-    def around(self, radius: FloatArray | float) -> Any:
+    def around(self, radius: FloatArray | float, mean_radius: float = 1.0 / 6.0) -> Any:
         """Return the way round the axis at a ``radius`` r [m], 2π r.
 
-        On the axis it is the mean way of what belongs to a node there, 2π h / 6."""
-        return 2.0 * np.pi * np.maximum(radius, self.cell_size / 6.0)
+        On the axis it is that of the ``mean_radius`` [cells] of what belongs to a node there: a third of the
+        spacing of surface nodes, half a cell."""
+        return 2.0 * np.pi * np.maximum(radius, mean_radius * self.cell_size)
+
+    def on_axis(self, position: FloatArray) -> Any:
+        """Return which places (…, dim) lie on the axis of bodies of revolution, or beyond it (…,)."""
+        return (position[..., 0] < ON_AXIS * self.cell_size) & self.axisymmetric
 
     @property
     def dim(self) -> int:

@@ -9,7 +9,7 @@ import numpy as np
 from mpmfw.geometry.layout import neighbours_of, stars_of, tributaries_of
 from mpmfw.kernels.surfaces import minimum_gaps
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
-from mpmfw.state.structs import Body, Surface
+from mpmfw.state.structs import Body, Grid, Surface
 
 
 def make_surface(bodies: tuple[Body, ...], n_fields: int, stage: str) -> Surface:
@@ -42,6 +42,11 @@ def make_surface(bodies: tuple[Body, ...], n_fields: int, stage: str) -> Surface
         stage=stage,
         rigid_nodes=sum(len(nodes) for body in bodies if body.rigid for nodes in body.outlines),
     )
+
+
+def outer_facets(surface: Surface, grid: Grid) -> IntArray:
+    """Return the facets that others may touch (n,): all but those on the axis of a body of revolution."""
+    return np.flatnonzero(~grid.on_axis(surface.position[surface.facets]).all(axis=1))
 
 
 def nodes_left(surface: Surface) -> AnyArray:

@@ -21,7 +21,7 @@ from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 from mpmfw.state.fields import Field as ArrayField
 from mpmfw.state.history import check_indices
 from mpmfw.state.structs import Grid, Particles, State, Stencil
-from mpmfw.state.surface import nodes_left
+from mpmfw.state.surface import nodes_left, outer_facets
 from mpmfw.units import Length
 
 FORCE = ArrayField(
@@ -86,7 +86,8 @@ class OnFacets(Detection):
         items, first = np.arange(self.surface.count)[:, np.newaxis], self.surface.body_first
         if self.of_facets:
             items, first = self.surface.facets, self.surface.facet_first
-        self.near = VerletList(items, first, self.surface, self.radius, setup.state.grid.spacing)
+        spacing, facets = setup.state.grid.spacing, outer_facets(self.surface, setup.state.grid)
+        self.near = VerletList(items, first, self.surface, self.radius, spacing, facets)
         if len(setup.bodies) > 2:
             from mpmfw.contact.surfaces.seams import find_covered
 

@@ -80,12 +80,14 @@ class FacetBoxes(Struct):
     chosen: Ints  #: (n,) scratch: blocks near a body
 
 
-def boxes_of(outline: Surface, cell_size: float) -> FacetBoxes:
-    """Return boxes to be filled, of ``BLOCK`` facets that lie in one cell or in cells side by side."""
-    first, (n_facets, dim), order = outline.facet_first, outline.facets.shape, np.arange(len(outline.facets))
+def boxes_of(outline: Surface, facets: IntArray, cell_size: float) -> FacetBoxes:
+    """Return boxes to be filled, of ``BLOCK`` of the ``facets`` that lie in one cell or in cells side by
+    side."""
+    (n_facets,), dim, body = facets.shape, outline.facets.shape[1], outline.body[outline.facets[facets, 0]]
+    order, first = facets, np.searchsorted(body, np.arange(len(outline.facet_first)))
     if dim == 3:
-        cells = np.floor(outline.position[outline.facets].mean(axis=1) / cell_size)
-        order = np.lexsort((*cells.T, outline.body[outline.facets[:, 0]]))
+        cells = np.floor(outline.position[outline.facets[facets]].mean(axis=1) / cell_size)
+        order = facets[np.lexsort((*cells.T, body))]
     begin = np.concatenate([*(np.arange(*ends, BLOCK) for ends in pairwise(first)), [n_facets]])
     return FacetBoxes(
         order=order, begin=begin, first=np.searchsorted(begin, first), facet=np.zeros((n_facets, 2, dim)),
@@ -184,17 +186,20 @@ class VerletList:
         The surfaces.
     radius, spacing
         Of the search [m], and the cell size once for each dimension.
+    facets
+        Those that others may touch (m,), in ascending order; all by default.
     """
 
     def __init__(
         self, items: IntArray, item_first: IntArray, outline: Surface, radius: float,
-        spacing: tuple[float, ...],
+        spacing: tuple[float, ...], facets: IntArray | None = None,
     ) -> None:  # fmt: skip
         self.items, self.item_first, self.outline = items, item_first, outline
         self.radius, self.spacing, self.skin = radius, spacing, SKIN * spacing[0]
         n_bodies, dim = len(outline.body_first) - 1, len(spacing)
         self.boxes = Boxes(lower=np.zeros((n_bodies, dim)), upper=np.zeros((n_bodies, dim)))
-        self.blocks = boxes_of(outline, spacing[0])
+        facets = np.arange(len(outline.facets)) if facets is None else facets
+        self.blocks = boxes_of(outline, facets, spacing[0])
         self.near = NearFacets(
             first=np.zeros(len(items) + 1, dtype=np.int64),
             facet=np.zeros(len(items), dtype=np.int32),

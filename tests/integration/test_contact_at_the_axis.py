@@ -1,0 +1,72 @@
+"""Bodies of revolution under every contact and shape: what meets at the axis, and rings far from it."""
+
+import numpy as np
+import pytest
+from test_contact_combinations import MEANT
+
+from mpmfw.runs.simulation import Simulation
+from scenes_for_tests import body_of, scene_of, solid, with_changes
+
+CONTACTS = [name for name in MEANT if name.startswith(("nodes", "logistic", "surfaces"))]
+CONTACTS += ["hamad2017", "tied", "bardenhagen(criterion=position, normal=master)"]
+SHAPES = ("linear", "gimp", "cpdi", "cpdi2", "bspline", "cubic_bspline")
+ALL = pytest.mark.parametrize("contact", CONTACTS)
+
+
+def meeting(contact, shape="cpdi", radius=0.0, begins=0.0, rigid=False, **changes):
+    """Half a disc at ``radius`` m that meets a plate, which ``begins`` there, at 6 m/s."""
+    angle = np.linspace(-0.5, 0.5, 9) * np.pi
+    arc = np.stack([radius + 0.15 * np.cos(angle), 0.155 + 0.15 * np.sin(angle)], axis=1)
+    arc[[0, -1], 0] = radius
+    still = {"velocity": [0.0, -3.0], "rotation": "lumped"}
+    ball = body_of({"type": "polygon", "points": arc.tolist()}, 0.05, **still)
+    plate = solid([radius + begins, -0.2], [radius + 0.3, 0.0], 0.05, **still | {"velocity": [0.0, 3.0]})
+    if rigid:
+        plate = {"geometry": plate["geometry"], "rigid": True}
+    lower = max(radius - 0.2, 0.0)
+    scene = scene_of({"ball": ball, "plate": plate}, 0.1, [lower, -0.5], [radius + 0.6, 0.6], end=1.0)
+    scene |= {"contact": {"friction": 0.2}, "shape": {"method": shape}}
+    contact += "(traction=100, separation=0.01)" if "adhesion" in contact else ""
+    simulation = Simulation(with_changes(scene, **{"grid__axisymmetric": True, **changes}), contact=contact)
+    simulation.start()
+    return simulation
+
+
+def moved(simulation):
+    """How far points are from their start after 15 ms (n, 2) [m]."""
+    start = simulation.state.particles.position.copy()
+    for _ in range(100):
+        simulation.step(1.5e-4)
+    return simulation.state.particles.position - start
+
+
+@ALL
+@pytest.mark.parametrize("shape", SHAPES)
+def test_what_meets_at_the_axis_keeps_momentum_and_gains_no_energy(contact, shape):
+    simulation = meeting(contact, shape)
+    p, momentum, energy = simulation.state.particles, [], []
+    for _ in range(100):
+        momentum.append(p.mass @ p.velocity[:, 1])
+        energy.append(p.mass @ (p.velocity**2).sum(axis=1))
+        simulation.step(1.5e-4)
+    passed = np.abs(simulation.contact.records.impulse[:, 1]).sum()
+    layer = contact == "hamad2017"  # has momentum of its own
+    assert 0.2 < passed / (3.0 * p.mass.sum()) < 0.8
+    assert momentum[-1] == pytest.approx(momentum[0], abs=(2e-2 if layer else 1e-12) * p.mass.sum())
+    assert max(energy) < (1.25 if shape == "linear" else 1.0001) * energy[0]
+    assert p.position[:, 0].min() > 0.0
+    assert np.isfinite(p.space.stress).all()
+
+
+@ALL
+def test_a_rigid_body_may_begin_at_the_axis_or_beyond_it(contact):
+    at_axis, beyond = (moved(meeting(contact, begins=begins, rigid=True)) for begins in (0.0, -0.1))
+    rest = 1e-3 if contact == "surfaces+hybrid" else 1e-12  # area of a node just on the corner
+    assert np.abs(at_axis - beyond).max() < rest
+    assert at_axis[:, 1].max() > -0.03
+
+
+@ALL
+def test_far_from_the_axis_a_ring_is_a_body_of_the_plane(contact):
+    ring, plane = (moved(meeting(contact, radius=1e3, grid__axisymmetric=round_)) for round_ in (True, False))
+    assert np.abs(ring - plane).max() < 1e-3 * np.abs(plane).max()
