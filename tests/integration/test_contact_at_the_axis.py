@@ -13,10 +13,10 @@ SHAPES = ("linear", "gimp", "cpdi", "cpdi2", "bspline", "cubic_bspline")
 ALL = pytest.mark.parametrize("contact", CONTACTS)
 
 
-def meeting(contact, shape="cpdi", radius=0.0, begins=0.0, rigid=False, **changes):
+def meeting(contact, shape="cpdi", radius=0.0, begins=0.0, rigid=False, gap=0.005, **changes):
     """Half a disc at ``radius`` m that meets a plate, which ``begins`` there, at 6 m/s."""
     angle = np.linspace(-0.5, 0.5, 9) * np.pi
-    arc = np.stack([radius + 0.15 * np.cos(angle), 0.155 + 0.15 * np.sin(angle)], axis=1)
+    arc = np.stack([radius + 0.15 * np.cos(angle), gap + 0.15 + 0.15 * np.sin(angle)], axis=1)
     arc[[0, -1], 0] = radius
     still = {"velocity": [0.0, -3.0], "rotation": "lumped"}
     ball = body_of({"type": "polygon", "points": arc.tolist()}, 0.05, **still)
@@ -61,9 +61,16 @@ def test_what_meets_at_the_axis_keeps_momentum_and_gains_no_energy(contact, shap
 @ALL
 def test_a_rigid_body_may_begin_at_the_axis_or_beyond_it(contact):
     at_axis, beyond = (moved(meeting(contact, begins=begins, rigid=True)) for begins in (0.0, -0.1))
-    rest = 1e-3 if contact == "surfaces+hybrid" else 1e-12  # area of a node just on the corner
-    assert np.abs(at_axis - beyond).max() < rest
+    assert np.abs(at_axis - beyond).max() < 1e-12
     assert at_axis[:, 1].max() > -0.03
+
+
+def test_a_node_on_a_corner_at_the_axis_is_pushed_along_it():
+    simulation = meeting("surfaces+lcp", rigid=True, gap=0.0)
+    simulation.step(1e-4)
+    rows = simulation.contact.last_rows
+    normal = rows.normal[: rows.count][simulation.contact.detection.radii(rows, simulation.state.grid) < 1e-9]
+    assert normal.tolist() == [[0.0, 1.0]]
 
 
 @ALL
