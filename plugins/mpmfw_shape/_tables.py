@@ -11,8 +11,9 @@ from typing import Any, ClassVar
 import numpy as np
 
 from mpmfw.api.shape import ShapeFunction, check_inside, empty_stencil
-from mpmfw.api.types import FloatArray, Grid, IntArray, Particles, Setup, Stencil, hookimpl
+from mpmfw.api.types import FloatArray, Grid, IntArray, Particles, Products, Setup, Stencil, hookimpl
 from mpmfw.kernels import FULL, device
+from mpmfw.kernels.products import WIDTH
 from mpmfw.kernels.stencil import fill_linear
 from mpmfw.kernels.types import Floats
 
@@ -91,6 +92,23 @@ class AtPoints(LinearSurface):
     @hookimpl
     def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
         return self.fill_at(particles.position, particles.first, grid, self.table, particles.threads)
+
+
+class FromProducts(AtPoints):
+    """Base of products of three functions of one axis: the step takes its sums from the factors."""
+
+    @hookimpl
+    def setup(self, setup: Setup) -> None:
+        points, dim = setup.state.particles.count, setup.dim
+        if setup.state.grid.axisymmetric:  # the table is read in every step
+            self.table = empty_stencil(points, WIDTH**dim, dim)
+        else:
+            self.table = Products(points, dim)
+
+    @hookimpl
+    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
+        table = super().interpolate(particles, grid)
+        return table.renew() if isinstance(table, Products) else table
 
 
 #: Largest reach of a domain towards the axis, over its radius: what is beyond is cut on both sides.

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.api.types import FloatArray, Grid, IntArray, Particles, Products, Setup, Stencil, hookimpl
+from mpmfw.api.types import FloatArray, Grid, IntArray, Setup, Stencil, hookimpl
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.products import NODES, WIDTH, store_factors
 from mpmfw.kernels.stencil import fill_tensor_product, fits, read_window
 from mpmfw.kernels.types import Float, Floats, Ints, Nodes, Table
-from mpmfw_shape._tables import AtPoints, fold_at_start
+from mpmfw_shape._tables import FromProducts, fold_at_start
 
 
 @device
@@ -57,7 +57,7 @@ def fill_quadratic(
     return -1
 
 
-class BSpline(AtPoints):
+class BSpline(FromProducts):
     """φ_ip = Π_d B²((x_p − x_i)_d / h): 9 nodes in 2D, 27 in 3D."""
 
     name = "bspline"
@@ -69,19 +69,11 @@ class BSpline(AtPoints):
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        if setup.state.grid.axisymmetric:  # its table is read in every step
-            super().setup(setup)
-            self.at_axis = True
-        else:
-            self.table = Products(setup.state.particles.count, setup.dim)
+        super().setup(setup)
+        self.at_axis = True if setup.state.grid.axisymmetric else None
 
     def fill_rows(self, position: FloatArray, first: IntArray, grid: Grid, table: Stencil) -> int:
         """Fill a ``table``, or the factors that it is made of."""
         factors = table.factors
         rows = table if factors is None else None
         return int(fill_quadratic(position, first, grid, rows, grid.spacing, self.at_axis, factors))
-
-    @hookimpl
-    def interpolate(self, particles: Particles, grid: Grid) -> Stencil:
-        table = super().interpolate(particles, grid)
-        return table.renew() if isinstance(table, Products) else table

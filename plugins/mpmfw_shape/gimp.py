@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.api.types import Field, FloatArray, Particles, SceneError, Setup, hookimpl
-from mpmfw.kernels import FULL, device, kernel, scratch
-from mpmfw.kernels.stencil import fits, read_window
+from mpmfw.api.types import (
+    Field, FloatArray, Grid, IntArray, Particles, SceneError, Setup, Stencil, hookimpl,
+)  # fmt: skip
+from mpmfw.kernels import device, kernel, scratch
+from mpmfw.kernels.products import NODES, WIDTH, store_factors
+from mpmfw.kernels.stencil import fill_tensor_product, fits, read_window
 from mpmfw.kernels.types import Float, Floats, Ints, Nodes, Table
-from mpmfw_shape._tables import BEYOND_AXIS, PackedRows
-
-WIDTH = 3
+from mpmfw_shape._tables import BEYOND_AXIS, FromProducts
 
 #: Courant number that no arrangement of points of half a cell needs to fear: a point alone has at most the
 #: frequency ω² = c² (1 + ν/(1−ν)) Σ_i (∂φ_i)²/φ_i, where the sum is up to 9.33/h², and an assembly has none
@@ -60,63 +61,16 @@ def weigh_with_radius(
         slope[0, a] += (0.5 * (low + high) - weight[0, a]) / radius
 
 
-@device
-def write_row(
-    k: int, end: int, base: Floats, weight: Floats, slope: Floats, shape: Ints, offset: int, table: Table,
-    spacing: tuple[float, ...],
-) -> int:  # fmt: skip
-    """Write the products of the functions that are not zero from entry ``k`` on; return the entry after the
-    last, or ``FULL`` if that is beyond ``end``.
-
-    Along an axis on which the domain does not reach the next cell the third function is zero, and so are all
-    products with it: 3 of 9 rows for a domain of half a cell. The nested loops are written out for each
-    dimension, as in :func:`mpmfw.kernels.fill_tensor_product`.
-    """
-    nodes, values, gradients = table.nodes, table.weight, table.gradient
-    dim = len(spacing)
-    extent = scratch.integers(spacing)
-    node, entries = 0, 1
-    for d in range(dim):
-        extent[d] = WIDTH if slope[d, 2] > 0.0 else 2
-        entries *= extent[d]
-        node = node * shape[d] + int(base[d])
-    if k + entries > end:
-        return FULL
-    node += offset
-    entry = np.uint64(k)
-    if len(spacing) == 2:
-        for a in range(extent[0]):
-            for b in range(extent[1]):
-                nodes[entry] = node + a * shape[1] + b
-                values[entry] = weight[0, a] * weight[1, b]
-                gradients[entry, 0] = slope[0, a] * weight[1, b]
-                gradients[entry, 1] = weight[0, a] * slope[1, b]
-                entry += np.uint64(1)
-    else:
-        for a in range(extent[0]):
-            for b in range(extent[1]):
-                n_ab = weight[0, a] * weight[1, b]
-                along_a, along_b = slope[0, a] * weight[1, b], weight[0, a] * slope[1, b]
-                for c in range(extent[2]):
-                    nodes[entry] = node + (a * shape[1] + b) * shape[2] + c
-                    values[entry] = n_ab * weight[2, c]
-                    gradients[entry, 0] = along_a * weight[2, c]
-                    gradients[entry, 1] = along_b * weight[2, c]
-                    gradients[entry, 2] = n_ab * slope[2, c]
-                    entry += np.uint64(1)
-    return k + entries
-
-
 @kernel
 def fill_gimp(
-    first: Ints, position: Floats, half_length: Floats, grid: Nodes, k: int, end: int, table: Table,
-    spacing: tuple[float, ...], radius: Floats | None = None,
+    position: Floats, first: Ints, half_length: Floats, grid: Nodes, table: Table | None,
+    spacing: tuple[float, ...], radius: Floats | None = None, factors: Table | None = None,
 ) -> int:  # fmt: skip
-    """uGIMP functions of square particles, 2**dim to 3**dim entries each. Return the first point outside its
-    window, −1, or ``FULL`` if the table is too short."""
+    """uGIMP functions of square particles, 3**dim entries each. Return the first point outside its window, or
+    −1. ``table`` or ``factors`` are filled."""
     dim, inverse_h = len(spacing), 1.0 / spacing[0]
     origin, shape, base = scratch.vector(spacing), scratch.integers(spacing), scratch.vector(spacing)
-    w, s = scratch.matrix(spacing, (0.0, 0.0, 0.0)), scratch.matrix(spacing, (0.0, 0.0, 0.0))
+    w, s, to_base = scratch.matrix(spacing, NODES), scratch.matrix(spacing, NODES), scratch.vector(spacing)
     for f in range(len(first) - 1):
         read_window(grid, f, origin, shape, spacing)
         for p in range(first[f], first[f + 1]):
@@ -131,18 +85,19 @@ def fill_gimp(
                 weigh_with_radius(xi, l, radius[p], base, w, s)
             if not fits(base, WIDTH, shape, spacing):
                 return p
-            k = write_row(k, end, base, w, s, shape, grid.offset[f], table, spacing)
-            if k == FULL:
-                return FULL
-            table.row[p + 1] = k
+            if table is not None:
+                fill_tensor_product(p * WIDTH**dim, WIDTH, base, w, s, shape, grid.offset[f], table, spacing)
+            if factors is not None:
+                for d in range(dim):
+                    to_base[d] = base[d] * spacing[0] + origin[d] - position[p, d]
+                store_factors(p, base, w, s, to_base, shape, grid.offset[f], factors, spacing)
     return -1
 
 
-class Gimp(PackedRows):
+class Gimp(FromProducts):
     """φ_ip averages N_i over the particle's undeformed square: up to 9 nodes in 2D, 27 in 3D."""
 
     name = "gimp"
-    fill = fill_gimp
     massless_boundary = True
     axisymmetric = True
     courant = COURANT
@@ -168,5 +123,10 @@ class Gimp(PackedRows):
     def particle_reach(self, particles: Particles) -> FloatArray:
         return np.repeat(self.half_length[:, None], particles.dim, axis=1)
 
-    def domains(self, particles: Particles) -> tuple[FloatArray, ...]:
-        return particles.position, self.half_length
+    def fill_rows(self, position: FloatArray, first: IntArray, grid: Grid, table: Stencil) -> int:
+        """Fill the points' ``table``, or its factors, or the surface's."""
+        if table is self._surface:
+            return super().fill_rows(position, first, grid, table)
+        radius = np.ascontiguousarray(position[:, 0]) if grid.axisymmetric else None
+        rows, half = table if table.factors is None else None, self.half_length
+        return int(fill_gimp(position, first, half, grid, rows, grid.spacing, radius, table.factors))

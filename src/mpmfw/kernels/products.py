@@ -194,9 +194,10 @@ def gather(
     points: Points, affine: Floats | None, factors: Table, grid: Nodes, inverse_spread: float, flip: float,
     dt: float, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
-    """As :func:`mpmfw.kernels.particle_grid.gather`, with an ``inverse_spread`` that is not 0.
+    """As :func:`mpmfw.kernels.particle_grid.gather`.
 
-    Of a line of nodes, along the last axis, come Σ w v, Σ w' v, Σ w q v and Σ w v⁰."""
+    Of a line of nodes, along the last axis, come Σ w v, Σ w' v, Σ w q v and Σ w v⁰. As Σ w q = 0, D is
+    diagonal, D_dd = Σ w q² = h Σ_a a (w q)_a with the nodes a = 0, 1, 2."""
     last, in_plane = len(spacing) - 1, len(spacing) == 2
     slope, moment = scratch.matrix(_ONE, spacing), scratch.matrix(_ONE, spacing)
     along = scratch.matrix(NODES, NODES)
@@ -237,5 +238,11 @@ def gather(
             points.velocity[p, d] = flip * kept + (1.0 - flip) * new[0, d]
             for e in range(len(spacing)):
                 points.velocity_gradient[p, d, e] = gradient[e, d]
-                if affine is not None:
-                    affine[p, d, e] = inverse_spread * columns[e, d]
+        if affine is not None:
+            for e in range(len(spacing)):
+                inverse = inverse_spread
+                if inverse_spread == 0.0:
+                    moments = factors.along[p, e, MOMENT]
+                    inverse = 1.0 / (spacing[e] * (moments[1] + 2.0 * moments[2]))
+                for d in range(len(spacing)):
+                    affine[p, d, e] = inverse * columns[e, d]

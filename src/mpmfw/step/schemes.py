@@ -194,11 +194,9 @@ def _over_nodes(p: Particles, kernel: Callable[..., Any], *given: Any) -> None:
         p.threads.over_nodes(kernel, p, *given)
 
 
-def _kernels_of(phi: Stencil, by_factors: bool = True) -> tuple[Any, Any]:
-    """Kernels between points and nodes, and what they read: of products the factors, if they can."""
-    if phi.factors is not None and by_factors:
-        return products, phi.factors
-    return particle_grid, phi
+def _kernels_of(phi: Stencil) -> tuple[Any, Any]:
+    """Kernels between points and nodes, and what they read: of products the factors."""
+    return (particle_grid, phi) if phi.factors is None else (products, phi.factors)
 
 
 def project(p: Particles, phi: Stencil, g: Grid, *, force: bool = False) -> None:
@@ -256,7 +254,7 @@ def gather(p: Particles, phi: Stencil, g: Grid, transfer: Transfer, dt: float) -
     kind = transfer.affine
     affine = p.moment if kind == "moment" else p.affine if kind == "least_squares" else None
     factor = 1.0 if kind == "moment" else transfer.inverse_spread
-    kernels, table = _kernels_of(phi, affine is None or factor != 0.0)
+    kernels, table = _kernels_of(phi)
     _over_points(p, kernels.gather, affine, table, g, factor, transfer.flip, dt, g.spacing)
     if kind == "gradient" and p.affine is not None:
         p.affine[...] = p.velocity_gradient
