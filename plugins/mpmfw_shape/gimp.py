@@ -8,7 +8,8 @@ from mpmfw.api.types import (
     Field, FloatArray, Grid, IntArray, Particles, SceneError, Setup, Stencil, hookimpl,
 )  # fmt: skip
 from mpmfw.kernels import device, kernel, scratch
-from mpmfw.kernels.products import NODES, WIDTH, store_factors
+from mpmfw.kernels.lanes import floor, positive
+from mpmfw.kernels.products import NODES, WIDTH, fill_factors
 from mpmfw.kernels.stencil import fill_tensor_product, fits, read_window
 from mpmfw.kernels.types import Float, Floats, Ints, Nodes, Table
 from mpmfw_shape._tables import BEYOND_AXIS, FromProducts
@@ -33,9 +34,9 @@ def gimp_weights(
     the next cell; a + b = 2 l. The integrals of the two hat functions over either part need no case
     distinction.
     """
-    base[d] = np.floor(xi - l)
+    base[d] = floor(xi - l)
     u = xi - l - base[d]
-    b = max(u + 2.0 * l - 1.0, 0.0)
+    b = positive(u + 2.0 * l - 1.0)
     a = 2.0 * l - b
     share = 0.5 / l
     rise = a * (u + 0.5 * a)
@@ -63,35 +64,37 @@ def weigh_with_radius(
 
 @kernel
 def fill_gimp(
-    position: Floats, first: Ints, half_length: Floats, grid: Nodes, table: Table | None,
-    spacing: tuple[float, ...], radius: Floats | None = None, factors: Table | None = None,
+    position: Floats, first: Ints, half_length: Floats, radius: Floats, grid: Nodes, table: Table,
+    spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """uGIMP functions of square particles, 3**dim entries each. Return the first point outside its window, or
-    −1. ``table`` or ``factors`` are filled."""
+    """uGIMP functions of square particles of bodies of revolution, 3**dim entries each. Return the first
+    point outside its window, or −1."""
     dim, inverse_h = len(spacing), 1.0 / spacing[0]
     origin, shape, base = scratch.vector(spacing), scratch.integers(spacing), scratch.vector(spacing)
-    w, s, to_base = scratch.matrix(spacing, NODES), scratch.matrix(spacing, NODES), scratch.vector(spacing)
+    w, s = scratch.matrix(spacing, NODES), scratch.matrix(spacing, NODES)
     for f in range(len(first) - 1):
         read_window(grid, f, origin, shape, spacing)
         for p in range(first[f], first[f + 1]):
             for d in range(dim):
                 xi = (position[p, d] - origin[d]) * inverse_h
                 gimp_weights(xi, half_length[p] * inverse_h, inverse_h, d, base, w, s)
-            if radius is not None:
-                xi, l = (position[p, 0] - origin[0]) * inverse_h, half_length[p] * inverse_h
-                if half_length[p] > radius[p] * BEYOND_AXIS:
-                    l = radius[p] * BEYOND_AXIS * inverse_h
-                    gimp_weights(xi, l, inverse_h, 0, base, w, s)
-                weigh_with_radius(xi, l, radius[p], base, w, s)
+            xi, l = (position[p, 0] - origin[0]) * inverse_h, half_length[p] * inverse_h
+            if half_length[p] > radius[p] * BEYOND_AXIS:
+                l = radius[p] * BEYOND_AXIS * inverse_h
+                gimp_weights(xi, l, inverse_h, 0, base, w, s)
+            weigh_with_radius(xi, l, radius[p], base, w, s)
             if not fits(base, WIDTH, shape, spacing):
                 return p
-            if table is not None:
-                fill_tensor_product(p * WIDTH**dim, WIDTH, base, w, s, shape, grid.offset[f], table, spacing)
-            if factors is not None:
-                for d in range(dim):
-                    to_base[d] = base[d] * spacing[0] + origin[d] - position[p, d]
-                store_factors(p, base, w, s, to_base, shape, grid.offset[f], factors, spacing)
+            fill_tensor_product(p * WIDTH**dim, WIDTH, base, w, s, shape, grid.offset[f], table, spacing)
     return -1
+
+
+@kernel
+def fill_gimp_factors(
+    position: Floats, first: Ints, half_length: Floats, grid: Nodes, factors: Table, spacing: tuple[float, ...]
+) -> int:
+    """As :func:`fill_gimp`, the factors of the products, of bodies that are none of revolution."""
+    return fill_factors(gimp_weights, position, first, half_length, grid, factors, spacing)
 
 
 class Gimp(FromProducts):
@@ -127,6 +130,7 @@ class Gimp(FromProducts):
         """Fill the points' ``table``, or its factors, or the surface's."""
         if table is self._surface:
             return super().fill_rows(position, first, grid, table)
-        radius = np.ascontiguousarray(position[:, 0]) if grid.axisymmetric else None
-        rows, half = table if table.factors is None else None, self.half_length
-        return int(fill_gimp(position, first, half, grid, rows, grid.spacing, radius, table.factors))
+        points = position, first, self.half_length
+        if table.factors is not None:
+            return int(fill_gimp_factors(*points, grid, table.factors, grid.spacing))
+        return int(fill_gimp(*points, np.ascontiguousarray(position[:, 0]), grid, table, grid.spacing))

@@ -43,11 +43,17 @@ def _repeated(builder: Any, value: Any, width: int) -> Any:
     return vector
 
 
+def of_floats(builder: Any, operation: str, *values: Any) -> Any:
+    """One of LLVM's own operations on floats, or on vectors of the same length."""
+    kind = values[0].type
+    name = f"llvm.{operation}.v{kind.count}f64" if isinstance(kind, ir.VectorType) else f"llvm.{operation}.f64"
+    signature = ir.FunctionType(kind, [kind] * len(values))
+    return builder.call(_cgutils.get_or_insert_function(builder.module, signature, name), values)
+
+
 def fused(builder: Any, a: Any, b: Any, c: Any) -> Any:
     """``a * b + c`` of vectors, in one operation where the processor has it."""
-    name = f"llvm.fmuladd.v{a.type.count}f64"
-    fused = _cgutils.get_or_insert_function(builder.module, ir.FunctionType(a.type, [a.type] * 3), name)
-    return builder.call(fused, [a, b, c])
+    return of_floats(builder, "fmuladd", a, b, c)
 
 
 def _emit(context: Any, builder: Any, signature: Any, args: Any, *, accumulate: bool) -> Any:
@@ -204,11 +210,8 @@ def multiply_by_hats(_typing: Any, out: Any, factor: Any, at: Any, d: Any, node:
         position = builder.load(builder.bitcast(row, vector.as_pointer()), align=8)
         centre = _repeated(builder, context.cast(builder, args[4], signature.args[4], types.float64), width)
         difference = builder.fsub(position, centre)
-        absolute = _cgutils.get_or_insert_function(
-            builder.module, ir.FunctionType(vector, [vector]), f"llvm.fabs.v{width}f64"
-        )
         one, zero = ir.Constant(vector, [1.0] * width), ir.Constant(vector, [0.0] * width)
-        hat = builder.fsub(one, builder.call(absolute, [difference]))
+        hat = builder.fsub(one, of_floats(builder, "fabs", difference))
         hat = builder.select(builder.fcmp_ordered(">", zero, hat), zero, hat)
         target, source = (_row_at(context, builder, signature, args, k, _INT(0), width) for k in (0, 1))
         builder.store(builder.fmul(builder.load(source, align=8), hat), target, align=8)

@@ -6,6 +6,7 @@ all of them. Each result is what floats give, to the bit, so that points may be 
 
 from __future__ import annotations
 
+import math
 import operator
 from typing import Any
 
@@ -121,7 +122,10 @@ def _parts(context: Any, builder: Any, sig: Any, args: Any) -> list[tuple[list[A
     if not (isinstance(kind, types.Array) and kind.layout == "C" and kind.dtype == types.float64):
         raise TypeError(f"lanes of {kind}: expected a C-contiguous array of float64")
     array, own = (_arrayobj.make_array(sig.args[k])(context, builder, args[k]).data for k in (0, 2))
-    components, parts = len(sig.args[3]) ** (kind.ndim - 1), []
+    each = sig.args[3]
+    nested = isinstance(each[0], types.BaseTuple)
+    components = math.prod(map(len, each)) if nested else len(each) ** (kind.ndim - 1)
+    parts = []
     for first in range(0, components, 4):
         count = min(4, components - first)
         at_points = []
@@ -136,7 +140,9 @@ def _parts(context: Any, builder: Any, sig: Any, args: Any) -> list[tuple[list[A
 
 @intrinsic
 def read(_typing: Any, array: Any, points: Any, out: Any, spacing: Any) -> Any:
-    """``out = array[p]`` of the points p, one in a lane: ``array`` is (n,), (n, dim) or (n, dim, dim)."""
+    """``out = array[p]`` of the points p, one in a lane: ``array`` is (n,), (n, dim) or (n, dim, dim).
+
+    Of another one ``spacing`` is a tuple of tuples, each as long as an axis after the first."""
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         for at_points, in_lanes in _parts(context, builder, sig, args):
@@ -180,6 +186,38 @@ def within(_typing: Any, value: Any, low: Any, high: Any) -> Any:
         return builder.icmp_unsigned("==", mask, ir.IntType(WIDTH)(2**WIDTH - 1))
 
     return types.boolean(value, low, high), codegen
+
+
+@intrinsic
+def floor(_typing: Any, value: Any) -> Any:
+    """The greatest integer that is not above a number, as a float, in every lane or of a float."""
+    kind = value if isinstance(value, LanesType) else types.float64
+    return kind(value), lambda _context, builder, _sig, args: arithmetic.of_floats(builder, "floor", *args)
+
+
+@intrinsic
+def positive(_typing: Any, value: Any) -> Any:
+    """``max(value, 0)`` in every lane, or of a float; of NaN it is NaN."""
+
+    def codegen(_context: Any, builder: Any, _sig: Any, args: Any) -> Any:
+        zero = ir.Constant(args[0].type, [0.0] * WIDTH if args[0].type == _VECTOR else 0.0)
+        return builder.select(builder.fcmp_ordered(">", zero, args[0]), zero, args[0])
+
+    return (value if isinstance(value, LanesType) else types.float64)(value), codegen
+
+
+@intrinsic
+def component(_typing: Any, array: Any, i: Any, j: Any, lane: Any) -> Any:
+    """The number in one lane of ``array[i, j]``."""
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        matrix = _arrayobj.make_array(sig.args[0])(context, builder, args[0])
+        i, j, lane = (context.cast(builder, args[n], sig.args[n], types.intp) for n in (1, 2, 3))
+        place = builder.add(builder.mul(i, builder.extract_value(matrix.shape, 1)), j)
+        numbers = builder.bitcast(builder.gep(matrix.data, [place]), ir.DoubleType().as_pointer())
+        return builder.load(builder.gep(numbers, [lane]), align=8)
+
+    return types.float64(array, i, j, lane), codegen
 
 
 @device

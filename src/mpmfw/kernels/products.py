@@ -8,13 +8,15 @@ table, whose 27 entries a point are not written either. All else is as in
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from mpmfw.kernels import scratch
+from mpmfw.kernels import lanes, scratch
 from mpmfw.kernels._jit import device, kernel
 from mpmfw.kernels.arithmetic import add_scaled_row, add_to_rows, set_scaled_row
 from mpmfw.kernels.particle_grid import set_traction
-from mpmfw.kernels.stencil import NodeRange, fill_tensor_product
+from mpmfw.kernels.stencil import NodeRange, fill_tensor_product, fits, read_window
 from mpmfw.kernels.types import Floats, Ints, Nodes, Points, Table
 
 #: Nodes along each axis.
@@ -26,25 +28,49 @@ NODES = (0.0,) * WIDTH
 #: What ``factors.along`` has of every node: w, its derivative w' [1/m], and w q [m] with q = x_i − x_p.
 VALUE, SLOPE, MOMENT = range(3)
 
-_ONE = (0.0,)
+_ONE, _FACTORS = (0.0,), (0.0,) * 9
 
 
 @device
-def store_factors(
-    p: int, base: Floats, weight: Floats, slope: Floats, to_base: Floats, shape: Ints, offset: int,
-    factors: Table, spacing: tuple[float, ...],
-) -> None:  # fmt: skip
-    """Store the factors of one point; ``to_base`` (dim,) [m] is the first node's position less the
-    point's."""
-    node = 0
-    for d in range(len(spacing)):
-        node = node * shape[d] + int(base[d])
-        factors.shape[p, d] = shape[d]
-        for a in range(WIDTH):
-            factors.along[p, d, VALUE, a] = weight[d, a]
-            factors.along[p, d, SLOPE, a] = slope[d, a]
-            factors.along[p, d, MOMENT, a] = weight[d, a] * (to_base[d] + a * spacing[d])
-    factors.node[p] = node + offset
+def fill_factors(
+    weigh: Any, position: Floats, first: Ints, half_length: Floats | None, grid: Nodes, factors: Table,
+    spacing: tuple[float, ...],
+) -> int:  # fmt: skip
+    """Fill ``factors`` at points with the functions of a device, four points at a time. Return the first
+    point outside its window, or −1.
+
+    It is called as ``weigh(xi, l, inverse_h, d, base, weight, slope)`` and sets the first node and three
+    functions along axis d of points at ``xi``, of a ``half_length`` (n,) [m] of l, both in cells."""
+    dim, inverse_h = len(spacing), 1.0 / spacing[0]
+    origin, shape, lowest = scratch.vector(spacing), scratch.integers(spacing), scratch.vector(spacing)
+    x, l, base = lanes.matrix(_ONE, spacing), lanes.matrix(_ONE, _ONE), lanes.matrix(_ONE, spacing)
+    weight, slope = lanes.matrix(spacing, NODES), lanes.matrix(spacing, NODES)
+    along = lanes.matrix(_FACTORS, NODES)
+    for f in range(len(first) - 1):
+        read_window(grid, f, origin, shape, spacing)
+        for p in range(first[f], first[f + 1], lanes.WIDTH):
+            own = lanes.points_from(p, first[f + 1])
+            lanes.read(position, own, x, spacing)
+            if half_length is not None:
+                lanes.read(half_length, own, l, spacing)
+            for d in range(dim):
+                xi = (x[0, d] - origin[d]) * inverse_h
+                weigh(xi, l[0, 0] * inverse_h, inverse_h, d, base[0], weight, slope)
+                to_base = base[0, d] * spacing[0] + origin[d] - x[0, d]
+                for a in range(WIDTH):
+                    along[3 * d + VALUE, a], along[3 * d + SLOPE, a] = weight[d, a], slope[d, a]
+                    along[3 * d + MOMENT, a] = weight[d, a] * (to_base + a * spacing[d])
+            lanes.write(factors.along, own, along, (spacing, NODES, NODES))
+            for lane in range(min(lanes.WIDTH, first[f + 1] - p)):
+                node = 0
+                for d in range(dim):
+                    lowest[d] = lanes.component(base, 0, d, lane)
+                    node = node * shape[d] + int(lowest[d])
+                    factors.shape[p + lane, d] = shape[d]
+                if not fits(lowest, WIDTH, shape, spacing):
+                    return p + lane
+                factors.node[p + lane] = node + grid.offset[f]
+    return -1
 
 
 @kernel
