@@ -46,8 +46,9 @@ def _repeated(builder: Any, value: Any, width: int) -> Any:
 def of_floats(builder: Any, operation: str, *values: Any) -> Any:
     """One of LLVM's own operations on floats, or on vectors of the same length."""
     kind = values[0].type
-    name = f"llvm.{operation}.v{kind.count}f64" if isinstance(kind, ir.VectorType) else f"llvm.{operation}.f64"
+    length = f"v{kind.count}" if isinstance(kind, ir.VectorType) else ""
     signature = ir.FunctionType(kind, [kind] * len(values))
+    name = f"llvm.{operation}.{length}f64"
     return builder.call(_cgutils.get_or_insert_function(builder.module, signature, name), values)
 
 

@@ -172,6 +172,8 @@ def _project(
         _set_last_axis(factors, p, last, along)
         for a in range(WIDTH):
             for b in range(1 if in_plane else WIDTH):
+                if not in_plane and factors.along[p, 0, VALUE, a] * factors.along[p, 1, VALUE, b] == 0.0:
+                    continue  # a domain that does not reach the line
                 i = _line(factors, p, a, b, slope, moment, spacing)
                 share = slope[0, last]
                 set_scaled_row(value, 0, share, velocity, 0, spacing)
@@ -239,6 +241,8 @@ def gather(
         _set_last_axis(factors, p, last, along)
         for a in range(WIDTH):
             for b in range(1 if in_plane else WIDTH):
+                if not in_plane and factors.along[p, 0, VALUE, a] * factors.along[p, 1, VALUE, b] == 0.0:
+                    continue  # a domain that does not reach the line
                 i = _line(factors, p, a, b, slope, moment, spacing)
                 for d in range(len(spacing)):
                     mean[0, d] = mean_start[0, d] = rate[0, d] = first_moment[0, d] = 0.0
