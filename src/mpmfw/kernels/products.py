@@ -172,9 +172,9 @@ def _project(
         _set_last_axis(factors, p, last, along)
         for a in range(WIDTH):
             for b in range(1 if in_plane else WIDTH):
-                if not in_plane and factors.along[p, 0, VALUE, a] * factors.along[p, 1, VALUE, b] == 0.0:
-                    continue  # a domain that does not reach the line
                 i = _line(factors, p, a, b, slope, moment, spacing)
+                if slope[0, last] == 0.0:
+                    continue  # the domain does not reach the line
                 share = slope[0, last]
                 set_scaled_row(value, 0, share, velocity, 0, spacing)
                 if affine is not None:
@@ -241,9 +241,9 @@ def gather(
         _set_last_axis(factors, p, last, along)
         for a in range(WIDTH):
             for b in range(1 if in_plane else WIDTH):
-                if not in_plane and factors.along[p, 0, VALUE, a] * factors.along[p, 1, VALUE, b] == 0.0:
-                    continue  # a domain that does not reach the line
                 i = _line(factors, p, a, b, slope, moment, spacing)
+                if slope[0, last] == 0.0:
+                    continue  # the domain does not reach the line
                 for d in range(len(spacing)):
                     mean[0, d] = mean_start[0, d] = rate[0, d] = first_moment[0, d] = 0.0
                 for c in range(WIDTH):
