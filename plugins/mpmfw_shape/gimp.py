@@ -5,7 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from mpmfw.api.types import (
-    Field, FloatArray, Grid, IntArray, Particles, SceneError, Setup, Stencil, hookimpl,
+    Field,
+    FloatArray,
+    Grid,
+    IntArray,
+    Particles,
+    SceneError,
+    Setup,
+    Stencil,
+    hookimpl,
 )  # fmt: skip
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.lanes import floor, positive
@@ -91,9 +99,10 @@ def fill_gimp(
 
 @kernel
 def fill_gimp_factors(
-    position: Floats, first: Ints, half_length: Floats, grid: Nodes, factors: Table, spacing: tuple[float, ...]
-) -> int:
-    """As :func:`fill_gimp`, the factors of the products, of bodies that are none of revolution."""
+    position: Floats, first: Ints, half_length: Floats, grid: Nodes, factors: Table,
+    spacing: tuple[float, ...],
+) -> int:  # fmt: skip
+    """As :func:`fill_gimp`, the factors of the products, without a weight of the radius."""
     return fill_factors(gimp_weights, position, first, half_length, grid, factors, spacing)
 
 
