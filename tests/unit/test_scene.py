@@ -146,6 +146,7 @@ def test_lengths_in_cells_follow_the_cell_size(cell):
         ('type = "disc"', 'type = "disk"', "31: bodies.block.geometry.type", "did you mean 'disc'?"),
         ("velocity = [1, 0]", "velocity = [1, 0, 0]", "33: bodies.block.velocity", "because the grid is 2D"),
         ("fixed = true", "pressure = 1\nfixed = true", "41: bodies.floor.sides[0]", "has fixed and pressure"),
+        ("fixed = true", "pressure = [[0, 0], [1, [2]]]", "43: bodies.floor.sides[0].pressure[1][1]", "modulus in Pa"),  # noqa: E501
         ("magnitude = 10", "vector = [0, -10]", "45: gravity", "has tilt and vector; expected exactly one of"),  # noqa: E501
         ("[grid]", f"a = {40 * '['}{40 * ']'}\n[grid]", "3: a[0][0]", "nested more than 32 tables and arrays"),  # noqa: E501
         ("[gravity]", "[gravity", "45", "not valid TOML"),

@@ -102,6 +102,8 @@ def _below(hint: Any, part: str | int) -> list[Any]:
     args = get_args(hint)
     if get_origin(hint) is Literal or not args:
         return []
+    if get_origin(hint) is tuple and isinstance(part, int) and args[-1] is not Ellipsis:
+        return list(args[part : part + 1])
     return [args[0] if isinstance(part, int) else args[-1]]
 
 
