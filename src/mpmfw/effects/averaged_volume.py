@@ -37,14 +37,6 @@ def unsigned(first: int, last: int) -> range:
 
 
 @device
-def change_of_volume(p: int, points: Points, dt: float, tensor: tuple[float, ...]) -> Float:
-    """Return det(1 + Δt L) of a point; 0 of one that turns inside out, whose L̄ is NaN."""
-    motion = scratch.matrix(tensor, tensor)
-    set_to_motion(motion, dt, points.velocity_gradient[p], tensor)
-    return max(0.0, determinant(motion, tensor))
-
-
-@device
 def sum_volumes(
     first: int, last: int, points: Points, volume: Floats, grid: Nodes, field: int, dt: float, cell: Ints,
     change: Floats, before: Floats, after: Floats, spacing: tuple[float, ...], tensor: tuple[float, ...],
@@ -59,13 +51,20 @@ def sum_volumes(
     read_window(grid, field, origin, shape, spacing)
     for i in unsigned(grid.offset[field], grid.offset[field + 1]):
         before[i] = after[i] = 0.0
+    l, motion, j = lanes.matrix(tensor, tensor), lanes.matrix(tensor, tensor), lanes.matrix((0.0,), (0.0,))
+    for p in range(first, last, lanes.WIDTH):
+        own = lanes.points_from(p, last)
+        lanes.read(points.velocity_gradient, own, l, tensor)
+        set_to_motion(motion, dt, l, tensor)
+        j[0, 0] = determinant(motion, tensor)
+        lanes.write(change, own, j, tensor)
     for p in unsigned(first, last):
         c = 0
         for d in range(dim):  # of NaN the maximum is 0
             x = max(0.0, (points.position[p, d] - origin[d]) * inverse_h)
             c = c * shape[d] + int(min(x, shape[d] - 1.0))
         c += grid.offset[field]
-        cell[p], change[p] = c, change_of_volume(p, points, dt, tensor)
+        cell[p], change[p] = c, max(0.0, change[p])  # one that turns inside out: its L̄ is NaN
         before[np.uint64(c)] += volume[p]
         after[np.uint64(c)] += volume[p] * change[p]
 
