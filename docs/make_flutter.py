@@ -22,6 +22,8 @@ for folder in ("finite-elements", "steep-friction"):
     sys.path.insert(0, str(VALIDATION / folder))
 
 from measures import GRAVITY, gravity_table  # noqa: E402
+from slider_fem.bodies import incline  # noqa: E402
+from slider_fem.flutter import growth, slide_steadily  # noqa: E402
 from slider_fem.motion import RAMP, slide  # noqa: E402
 
 FRICTIONS = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
@@ -72,8 +74,18 @@ def way_of_elements(friction: float, tilt: float) -> np.ndarray:
     return np.asarray(np.interp(TIMES, found.time, found.x - found.x[0]))
 
 
+def least_damping(friction: float) -> float:
+    """Return the share of critical at the frequency of :data:`DAMPING` with which no mode of the finite
+    elements grows: the time τ = 2σ/ω² of a mode that grows by exp σt, largest of all, times π f."""
+    bodies = incline(0.1, elastic=True)
+    pressed = slide_steadily(bodies, friction, rigid_contact=False).pressed
+    modes = growth(bodies, friction, rigid_contact=False, pressed=pressed)
+    time = max((2.0 * rate / (2.0 * np.pi * frequency) ** 2 for rate, frequency in modes), default=0.0)
+    return float(np.pi * DAMPING["frequency"] * time)
+
+
 def main() -> None:
-    """Print a row for every friction and method."""
+    """Print a row for every friction and method, and the damping that flutter needs."""
     spans = " | ".join(f"{time:g} s" for time in TIMES)
     print(f"| μ | method | above, way: {spans} | below, way [mm]: {spans} |")
     print("| --- | --- |" + " ---: |" * 2 * len(TIMES))
@@ -82,6 +94,7 @@ def main() -> None:
         ways |= {name: lambda *at, more=more: way_of_points(*at, **more) for name, more in METHODS.items()}
         above, below = (math.atan(ratio * friction) for ratio in (ABOVE, BELOW))
         exact = rigid_way(friction, above)
+        print(f"| {friction:g} | no growth with | {100.0 * least_damping(friction):.2g} % of critical |")
         for name, way in ways.items():
             errors = 100.0 * (way(friction, above) / exact - 1.0)
             walked = 1000.0 * way(friction, below)  # [mm]
