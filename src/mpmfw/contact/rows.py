@@ -50,15 +50,14 @@ class ContactRows(Rows):
         own: Mapping[str, int | None] | None = None,
     ) -> None:  # fmt: skip
         has = {"couple": couples, "tilt": tilts, "spin": spins, "friction": False, "cohesion": False}
-        self._without = [name for name in has if not has[name]]
-        self._own = dict(own or {})
-        self.dim, self.count = dim, 0
+        without = [name for name in has if not has[name]]
+        vars(self).update(dim=dim, count=0, _without=without, _own=dict(own or {}))
         self.make_room(64, 1024)
 
     def allocate_friction(self, *, cohesion: bool) -> None:
         """Make room for ``friction``, and for ``cohesion`` if it is requested."""
         names = ("friction", "cohesion")[: 1 + cohesion]
-        self._without = [name for name in self._without if name not in names]
+        self.__dict__["_without"] = [name for name in self._without if name not in names]
         self.set(**{name: np.zeros(len(self.pair)) for name in names})
 
     def make_room(self, rows: int, entries: int) -> None:
@@ -71,10 +70,10 @@ class ContactRows(Rows):
         arrays["response"] = getattr(self, "response", np.zeros((0, self.dim, self.dim + 1, self.dim)))
         self.set(**arrays)
         own = {
-            name: (0, self.dim) if more is None else (rows, *(self.dim,) * more)
+            name: np.zeros((0, self.dim) if more is None else (rows, *(self.dim,) * more))
             for name, more in self._own.items()
         }
-        self.own = struct(**{name: np.zeros(shape) for name, shape in own.items()})
+        self.own = struct(**own)
 
     def copy_history(self, other: ContactRows, index_map: IndexMap) -> None:
         """Copy the rows of ``other`` but B, renumbered by ``index_map``, over the same pairs'."""
@@ -119,6 +118,10 @@ class ContactRows(Rows):
     def renumber(self, history: dict[str, AnyArray], own: ContactRows, index_map: IndexMap) -> None:  # noqa: ARG002
         """Renumber the pairs in ``history`` by ``index_map``."""
         history["pair"] = index_map.pair[history["pair"]]
+
+    def have(self, count: int) -> None:
+        """Set the number of rows, which kernels do not read off the struct."""
+        self.__dict__["count"] = count
 
     def momentary_velocity(self, grid: Grid, out: FloatArray) -> None:
         """Write B v of the grid's present momentum into ``out`` (n, dim) [m/s]."""

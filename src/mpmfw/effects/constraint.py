@@ -17,6 +17,7 @@ from mpmfw.scene.sides import motion_of, side_labels
 from mpmfw.state.fields import AnyArray, Field, FloatArray
 from mpmfw.state.history import IndexMap
 from mpmfw.state.structs import Body, Grid
+from mpmfw.units import TimeTable
 
 if TYPE_CHECKING:
     from mpmfw.scene.bodies import Side
@@ -51,9 +52,10 @@ class Constraint:
     ledger_term = ("external", "prescribed sides")
     history = ("planes", "works", "impulse", "moved_for", "force", "twist", "moment")
 
-    def __init__(self, setup: Setup, sides: list[tuple[Body, Side]]) -> None:
+    def __init__(self, setup: Setup, sides: list[tuple[Body, Side]], tables: list[TimeTable]) -> None:
         shape, bodies = setup.shape_function, [body for body, _ in sides]
         self.bodies, self.degree, self.state = bodies, shape.boundary_degree, setup.state
+        self.tables = tables  #: of the sides' velocities
         #: Calls in each step that move the body: that of MUSL after the second projection moves nothing.
         self.calls = self.left = 2 if setup.scheme == "usf" else 1
         self.works = np.zeros(len(sides))  #: of each side on its body so far [J/m]
@@ -75,14 +77,13 @@ class Constraint:
         faces = [_face_of(setup, body, side) for body, side in sides]
         #: unit vectors along the body's own axes, (n_sides, dim, dim), one a row
         self.directions = np.array([setup.scene.bodies[body.name].geometry.axes for body in bodies])
-        self.tables = [motion_of(side, setup.dim) for _, side in sides]
         self.planes = _planes(setup, bodies, faces, self.degree, 2 if shape.staggered else 1)
         self.relaxation = RELAXATION if len(self.planes.weight) else 1.0
         along = [axes @ normal for axes, (normal, _) in zip(self.directions, faces, strict=True)]
         own = [int(np.abs(each).argmax()) for each in along]
         signs = np.array([each[k] for each, k in zip(along, own, strict=True)])
         self.along = np.arange(len(sides)), own, signs
-        self._prescribe([table.at(0.0) for table in self.tables])
+        self._prescribe([table.at(0.0) for table in tables])
         self.free = np.flatnonzero(np.isnan(self.speeds)).tolist()
         self.motions = np.zeros(len(sides))
         self.agreed = AGREED * max(body.wave_speed for body in bodies)
@@ -104,8 +105,9 @@ class Constraint:
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
         held = setup.held_sides
-        in_time = any(len(motion_of(side, setup.dim).times) > 1 for _, side in held)
-        made = (ConstraintInTime if in_time else cls)(setup, held)
+        tables = [motion_of(side, setup.dim) for _, side in held]
+        in_time = any(len(table.times) > 1 for table in tables)
+        made = (ConstraintInTime if in_time else cls)(setup, held, tables)
         return Acts(", ".join(f"{body.name} {side.side}" for body, side in held), [made])
 
     def while_settling(self, asked: Settle | None) -> None:
@@ -210,7 +212,7 @@ class Constraint:
 
     @hookimpl
     def end_step(self) -> None:
-        self.planes.place += self.motions
+        np.add(self.planes.place, self.motions, out=self.planes.place)
         self.left, self.listed = self.calls, False
 
     @hookimpl

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from abc import abstractmethod
 from collections.abc import Mapping
+from functools import cached_property
 from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
@@ -149,7 +150,7 @@ class Round(Centred):
     def width(self) -> float:
         return float(2.0 * self.radius)
 
-    @property
+    @cached_property
     def bounds(self) -> FloatArray:
         return np.add(self.centre, [[-self.radius], [self.radius]])
 

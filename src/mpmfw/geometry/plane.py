@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
+from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
@@ -40,7 +41,7 @@ class PlaneGeometry(BodyGeometry):
         """Length of all outlines [m]."""
         return float(self.region.length)
 
-    @property
+    @cached_property
     def bounds(self) -> FloatArray:
         return np.reshape(self.region.bounds, (2, 2))
 

@@ -25,19 +25,19 @@ class Rectangle(Cornered, PlaneGeometry):
     upper: Point2D
     angle: Angle = 0.0
 
-    @property
+    @cached_property
     def axes(self) -> FloatArray:
         """Unit vectors along the edges, one a row (2, 2): sides turn with the rectangle."""
         c, s = np.cos(self.angle), np.sin(self.angle)
         return np.array([[c, s], [-s, c]])
 
-    @property
+    @cached_property
     def corners(self) -> FloatArray:
         """The four corners (4, 2) [m], counter-clockwise."""
         (x0, y0), (x1, y1) = self.lower, self.upper
         return self._turned(np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]]))
 
-    @property
+    @cached_property
     def region(self) -> Any:
         return shapely.Polygon(self.corners)
 

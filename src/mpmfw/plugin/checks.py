@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from importlib.metadata import packages_distributions
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, Any, NoReturn, get_args
 
 import numpy as np
 
@@ -28,10 +28,15 @@ def naming(plugin: Any, place: str, state: State | None = None) -> Iterator[None
     """Turn any exception of a plug-in, except mpmfw's, into that of :func:`failure`."""
     try:
         yield
-    except PASSED_ON:
-        raise
     except BaseException as error:  # SystemExit among them: a plug-in may not end the program
-        raise failure(error, plugin, place, state) from error
+        raise_named(error, plugin, place, state)
+
+
+def raise_named(error: BaseException, plugin: Any, place: str, state: State | None = None) -> NoReturn:
+    """Raise mpmfw's errors and interruptions again, of others that of :func:`failure`."""
+    if isinstance(error, PASSED_ON):
+        raise error
+    raise failure(error, plugin, place, state) from error
 
 
 def failure(error: BaseException, plugin: Any, place: str, state: State | None) -> MpmfwError:

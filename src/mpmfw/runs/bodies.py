@@ -11,7 +11,7 @@ import numpy as np
 
 from mpmfw.errors import SceneError
 from mpmfw.geometry import HalfSpace, Layout, discretise
-from mpmfw.plugin.checks import described, naming
+from mpmfw.plugin.checks import described, raise_named
 from mpmfw.runs.limits import check_box_inside
 from mpmfw.scene.bodies import RigidBody
 from mpmfw.state.fields import AFFINE_FIELD, MOMENT_FIELD, PARTICLE_FIELDS, FloatArray
@@ -26,7 +26,8 @@ if TYPE_CHECKING:
 
 def lay_out(scene: Scene) -> tuple[Layout, ...]:
     """Discretise the bodies; bodies that differ by their centres alone share one layout."""
-    asked = [_alike(body, scene) for body in scene.bodies.values()]
+    kinds = Counter(type(body.geometry) for body in scene.bodies.values())
+    asked = [_alike(body, scene, kinds[type(body.geometry)] > 1) for body in scene.bodies.values()]
     made, times, about_the_origin = [], Counter(asked), functools.cache(discretise)
     for (name, body), alike in zip(scene.bodies.items(), asked, strict=True):
         geometry, particles, segment = alike
@@ -41,11 +42,12 @@ def lay_out(scene: Scene) -> tuple[Layout, ...]:
     return tuple(made)
 
 
-def _alike(body: Any, scene: Scene) -> tuple[Any, Any, float]:
-    """Return geometry about the origin if it has a centre, division and segment length."""
-    centre, geometry = getattr(body.geometry, "centre", None), None
-    if centre is not None:  # made anew: a copy would have what the original has worked out
-        geometry = type(body.geometry)(**{**dict(body.geometry), "centre": (0.0,) * len(centre)})
+def _alike(body: Any, scene: Scene, several: bool) -> tuple[Any, Any, float]:
+    """Return division, segment length, and of one of several with a centre the geometry about the origin."""
+    kind, geometry = type(body.geometry), None
+    if several and "centre" in kind.model_fields:  # made anew: a copy has what the original has worked out
+        keys = {key: getattr(body.geometry, key) for key in kind.model_fields}
+        geometry = kind(**{**keys, "centre": (0.0,) * len(body.geometry.centre)})
     return geometry, body.particles, body.segment_length(scene.grid.cell_size)
 
 
@@ -101,8 +103,10 @@ def make_bodies(
 
 def _moduli(material: Material) -> tuple[float, float]:
     """Return K > 0 and G ≥ 0 of a material [Pa]; raise SceneError for others."""
-    with naming(material, "its moduli"):
+    try:
         bulk, shear = material.bulk_modulus, material.shear_modulus
+    except BaseException as error:
+        raise_named(error, material, "its moduli")
     for name, value, low in (("bulk_modulus", bulk, "above"), ("shear_modulus", shear, "from")):
         number = isinstance(value, int | float | np.number)
         if not number or not 0.0 <= value < np.inf or (value == 0.0 and low == "above"):

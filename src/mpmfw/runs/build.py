@@ -12,7 +12,7 @@ from mpmfw.contact.strategy import ContactStrategy
 from mpmfw.errors import SceneError
 from mpmfw.geometry import BodyGeometry, Layout
 from mpmfw.plugin.base import Material, NamedPlugIn, OutputSeries, ShapeFunction
-from mpmfw.plugin.checks import distribution_text, naming
+from mpmfw.plugin.checks import distribution_text, raise_named
 from mpmfw.plugin.discovery import Kind, full_name, load, object_of, refuse_nameless
 from mpmfw.plugin.hooks import HOOKS
 from mpmfw.plugin.load import Boundary, Load
@@ -248,9 +248,11 @@ def _add_interfaces(setup: Setup) -> None:
 def _plugin(kind: Any, name: Any, options: Any) -> Any:
     plugin = load(kind, name)
     _check_base(kind, plugin)
-    with naming(plugin, "its constructor"):
+    try:
         given = options is not None and hasattr(plugin, "from_options")
         return plugin.from_options(options) if given else plugin()
+    except BaseException as error:
+        raise_named(error, plugin, "its constructor")
 
 
 def _strategy(kind: Kind, given: Any) -> Any:

@@ -29,10 +29,10 @@ def _table(setup: Setup) -> list[tuple[str, str, object, str]]:
     """Return name, ``module:function``, whether the scene needs it, and why not.
 
     The name is empty if the effect writes its lines itself, or has none."""
-    scene, output, several = setup.scene, setup.scene.output, bool(setup.pairs or len(setup.bodies) > 1)
-    contact, rigid = setup.contact, any(body.rigid for body in setup.bodies)
-    tables = [getattr(scene.bodies[body.name], "rigid", None) for body in setup.bodies]
-    pressed = any(getattr(each, key, None) is not None for each in tables for key in ("force", "torque"))
+    scene, output, bodies = setup.scene, setup.scene.output, setup.state.bodies
+    several, contact = bool(setup.state.pairs or len(bodies) > 1), setup.contact
+    rigid = [getattr(scene.bodies[body.name], "rigid", None) for body in bodies if body.rigid]
+    pressed = any(getattr(each, key, None) is not None for each in rigid for key in ("force", "torque"))
     gravity = scene.gravity or (scene.settle and scene.settle.gravity)
     damped = any(scene.materials[name].damping for name in setup.materials)
     slides = setup.whole is None and contact is not None and contact.uses_friction
@@ -46,7 +46,7 @@ def _table(setup: Setup) -> list[tuple[str, str, object, str]]:
         ("forces on rigid bodies", "effects.rigid_forces:RigidForces.from_setup", pressed,
          "no rigid body has a force or torque"),
         ("pairs of rigid bodies", "effects.rigid_pairs:RigidPairs.from_setup",
-         sum(body.rigid for body in setup.bodies) > 1, "no two rigid bodies"),
+         len(rigid) > 1, "no two rigid bodies"),
         ("reaction", "effects.reaction:Reaction.from_setup", rigid, "no rigid body"),
         ("least gap", "effects.surface:GapDiagnostic.from_setup", output.gap and several, no_gap),
         ("surfaces", "effects.surface:SurfaceTracker.from_setup", setup.surface_users,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
@@ -67,7 +68,7 @@ class Side(Table):
     traction: SideTraction | None = None
     force: SideForce | None = None
 
-    @property
+    @functools.cached_property
     def is_loaded(self) -> bool:
         """Return True if the side has a load, and no prescribed motion."""
         return self.pressure is not None or self.traction is not None or self.force is not None

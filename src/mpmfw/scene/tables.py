@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
@@ -38,7 +39,7 @@ class Grid(Table):
     upper: Position
     axisymmetric: bool = False  #: x is the radius, and y the axis
 
-    @property
+    @functools.cached_property
     def dim(self) -> int:
         """Number of space dimensions."""
         return len(self.lower)
@@ -261,7 +262,7 @@ class Tables(Table):
     outputs: Mapping[str, Series] = {}
     reference: Reference | None = None
 
-    @property
+    @functools.cached_property
     def dim(self) -> int:
         """Number of space dimensions."""
         return self.grid.dim

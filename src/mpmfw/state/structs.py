@@ -191,6 +191,8 @@ class Particles(Struct):
 
     def __post_init__(self) -> None:
         self.set()
+        self.count: int = len(self.mass)  #: number of material points
+        self.dim: int = self.position.shape[1]  #: number of space dimensions
 
     @property
     def in_space(self) -> Any:
@@ -204,16 +206,6 @@ class Particles(Struct):
     def times_thickness(self, measure: FloatArray) -> FloatArray:
         """A ``measure`` of the points, such as volume, times the thickness."""
         return measure if self.thickness is None else measure * self.thickness
-
-    @property
-    def count(self) -> int:
-        """Number of material points."""
-        return len(self.mass)
-
-    @property
-    def dim(self) -> int:
-        """Number of space dimensions."""
-        return int(self.position.shape[1])
 
 
 @dataclass(eq=False)
@@ -250,6 +242,8 @@ class Grid(Struct):
     tensor_spacing: tuple[float, ...] = ()  #: as ``spacing``, of the tensors that materials take
 
     def __post_init__(self) -> None:
+        self.dim: int = len(self.spacing)  #: number of space dimensions
+        self.n_fields: int = len(self.window_lower)  #: number of velocity fields
         self.tensor_spacing = (self.cell_size,) * (3 if self.axisymmetric else self.dim)
         self.set()
 
@@ -263,16 +257,6 @@ class Grid(Struct):
     def on_axis(self, position: FloatArray) -> Any:
         """Return which places (…, dim) lie on the axis of bodies of revolution, or beyond it (…,)."""
         return (position[..., 0] < ON_AXIS * self.cell_size) & self.axisymmetric
-
-    @property
-    def dim(self) -> int:
-        """Number of space dimensions."""
-        return len(self.spacing)
-
-    @property
-    def n_fields(self) -> int:
-        """Number of velocity fields."""
-        return len(self.window_lower)
 
     def field_nodes(self, index: int) -> slice:
         """Flat nodes of velocity field ``index``."""
@@ -309,16 +293,8 @@ class Surface(Struct):
 
     def __post_init__(self) -> None:
         self.set()
-
-    @property
-    def count(self) -> int:
-        """Number of surface nodes."""
-        return len(self.tributary)
-
-    @property
-    def on_grid(self) -> int:
-        """Number of nodes that move with the grid, the first ones."""
-        return self.count - self.rigid_nodes
+        self.count = len(self.tributary)  #: number of surface nodes
+        self.on_grid = self.count - self.rigid_nodes  #: of those that move with the grid, the first ones
 
     @property
     def table(self) -> Stencil:

@@ -171,13 +171,15 @@ def _fill_tables(state: State, hook: Any, clock: Clock) -> Stencil:
         if state.rigid is not None:
             position, first = position[: surface.on_grid], first[: len(first) - grid.rigid_fields]
         try:
-            surface.stencil = hook.interpolate_surface(position=position, first=first, grid=grid)
+            table = hook.interpolate_surface(position=position, first=first, grid=grid)
         except OutsideGrid as error:
             raise OutsideGrid(error.index, surface=True) from None
+        if surface.stencil is not table:
+            surface.stencil = table
         if state.self_contact is not None:
             phi = state.self_contact.divide(phi, grid)
         if state.rigid is not None:
-            surface.stencil = state.rigid.with_points(surface.stencil)
+            surface.stencil = state.rigid.with_points(table)
     return phi
 
 

@@ -107,7 +107,7 @@ class OnFacets(Detection):
         """Call a kernel that writes the ``rows``, with more room while it returns −1."""
         while (count := write()) < 0:
             rows.make_room(2 * len(rows.pair), 2 * len(rows.dof))
-        rows.count = count
+        rows.have(count)
 
 
 class Surfaces(OnFacets):
@@ -203,8 +203,8 @@ class Surfaces(OnFacets):
         """Search at x_s(tⁿ), and write a row for each candidate."""
         assert isinstance(rows, SurfaceRows)
         self.count, closest = self.search(), not self.every_facet
-        rows.count = 0
         if self.count == 0:
+            rows.have(0)
             return
         if len(self.place) < len(grid.mass):
             self.place = np.zeros(len(grid.mass), dtype=np.int64)
