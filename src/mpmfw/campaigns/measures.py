@@ -17,12 +17,11 @@ from mpmfw.plugin.discovery import REFERENCES, available, did_you_mean, full_nam
 from mpmfw.plugin.measure import About, Exact, Measure, Measured, Reference
 from mpmfw.results.analysis import fitted_acceleration, force_noise, impulse, value_at
 from mpmfw.results.conservation import dissipation, energy_error, momentum_change
-from mpmfw.results.references import Incline, PressedBlocks, RingsReference, declared, rings_table
+from mpmfw.results.references import Incline, PressedBlocks, declared
 from mpmfw.scene import Scene
 
 Kind: TypeAlias = Literal["number", "curve", "field"]
 Extract: TypeAlias = Callable[[xr.DataTree, Scene, About], Measured | float]
-Known: TypeAlias = Callable[[Scene, About], Exact | None]
 
 
 #: All measures by name.
@@ -34,7 +33,6 @@ def measure(
     unit: str,
     kind: Kind,
     keys: tuple[str, ...] = (),
-    exact: Known = lambda scene, about: None,  # noqa: ARG005
     *,
     norm: Literal["largest", "l2"] = "largest",
     particles: bool = False,
@@ -49,7 +47,7 @@ def measure(
 
         made = {
             "name": name, "unit": unit, "kind": kind, "keys": keys, "norm": norm, "particles": particles,
-            "of": of, "exact": staticmethod(exact), "__doc__": function.__doc__,
+            "of": of, "__doc__": function.__doc__,
             # pickle looks for the function under the class's name
             "__reduce__": lambda self: (measure_of, (self.name,)),
         }  # fmt: skip
@@ -104,7 +102,8 @@ def _exact_along(measure: Measure, scene: Scene, about: About) -> Exact | None:
     if scene.reference is not None and scene.reference.kind not in REFERENCES:
         made: Reference = _made("reference", scene.reference.kind, Reference)
         return made.exact(scene, measure.name, about)
-    return measure.exact(scene, about)
+    known = declared(scene)
+    return measure.exact(scene, about) if known is None else known.exact(measure.name, about)
 
 
 def _incline(scene: Scene) -> Incline | None:
@@ -161,22 +160,6 @@ def _of_pair(name: str, run: xr.DataTree, about: About) -> xr.DataArray | None:
     return series[name].sel(pair=about.pair) if name in series else None
 
 
-def _from_rest(scene: Scene, about: About) -> Incline | None:
-    known = declared(scene)
-    if not isinstance(known, Incline):
-        return None
-    return known if about.axis in (None, "x") and about.body in (None, known.body) else None
-
-
-def _down_the_plane(value: Callable[[Incline], float]) -> Known:
-    def exact(scene: Scene, about: About) -> Exact | None:
-        known = _from_rest(scene, about)
-        number = value(known) if known else 0.0
-        return Exact("closed-form", known.says, lambda _: np.array([number])) if known and number else None
-
-    return exact
-
-
 def _until(scene: Scene) -> float:
     known = _incline(scene)
     return known.until if known else float(scene.time.end)
@@ -185,39 +168,21 @@ def _until(scene: Scene) -> float:
 # -- numbers
 
 
-@measure(
-    "end-displacement",
-    "m",
-    "number",
-    ("body", "axis"),
-    _down_the_plane(lambda one: 0.5 * one.solution.acceleration * one.until * one.until),
-)
+@measure("end-displacement", "m", "number", ("body", "axis"))
 def end_displacement(run: xr.DataTree, scene: Scene, about: About) -> float:
     """Displacement of a body's centre at the end, or when a rolling one's closed form has moved 10 m."""
     moved = _displacement(run, about)
     return value_at(moved.time, moved.values, _until(scene))
 
 
-@measure(
-    "acceleration",
-    "m s-2",
-    "number",
-    ("body", "axis"),
-    _down_the_plane(lambda one: one.solution.acceleration),
-)
+@measure("acceleration", "m s-2", "number", ("body", "axis"))
 def acceleration(run: xr.DataTree, scene: Scene, about: About) -> float:
     """Acceleration of a body's centre, from a least-squares parabola over the last 80 % of the time."""
     moved, end = _displacement(run, about), _until(scene)
     return fitted_acceleration(moved.time, moved.values, 0.2 * end, end)
 
 
-@measure(
-    "spin",
-    "rad s-1",
-    "number",
-    ("body",),
-    _down_the_plane(lambda one: one.solution.angular_acceleration * one.until),
-)
+@measure("spin", "rad s-1", "number", ("body",))
 def spin(run: xr.DataTree, scene: Scene, about: About) -> float:
     """Angular velocity of a body at the end, or when the closed form of a rolling one has moved by 10 m."""
     series = run["series"].to_dataset()
@@ -264,40 +229,13 @@ def change_of_momentum(run: xr.DataTree, scene: Scene, about: About) -> float:  
 # -- curves
 
 
-def _parabola(scene: Scene, about: About) -> Exact | None:
-    known = _from_rest(scene, about)
-    if known is None:
-        return None
-    a = known.solution.acceleration
-    return Exact("closed-form", known.says, lambda time: 0.5 * a * time**2)
-
-
-@measure("displacement", "m", "curve", ("body", "axis"), _parabola)
+@measure("displacement", "m", "curve", ("body", "axis"))
 def displacement(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # noqa: ARG001
     """Displacement of a body's centre over time."""
     return _displacement(run, about)
 
 
-def _rings_curve(table: str, column_name: str, pair: str | None, about: About, scene: Scene) -> Exact | None:
-    known = declared(scene)
-    if (
-        not isinstance(known, RingsReference)
-        or about.axis not in (None, "x")
-        or pair not in (None, f"{known.first}-{known.second}")
-    ):
-        return None
-    columns = rings_table(table)
-    curve = columns[column_name]
-    return Exact("reference", known.says, lambda time: np.interp(time, columns["time"], curve))
-
-
-@measure(
-    "impulse",
-    "N s m-1",
-    "curve",
-    ("pair", "axis"),
-    lambda scene, about: _rings_curve("force", "fine_impulse_Ns_per_m", about.pair, about, scene),
-)
+@measure("impulse", "N s m-1", "curve", ("pair", "axis"))
 def impulse_curve(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # noqa: ARG001
     """Impulse of the contact force on the second body of a pair over time."""
     time = run["series"].to_dataset()["time"].values
@@ -307,15 +245,7 @@ def impulse_curve(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # 
     return Measured(impulse(time, -force.sel(axis=about.axis).values), time)
 
 
-@measure(
-    "kinetic-energy",
-    "J m-1",
-    "curve",
-    ("body",),
-    lambda scene, about: (
-        _rings_curve("energy", "fine_kinetic_J_per_m", None, about, scene) if about.body is None else None
-    ),
-)
+@measure("kinetic-energy", "J m-1", "curve", ("body",))
 def kinetic_energy(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # noqa: ARG001
     """Kinetic energy of all bodies, or of the named one, over time."""
     series = run["series"].to_dataset()
@@ -327,14 +257,7 @@ def kinetic_energy(run: xr.DataTree, scene: Scene, about: About) -> Measured:  #
 # -- fields
 
 
-def _uniform(scene: Scene, about: About) -> Exact | None:  # noqa: ARG001
-    known = declared(scene)
-    if not isinstance(known, PressedBlocks):
-        return None
-    return Exact("closed-form", known.says, lambda _: np.array([-known.pressure]))
-
-
-@measure("interface-stress", "Pa", "field", (), _uniform, norm="l2", particles=True)
+@measure("interface-stress", "Pa", "field", norm="l2", particles=True)
 def interface_stress(run: xr.DataTree, scene: Scene, about: About) -> Measured:  # noqa: ARG001
     """Vertical stress after settling of the material points within a cell of two blocks' interface."""
     known = declared(scene)

@@ -6,6 +6,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
+import numpy as np
+
+from mpmfw.errors import SceneError
 from mpmfw.state.fields import FloatArray
 
 if TYPE_CHECKING:
@@ -40,6 +43,11 @@ class Exact:
     says: str  #: what it is, for a reader
     at: Callable[[FloatArray], FloatArray]  #: the value at times (n,) [s]
 
+    @classmethod
+    def number(cls, value: float | None, says: str) -> Exact | None:
+        """Return a closed form of one ``value``; None of None."""
+        return None if value is None else cls("closed-form", says, lambda _: np.array([value]))
+
 
 class Measure:
     """Base class of measures; the docstring is the meaning of the quantity."""
@@ -71,6 +79,11 @@ class Reference:
 
     name: ClassVar[str]  #: in scenes
     example: ClassVar[Mapping[str, Any]] = {}  #: scene of its kind that the checks compare with a run
+
+    def need(self, holds: bool, expected: str) -> None:
+        """Refuse the scene unless a condition ``holds``."""
+        if not holds:
+            raise SceneError(f"reference.kind: '{self.name}' does not apply: {expected}")
 
     def exact(self, scene: Scene, measure: str, about: About) -> Exact | None:
         """Return the exact value of a ``measure``; None if it is not known."""
