@@ -10,8 +10,8 @@ import functools
 import itertools
 import math
 import re
-from collections.abc import Iterator, Sequence
-from typing import Annotated, Any
+from collections.abc import Callable, Iterator, Sequence
+from typing import Annotated, Any, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -198,45 +198,40 @@ class TimeTable:
         return np.asarray(np.diff(times) @ (0.5 * (values[1:] + values[:-1])) / (times[-1] - times[0]))
 
 
+def alternatives(form_of: Callable[[Any], str], **forms: Any) -> Any:
+    """Return the annotation of a value in one of several ``forms``; ``form_of`` names the form of a value."""
+    tagged = tuple(Annotated[annotation, Tag(name)] for name, annotation in forms.items())
+    return Annotated[Union[tagged], Discriminator(form_of)]  # noqa: UP007
+
+
+def array_of(entry: Any, least: int, most: int | None = None) -> Any:
+    """Return the annotation of an array of ``least`` entries or more, a list or a tuple."""
+    return Annotated[tuple[entry, ...], Strict(False), Field(min_length=least, max_length=most)]
+
+
 def number_in_time(quantity: Any) -> Any:
     """Return the annotation of a ``quantity`` that is constant, or rows (t, value)."""
-    rows = tuple[Annotated[tuple[Time, quantity], Strict(False)], ...]  # type: ignore[valid-type]
-    return Annotated[
-        Annotated[quantity, Tag("single")]
-        | Annotated[rows, Strict(False), Field(min_length=2), Tag("array")],
-        Discriminator(array_or_single),
-    ]
+    row = Annotated[tuple[Time, quantity], Strict(False)]  # type: ignore[valid-type]
+    return alternatives(array_or_single, single=quantity, array=array_of(row, 2))
 
 
 def vector_in_time(quantity: Any) -> Any:
     """Return the annotation of a vector of a ``quantity``: constant, or rows (t, x, y[, z])."""
-    rows = tuple[row_in_time(quantity), ...]  # type: ignore[misc, valid-type]
-    vector = tuple[quantity, ...]
-    return Annotated[
-        Annotated[vector, Strict(False), Field(min_length=2, max_length=3), Tag("vector")]
-        | Annotated[rows, Strict(False), Field(min_length=2), Tag("rows")],
-        Discriminator(_vector_or_rows),
-    ]
+    vector, rows = array_of(quantity, 2, 3), array_of(row_in_time(quantity), 2)
+    return alternatives(_vector_or_rows, vector=vector, rows=rows)
 
 
 def axial_in_time(quantity: Any) -> Any:
     """Return the annotation of a ``quantity`` about axes: a number in 2D, a vector in 3D; or rows in time."""
-    row: Any = row_in_time(quantity, in_plane=1)
-    return Annotated[
-        Annotated[quantity, Tag("single")]
-        | Annotated[tuple[quantity, quantity, quantity], Strict(False), Tag("vector")]
-        | Annotated[tuple[row, ...], Strict(False), Field(min_length=2), Tag("rows")],
-        Discriminator(axial_form),
-    ]
+    vector, row = array_of(quantity, 3, 3), row_in_time(quantity, in_plane=1)
+    return alternatives(axial_form, single=quantity, vector=vector, rows=array_of(row, 2))
 
 
 def row_in_time(quantity: Any, in_plane: int = 2) -> Any:
     """Return the annotation of a row (t, x, y, z) of a ``quantity``, or of fewer components ``in_plane``."""
     short, long = (tuple[(Time, *[quantity] * count)] for count in (in_plane, 3))  # type: ignore[misc, valid-type]
-    return Annotated[
-        Annotated[short, Strict(False), Tag("two")] | Annotated[long, Strict(False), Tag("three")],
-        Discriminator(length_of_row),
-    ]
+    two, three = Annotated[short, Strict(False)], Annotated[long, Strict(False)]
+    return alternatives(length_of_row, two=two, three=three)
 
 
 def problems_in_time(given: Any, components: int) -> Iterator[tuple[tuple[int, ...], str]]:

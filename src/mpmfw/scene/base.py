@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
+from pydantic import BaseModel, ConfigDict, Field, Strict
 
 from mpmfw.units import (
     Acceleration,
@@ -16,6 +16,8 @@ from mpmfw.units import (
     Time,
     Torque,
     Velocity,
+    alternatives,
+    array_of,
     array_or_single,
     axial_in_time,
     number_in_time,
@@ -45,29 +47,17 @@ VelocityVector = Annotated[tuple[Velocity, ...], Strict(False), _PLANE_OR_SPACE]
 AccelerationVector = Annotated[tuple[Acceleration, ...], Strict(False), _PLANE_OR_SPACE]
 
 #: A number in 2D, a vector in 3D.
-Spin = Annotated[
-    Annotated[AngularVelocity, Tag("single")]
-    | Annotated[tuple[AngularVelocity, AngularVelocity, AngularVelocity], Strict(False), Tag("array")],
-    Discriminator(array_or_single),
-]
+Spin = alternatives(array_or_single, single=AngularVelocity, array=array_of(AngularVelocity, 3, 3))
 
 #: ``true`` for all components, or the components that are fixed.
-FixedComponents = Annotated[
-    Annotated[Literal[True], Tag("single")]
-    | Annotated[tuple[Axis, ...], Strict(False), Field(min_length=1, max_length=3), Tag("array")],
-    Discriminator(array_or_single),
-]
+FixedComponents = alternatives(array_or_single, single=Literal[True], array=array_of(Axis, 1, 3))
 
 #: ``"centre_of_mass"`` of every body, or one point.
-MomentPoint = Annotated[
-    Annotated[Literal["centre_of_mass"], Tag("single")] | Annotated[Position, Tag("array")],
-    Discriminator(array_or_single),
-]
+MomentPoint = alternatives(array_or_single, single=Literal["centre_of_mass"], array=Position)
 
-_Component = Annotated[
-    Annotated[Literal["free"], Tag("free")] | Annotated[Velocity, Tag("value")],
-    Discriminator(lambda value: "free" if value == "free" else "value"),
-]
+_Component = alternatives(
+    lambda value: "free" if value == "free" else "value", free=Literal["free"], value=Velocity
+)
 #: Velocity of a side, or rows (t, v_x, v_y[, v_z]); ``"free"`` for a component that is left to the body.
 SideVelocity = vector_in_time(_Component)
 
