@@ -79,18 +79,6 @@ class SimulationError(MpmfwError):
         super().__init__(message + (f". Try: {advice}" if advice else ""))
 
 
-class Diverged(SimulationError):
-    """A point inverted, or a value became NaN; the simulation adds the advice, which depends on the
-    methods.
-    """
-
-    def with_advice(self, advice: str) -> SimulationError:
-        """Return the same error with ``advice``."""
-        return SimulationError(
-            self.what, body=self.body, index=self.index, position=self.position, time=self.time, advice=advice
-        )
-
-
 class PastStabilityLimit(SimulationError):
     """A step became longer than a stability limit."""
 
@@ -131,6 +119,14 @@ def status_code(status: str) -> str:
 def is_complete(status: str) -> bool:
     """Return whether a run with this status came to its end: ``ok``, or ``suspect: …``."""
     return status_code(status) in ("ok", "suspect")
+
+
+class Diverged(Exception):
+    """A point inverted, or a value became NaN; carries its index."""
+
+    def __init__(self, what: str, index: int) -> None:
+        super().__init__(what)
+        self.index = index
 
 
 class OutsideGrid(Exception):

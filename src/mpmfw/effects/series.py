@@ -130,7 +130,7 @@ class StrainEnergies:
         """(body,) [J/m]."""
         moment = state.steps, state.time
         if moment != self._moment:
-            self._energies = self._sums(state, "energy_of_points")
+            self._energies = state.energies(by_points("energy_of_points", self.materials, state))
             self._moment = moment
         return self._energies
 
@@ -141,14 +141,18 @@ class StrainEnergies:
 
     def dissipated(self, state: State) -> FloatArray:
         """Return the energy lost by materials since time zero (body,) [J/m]."""
-        return self._sums(state, "dissipated_by_points")
+        return state.energies(by_points("dissipated_by_points", self.materials, state))
 
-    def _sums(self, state: State, density: str) -> FloatArray:
-        values = np.empty(state.particles.count)
-        for material in self.materials:
-            for own in material.slices:
-                values[own] = of_points(density, material, state, own)
-        return state.energies(values)
+
+def by_points(
+    method: str, materials: tuple[Any, ...], state: State, shape: tuple[int, ...] = ()
+) -> FloatArray:
+    """Return what the ``materials`` give of all points (n, *shape)."""
+    values = np.empty((state.particles.count, *shape))
+    for material in materials:
+        for own in material.slices:
+            values[own] = of_points(method, material, state, own)
+    return values
 
 
 class BodySeries:
@@ -243,13 +247,9 @@ class VonMises:
         """sqrt(3/2 s:s), (n,) [Pa]."""
         if not points:
             return {}
-        values = np.empty(state.particles.count)
-        for material in self.materials:
-            for own in material.slices:
-                stress = of_points("stress_of_points", material, state, own)
-                deviator = stress - np.trace(stress, axis1=1, axis2=2)[:, None, None] / 3.0 * np.eye(3)
-                values[own] = np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator))
-        return {"von_mises": values}
+        stress = by_points("stress_of_points", self.materials, state, (3, 3))
+        deviator = stress - np.trace(stress, axis1=1, axis2=2)[:, None, None] / 3.0 * np.eye(3)
+        return {"von_mises": np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator))}
 
 
 _MEAN = "mean length of the steps since the last output"

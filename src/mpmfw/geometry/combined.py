@@ -19,7 +19,7 @@ from mpmfw.geometry.polygon import Polygon, Rectangle, polygon_mesh
 from mpmfw.geometry.solid import SolidGeometry, Surfaces, joined
 from mpmfw.geometry.solids import Ball, Box
 from mpmfw.geometry.surface_checks import shells_of
-from mpmfw.geometry.surface_mesh import subdivided_triangles
+from mpmfw.geometry.surface_mesh import divided_shells
 
 #: Turn of an outline [rad] from which a node is a corner: circles are polygons of 4 096 nodes.
 CORNER = 0.01
@@ -118,11 +118,7 @@ class Solid(SolidGeometry):
     def surfaces(self, edge: float) -> Surfaces:
         """Nodes (n, 3) [m] and triangles (k, 3) of every closed surface, sides up to ``edge`` [m]."""
         nodes, facets = self._combined(edge, NEAR * edge)
-        found = []
-        for shell in shells_of(facets, len(nodes)):
-            used, own = np.unique(facets[shell], return_inverse=True)
-            found.append(subdivided_triangles(nodes[used], own.reshape(-1, 3).astype(np.int64), edge))
-        return tuple(found)
+        return divided_shells(nodes, facets, shells_of(facets, len(nodes)), edge)
 
     def _combined(self, edge: float, near: float = 0.0) -> tuple[FloatArray, IntArray]:
         try:

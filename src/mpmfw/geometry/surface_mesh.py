@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import logging
+from collections.abc import Iterable
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Literal, Self
@@ -92,16 +93,20 @@ class SurfaceMesh(TurnedSolid):
 
     def surfaces(self, edge: float) -> Surfaces:
         """Nodes (n, 3) [m] and triangles (k, 3) of every closed part, sides up to ``edge`` [m]."""
-        nodes, facets = self.fine_surface
-        found = []
-        for shell in self.shells:
-            used, own = np.unique(facets[shell], return_inverse=True)
-            found.append(subdivided_triangles(nodes[used], own.reshape(-1, 3).astype(np.int64), edge))
-        return tuple(found)
+        return divided_shells(*self.fine_surface, self.shells, edge)
 
     def lattice(self, size: float, offset: tuple[float, ...]) -> Layout:
         """Cubic cells cut by the file's triangles as they are."""
         return solid_lattice(*self.fine_surface, size, offset)
+
+
+def divided_shells(nodes: FloatArray, facets: IntArray, shells: Iterable[IntArray], edge: float) -> Surfaces:
+    """Return the closed surfaces that ``shells`` number, with sides up to ``edge`` [m]."""
+    used = (np.unique(facets[shell], return_inverse=True) for shell in shells)
+    return tuple(
+        subdivided_triangles(nodes[numbers], own.reshape(-1, 3).astype(np.int64), edge)
+        for numbers, own in used
+    )
 
 
 def subdivided_triangles(nodes: FloatArray, facets: IntArray, edge: float) -> tuple[FloatArray, IntArray]:

@@ -185,7 +185,8 @@ class Simulation:
         try:
             state.dt = self._step(state, self.hook, self.transfer, self.clock, length)
         except Diverged as error:
-            raise error.with_advice("; ".join(self.setup.remedies.values())) from None
+            advice = "; ".join(self.setup.remedies.values())
+            raise state.error_at(error.index, str(error), advice=advice) from None
         state.time, state.steps = time + state.dt, steps + 1
 
     @contextlib.contextmanager

@@ -376,15 +376,14 @@ class State:
         return {key: self.arrays[key] for key, dims in self.dims.items() if of_bodies.intersection(dims[:1])}
 
     def error_at(
-        self, index: int, text: str, *, surface: bool = False, kind: type[SimulationError] = SimulationError,
-        advice: str | None = None,
-    ) -> SimulationError:  # fmt: skip
+        self, index: int, text: str, *, surface: bool = False, advice: str | None = None
+    ) -> SimulationError:
         """Return the error of a material point, or a ``surface`` node: body, index there, place, time."""
         position, first = self.particles.position, [body.particles.start for body in self.bodies]
         if surface:
             position, first = self.tracked_surface.position, self.tracked_surface.body_first[:-1].tolist()
         own = bisect.bisect_right(first, index) - 1  # a rigid body, which has no points, starts at the end
-        return kind(
+        return SimulationError(
             text, body=self.bodies[own].name, index=index - first[own],
             position=position[index].tolist(), time=self.time, advice=advice,
         )  # fmt: skip

@@ -283,4 +283,4 @@ def update_deformation(state: State, dt: float) -> None:
         return
     jacobian = p.volume[bad] / p.initial_volume[bad]
     inverted = f"a material point inverted (det F = {jacobian:.3g})"
-    raise state.error_at(bad, inverted if jacobian == jacobian else "a value became NaN", kind=Diverged)
+    raise Diverged(inverted if jacobian == jacobian else "a value became NaN", bad)
