@@ -14,7 +14,7 @@ settings.load_profile("tests")
 
 
 #: The files that take longest. Workers begin with them, so that none is left over at the end.
-LONGEST = ("test_conformance", "test_hard_cases")
+LONGEST = ("test_conformance", "test_hard_cases", "test_tutorial", "test_contact", "test_validation")
 
 
 def pytest_collection_modifyitems(items):

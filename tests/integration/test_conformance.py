@@ -157,7 +157,10 @@ def outcome(plugin, name, kind="contact", pictures=None, **options):
 #: of the last. The other laws are asked these checks, and the rest in the long form; that runs repeat is in
 #: test_threads.
 ASKED_EVERYTHING = ("penalty", "bardenhagen", "lcp")
-LONG = {"lcp": ("time-step", "step-length", "no-growth", "shapes", "three-dimensions")}
+LONG = {
+    "lcp": ("time-step", "step-length", "no-growth", "shapes", "three-dimensions"),
+    "bardenhagen": ("relabelling", "step-length", "three-dimensions"),
+}
 ASKED_OF_ALL = {
     *("runs", "saved", "restart", "sent", "options", "reports", "equal-and-opposite"),
     *("moment-balance", "pushes-apart", "no-adhesion", "coulomb-cone", "frictionless", "sticking"),

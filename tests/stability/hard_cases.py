@@ -89,7 +89,7 @@ class Case:
 NEAR = (1.25, 1.05)
 
 CASES: dict[str, Case] = {
-    "stiffness-10000": Case(lambda: plane.soft_and_stiff(1e4), 1500),
+    "stiffness-10000": Case(lambda: plane.soft_and_stiff(1e4), 1500 if FULL else 1000),
     "density-1000": Case(lambda: plane.impact(other=plane.solid(density=1e3))),
     "corner-flat": Case(plane.corner_on_flat, depth=0.5),
     "corner-corner": Case(plane.corner_on_corner, depth=0.5),
@@ -103,7 +103,7 @@ CASES: dict[str, Case] = {
     "three-at-a-node": Case(plane.three_at_a_node),
     "stack": Case(plane.stack, free=False, check=stays),
     "oblique": Case(plane.oblique, 100, depth=0.5),
-    "long-rest": Case(plane.long_rest, 100000 if FULL else 1000, free=False, check=stays),
+    "long-rest": Case(plane.long_rest, 100000 if FULL else 600, free=False, check=stays),
     "long-sliding": Case(plane.long_sliding, 8500 if FULL else 850, free=False),
     "spin": Case(plane.spin, depth=0.2),
     "parting": Case(plane.parting, check=parts_freely),

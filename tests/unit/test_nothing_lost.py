@@ -14,6 +14,7 @@ from mpmfw.scene.toml_text import toml_text
 from scenes_for_tests import one_body, two_blocks
 
 MINE = "years of work\n"
+NONE = ("--contact", "none", "--shape", "linear")
 SCENE = two_blocks("none", time__end=2e-4, time__output_interval=1e-4, shape__method="linear")
 
 
@@ -44,7 +45,7 @@ def said(*arguments, status):
         (("plot", "a.nc"), "a.png"),
         (("animate", "a.nc"), "a.gif"),
         (("export", "a.nc", "-o", "out"), "out/a-points/00001.vtu"),
-        (("compare", "s.toml", "--shape", "linear", "-o", "c.nc", "--report", "c.html"), "c.html"),
+        (("compare", "s.toml", *NONE, "-o", "c.nc", "--report", "c.html"), "c.html"),
     ],
 )
 def test_figures_pages_and_exports_are_replaced_by_force_alone(folder, command, target):
@@ -89,7 +90,7 @@ def test_a_checkpoint_without_its_results_is_not_dropped_unasked(folder):
 @pytest.mark.parametrize(
     ("command", "target"),
     [
-        (("compare", "s.toml", "-o", "c.nc"), "c.nc"),
+        (("compare", "s.toml", *NONE, "-o", "c.nc"), "c.nc"),
         (("export", "a.nc", "-o", "out"), "a-points.pvd"),
     ],
 )
@@ -115,7 +116,7 @@ def test_an_empty_folder_beside_results_lets_nothing_be_replaced(folder):
         "run", "s.toml", "-o", "a.nc", status=2
     )
     assert os.stat("a.nc").st_mtime_ns == before
-    command = ("compare", "s.toml", "--shape", "linear", "-o", "c.nc")
+    command = ("compare", "s.toml", *NONE, "-o", "c.nc")
     said(*command, status=0)
     said(*command, status=0)  # its finished runs lie beside it
     for path in Path("c.nc.runs").iterdir():
@@ -126,7 +127,8 @@ def test_an_empty_folder_beside_results_lets_nothing_be_replaced(folder):
 
 
 @pytest.mark.parametrize(
-    "command", [("run", "s.toml", "-o", "c.nc", "--checkpoint", "0"), ("compare", "s.toml", "-o", "c.nc")]
+    "command",
+    [("run", "s.toml", "-o", "c.nc", "--checkpoint", "0"), ("compare", "s.toml", *NONE, "-o", "c.nc")],
 )
 def test_files_that_are_called_as_half_written_ones_stay(folder, command):
     mine = [folder / f"c.nc{ending}" for ending in (".part", ".checkpoint.part", ".checkpoint.results")]
@@ -140,7 +142,7 @@ def test_files_that_are_called_as_half_written_ones_stay(folder, command):
 def test_links_are_followed_and_loops_are_named(folder):
     (folder / "real").mkdir()
     (folder / "c.nc").symlink_to("real/c.nc")
-    said("compare", "s.toml", "-o", "c.nc", status=0)
+    said("compare", "s.toml", *NONE, "-o", "c.nc", status=0)
     assert (folder / "c.nc").is_symlink()
     assert (folder / "real/c.nc").is_file()
     (folder / "l.nc").symlink_to("l.nc")

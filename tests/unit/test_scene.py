@@ -171,14 +171,6 @@ def test_all_problems_are_listed_in_the_file_s_order(scene_file):
     assert [line.startswith(start) for line, start in zip(lines, starts, strict=True)] == [True] * 4
 
 
-def test_each_of_many_problems_has_its_line(scene_file):
-    unknown = "".join(f"k{k} = 1\n" for k in range(60))
-    lines = refusal(scene_file(("end = 1\n", f"end = 1\n{unknown}"))).splitlines()
-    assert [line.partition(": unknown")[0] for line in lines] == [
-        f"s.toml:{10 + k}: time.k{k}" for k in range(60)
-    ]
-
-
 @pytest.mark.parametrize(
     ("key", "place"),
     [
@@ -253,11 +245,3 @@ def test_gravity_in_time_is_linear_between_rows_and_constant_outside():
     assert [gravity.at(t)[1] for t in (-1.0, 0.5, 2.0)] == [0.0, -5.0, -10.0]
     mapping["gravity"]["table"].append([0.5, 0, 0])
     assert refusal(mapping).startswith("gravity.table[2]: times must increase")
-
-
-def test_settling_needs_a_load():
-    mapping = tomllib.loads(TEXT)
-    mapping["settle"] = {}
-    load_scene(mapping)
-    del mapping["gravity"]
-    assert refusal(mapping).startswith("settle: has no effect")
