@@ -90,7 +90,15 @@ TOGETHER = MASSES[0] * MASSES[1] / sum(MASSES)
 
 
 def impulse(
-    *, gap: float, approach: float, dt: float, slip: float = 0.0, friction: float = 0.0, moves: bool = True
+    *,
+    gap: float,
+    approach: float,
+    dt: float,
+    slip: float = 0.0,
+    friction: float = 0.0,
+    moves: bool = True,
+    work: np.ndarray | None = None,
+    projected: bool = False,
 ) -> np.ndarray:
     """On the first of two nodes that approach along x by ``approach`` [m/s] and slip along y."""
     law = HybridContact()
@@ -105,7 +113,7 @@ def impulse(
         momentum=np.array([[MASSES[0] * approach, MASSES[0] * slip], [0.0, 0.0]]),
         spacing=(1.0, 1.0),
     )
-    law.impulses(rows, grid, np.zeros(1) if moves else None, projected=False)
+    law.impulses(rows, grid, (np.zeros(1) if work is None else work) if moves else None, projected=projected)
     return rows.force[0].copy()
 
 
@@ -114,6 +122,16 @@ def impulse(
 def test_the_impulse_is_the_lesser_of_spring_and_approach(gap: float, dt: float) -> None:
     expected = min(MODULUS * AREA * -gap * dt, TOGETHER * 0.5)
     np.testing.assert_allclose(impulse(gap=gap, approach=0.5, dt=dt), [-expected, 0.0], rtol=1e-13)
+
+
+@pytest.mark.parametrize("projected", [False, True])
+def test_friction_works_on_the_slip_of_the_end_or_on_the_mean(projected: bool) -> None:
+    """The mean is that of a momentum that was projected once more."""
+    work, common = np.zeros(1), {"gap": -0.1, "approach": 0.5, "dt": 1.0, "slip": 2.0, "friction": 0.3}
+    tangential = abs(impulse(**common, work=work, projected=projected)[1])
+    after = 2.0 - tangential / TOGETHER
+    assert 0.0 < after < 1.9
+    assert work == pytest.approx(tangential * (0.5 * (2.0 + after) if projected else after), rel=1e-12)
 
 
 def test_bodies_that_only_touch_exchange_nothing() -> None:
