@@ -130,19 +130,39 @@ def bar(cells):
     return revolved(cell, body, 8e-5, 4e-6, (3.2 * radius, 1.1 * length), (0.0, -4.0 * cell), copper)
 
 
+def quarter(cells):
+    """Return a quarter of the same bar in space, between two smooth planes of symmetry; the axis is z."""
+    made, radius, lower = bar(cells), 3.2e-3, -4.0 * 3.2e-3 / cells
+    angle = np.linspace(0.0, 0.5 * np.pi, 6 * cells + 1)
+    arc = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1).round(12)
+    outline = {"type": "polygon", "points": [[0.0, 0.0], *arc.tolist()]}
+    made["bodies"]["solid"] |= {
+        "geometry": {"type": "extrusion", "outline": outline, "low": 0.0, "high": 32.4e-3},
+        "velocity": [0.0, 0.0, -227.0],
+        "sides": fixed(left="x", bottom="y", back="z"),
+    }
+    upper = [3.2 * radius, 3.2 * radius, 36e-3]
+    made["grid"] = {"cell_size": radius / cells, "lower": [lower] * 3, "upper": upper}
+    return made
+
+
 def upset(tree):
-    """Return the final ``length`` and radius of the ``foot`` [mm], half a point beyond the outermost ones,
-    and the energy that is ``lost`` beyond plastic flow and the transfer, over the start [%]."""
+    """Return the final ``length`` and extent of the ``foot`` along x [mm], half a point beyond the outermost
+    ones, the energy that is ``lost`` beyond plastic flow and the transfer, over the start [%], and the share
+    of CPDI's domains that are degenerate, and ``replaced`` [%]."""
     points = tree["particles/solid"].to_dataset()
     series, half = tree["series"].to_dataset(), 0.25 * float(tree.attrs["cell_size"])
     last, stretch = points.isel(time=-1), points["deformation_gradient"].values[-1]
-    radius, height = last["position"].values.T
+    radius, height = last["position"].values[:, [0, -1]].T
     outer, upper = int(radius.argmax()), int(height.argmax())
+    edges = np.linalg.norm(stretch, axis=1)
+    far = (np.abs(np.log(edges)) > np.log(4.0)).any(axis=1)
     return {
-        "length": 1e3 * float(height[upper] + half * stretch[upper, 1, 1]),
+        "length": 1e3 * float(height[upper] + half * stretch[upper, -1, -1]),
         "foot": 1e3 * float(radius[outer] + half * stretch[outer, 0, 0]),
         "lost": 100.0
         * abs(float(series["energy_residual"].values[-1] / series["total_energy"].values[0, 0])),
+        "replaced": 100.0 * float(np.mean(far | (np.linalg.det(stretch) < 0.5 * edges.prod(axis=1)))),
     }
 
 

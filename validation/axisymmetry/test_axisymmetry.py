@@ -37,6 +37,12 @@ bar = Runs(
         Place("10 cells in the radius", make={"cells": 10}, when="full"),
     ],
 )
+quarter = Runs(
+    "quarter",
+    revolved.quarter,
+    methods([""], when="full"),
+    [Place("6 cells in the radius, a quarter in space", make={"cells": 6})],
+)
 falling = Runs("falling", revolved.ball, methods(["lcp"]), [Place("R/h = 20", make={"cells": 20})])
 EIGHT = {"make": {"cells": 8}, "when": "full"}
 coarse = Runs("coarse", revolved.ball, methods(["lcp"]), [Place("R/h = 8", **EIGHT)])
@@ -106,7 +112,7 @@ def test_falling(run):
     )
 
 
-@bar
+@each(bar, quarter)
 def test_bar(run):
     run.gates(
         revolved.upset,
@@ -115,6 +121,8 @@ def test_bar(run):
         ("energy that no term accounts for, over the start, {at}", "lost", 0.0, 1.0, "%"),
         binds=run.method.matches("cpdi"),
     )
+    if run.method.matches("cpdi"):
+        run.gates(revolved.upset, ("degenerate domains, {at}", "replaced", 0.0, 10.0, "%"))
 
 
 @each(coarse, space)
