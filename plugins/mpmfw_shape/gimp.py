@@ -14,7 +14,7 @@ from mpmfw.api.types import (
     Setup,
     Stencil,
     hookimpl,
-)  # fmt: skip
+)
 from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.lanes import floor, positive
 from mpmfw.kernels.products import NODES, WIDTH, fill_factors
