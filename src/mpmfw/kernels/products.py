@@ -173,8 +173,8 @@ def _project(
         for a in range(WIDTH):
             for b in range(1 if in_plane else WIDTH):
                 i = _line(factors, p, a, b, slope, moment, spacing)
-                if slope[0, last] == 0.0:
-                    continue  # the domain does not reach the line
+                if not in_plane and slope[0, last] == 0.0:
+                    continue  # the domain does not reach the line; in the plane the branch costs more
                 share = slope[0, last]
                 set_scaled_row(value, 0, share, velocity, 0, spacing)
                 if affine is not None:
@@ -242,8 +242,8 @@ def gather(
         for a in range(WIDTH):
             for b in range(1 if in_plane else WIDTH):
                 i = _line(factors, p, a, b, slope, moment, spacing)
-                if slope[0, last] == 0.0:
-                    continue  # the domain does not reach the line
+                if not in_plane and slope[0, last] == 0.0:
+                    continue  # the domain does not reach the line; in the plane the branch costs more
                 for d in range(len(spacing)):
                     mean[0, d] = mean_start[0, d] = rate[0, d] = first_moment[0, d] = 0.0
                 for c in range(WIDTH):
