@@ -68,11 +68,11 @@ class ContactRows(Rows):
             shape = (0 if name in self._without else length, *(self.dim,) * (name in _VECTORS))
             arrays[name] = np.zeros(shape, dtype="i8" if name in _INTEGERS else "f8")
         arrays["response"] = getattr(self, "response", np.zeros((0, self.dim, self.dim + 1, self.dim)))
-        self.set(**arrays)
         own = {
             name: np.zeros((0, self.dim) if more is None else (rows, *(self.dim,) * more))
             for name, more in self._own.items()
         }
+        self.set(**arrays)
         self.own = struct(**own)
 
     def copy_history(self, other: ContactRows, index_map: IndexMap) -> None:

@@ -30,7 +30,7 @@ class Recorder:
     def __init__(
         self, scene: Scene, state: State, declared: tuple[Field, ...], hook: Any, recording: Sequence[Any]
     ) -> None:
-        self.state, self.hook, self.recording, self.sides = state, hook, recording, side_labels(scene)
+        self.state, self.hook, self.recording = state, hook, recording
         groups = {"series", "contact"}
         groups |= {group for group in ("particles", "surface") if getattr(scene.output, group)}
         core = PARTICLE_FIELDS if state.surface is None else (*PARTICLE_FIELDS, *SURFACE_FIELDS)
@@ -44,6 +44,7 @@ class Recorder:
         self._intervals = 0  #: of the material points, up to their last frame
         self._by_name = {field.name: field for field in declared}
         self._constant = self._sums()
+        self.sides = side_labels(scene)
 
     def header(self, attributes: Mapping[str, Any]) -> RunHeader:
         """Return the data of the run before the first step."""
