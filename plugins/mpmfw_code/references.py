@@ -130,7 +130,6 @@ class CollidingDiscs(Reference):
     restitution: ClassVar[float] = 0.9048  #: of elements of 5 mm, by docs/arena/discs_fem.py; 0.9069 of 10 mm
 
     def exact(self, scene: Scene, measure: str, about: About) -> Exact | None:  # noqa: ARG002
-        """Return the restitution."""
         discs: list[Any] = [one for one in scene.bodies.values() if one.geometry.type == "disc"]
         two = len(discs) == len(scene.bodies) == 2 == scene.dim
         self.need(two and float(scene.time.end) == 3.0, "expected two discs, for 3 s")
@@ -153,7 +152,6 @@ class StripFooting(Reference):
     name = "strip-footing"
 
     def exact(self, scene: Scene, measure: str, about: About) -> Exact | None:  # noqa: ARG002
-        """Return the reaction."""
         strips: list[Any] = [one.geometry for one in scene.bodies.values() if one.prescribed]
         soils: list[Any] = [one for one in scene.materials.values() if one.model == "j2"]
         alike = len(strips) == len(soils) == len(scene.materials) == 1 and strips[0].type == "rectangle"

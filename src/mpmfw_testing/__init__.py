@@ -12,6 +12,7 @@ From the command line: ``mpmfw check PLUGIN``, and in one line ``mpmfw.check_plu
 pytest or numba are imported at their first use.
 """
 
+# ruff: noqa: F403, F405
 from __future__ import annotations
 
 import importlib
@@ -22,22 +23,7 @@ from mpmfw_testing.searching import ladder, search, try_all
 
 if TYPE_CHECKING:
     from mpmfw_testing.examination import examine
-    from mpmfw_testing.parametrised import (
-        boundary_conformance,
-        check_plugin,
-        checks_of,
-        contact_conformance,
-        detection_conformance,
-        friction_conformance,
-        geometry_conformance,
-        law_conformance,
-        load_conformance,
-        material_conformance,
-        measure_conformance,
-        output_conformance,
-        reference_conformance,
-        shape_conformance,
-    )  # fmt: skip
+    from mpmfw_testing.parametrised import *
     from mpmfw_testing.subject import Subject, subject_of
 
 __all__ = [

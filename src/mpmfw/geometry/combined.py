@@ -97,7 +97,6 @@ class Solid(SolidGeometry):
 
     @cached_property
     def fine_surface(self) -> tuple[FloatArray, IntArray]:
-        """Nodes [m] and triangles so fine that they stand for the body."""
         corners = np.array([part.bounds for part in self.parts])
         return self._combined(float(np.ptp(corners, axis=(0, 1)).max()) / 60.0)
 
@@ -112,11 +111,9 @@ class Solid(SolidGeometry):
         return sum(pieces) == 1  # other surfaces are those of cavities
 
     def surface_nodes(self, edge: float) -> float:
-        """Most nodes with sides up to ``edge`` [m]."""
         return float(2.0 * sum(part.surface_nodes(edge) for part in self.parts))
 
     def surfaces(self, edge: float) -> Surfaces:
-        """Nodes (n, 3) [m] and triangles (k, 3) of every closed surface, sides up to ``edge`` [m]."""
         nodes, facets = self._combined(edge, NEAR * edge)
         return divided_shells(nodes, facets, shells_of(facets, len(nodes)), edge)
 

@@ -41,7 +41,6 @@ class Disc(Round, PlaneGeometry):
 
     @property
     def region(self) -> Any:
-        """A fine polygon of the disc's area."""
         return shapely.Polygon(clipping_circle(self.centre, self.radius))
 
     def outlines(self, segment: float) -> tuple[FloatArray, ...]:
@@ -127,7 +126,6 @@ class Ring(Centred, PlaneGeometry):
 
     @property
     def region(self) -> Any:
-        """A fine polygon of the ring's area."""
         radii = (self.outer_radius, self.inner_radius)
         outer, inner = (clipping_circle(self.centre, radius) for radius in radii)
         return shapely.Polygon(outer, [inner])

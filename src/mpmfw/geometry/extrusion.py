@@ -1,4 +1,6 @@
-"""Extrusions and revolutions of a plane outline, the cylinder and the torus among them."""
+"""Extrusions and revolutions of a plane outline, the cylinder and the torus among them.
+
+Sides of the triangles of their surfaces are up to 1.4 of the edge that was asked for."""
 
 from __future__ import annotations
 
@@ -48,7 +50,6 @@ class Extrusion(TurnedSolid):
         return np.array([nodes.min(axis=0), nodes.max(axis=0)])
 
     def surfaces(self, edge: float) -> Surfaces:
-        """Nodes (n, 3) [m] and triangles (k, 3) with sides up to ``edge`` [m], 1.4 of it across."""
         nodes, facets = extruded_surface(self.outline.outlines(edge), self.low, self.high, edge)
         return ((self.turned(nodes), facets),)
 
@@ -76,7 +77,6 @@ class Cylinder(Centred, AxialSolid):
         return np.array([self.centroid - half, self.centroid + half])
 
     def surfaces(self, edge: float) -> Surfaces:
-        """Nodes (n, 3) [m] and triangles (k, 3) with sides up to ``edge`` [m], 1.4 of it across."""
         disc = Disc(centre=(0.0, 0.0), radius=self.radius)
         nodes, facets = extruded_surface(disc.outlines(edge), -0.5 * self.length, 0.5 * self.length, edge)
         return ((self.centroid + nodes @ self.turn.T, facets),)
@@ -122,7 +122,6 @@ class Revolution(AxialSolid):
         return np.array([lower, upper])
 
     def surfaces(self, edge: float) -> Surfaces:
-        """Nodes (n, 3) [m] and triangles (k, 3) with sides up to ``edge`` [m], 1.4 of it across."""
         found = []
         for loop in self.outline.outlines(edge):
             near = np.abs(loop[:, :1]) < ON_AXIS * np.ptp(loop)
@@ -160,7 +159,6 @@ class Torus(Centred, AxialSolid):
         return self._revolution.bounds
 
     def surfaces(self, edge: float) -> Surfaces:
-        """Nodes (n, 3) [m] and triangles (k, 3) of sides up to ``edge`` [m], across rings up to 1.4 of it."""
         return self._revolution.surfaces(edge)
 
     @property

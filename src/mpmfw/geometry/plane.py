@@ -61,7 +61,6 @@ class PlaneGeometry(BodyGeometry):
         return tuple((loop, np.stack([node, np.roll(node, -1)], axis=1)) for loop, node in loops)
 
     def lattice(self, size: float, offset: tuple[float, ...]) -> Layout:
-        """Square cells of edge ``size`` [m], shifted by ``offset`` (fractions), clipped by the outline."""
         return clipped_lattice(self.region, size, offset)
 
 

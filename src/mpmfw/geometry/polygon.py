@@ -52,7 +52,6 @@ class Rectangle(Cornered, PlaneGeometry):
         return super().lattice(size, offset)
 
     def fitted(self, size: float) -> Layout:
-        """The tiling, turned with the rectangle."""
         cells = tiling(self.lower, self.upper, size, (0.0, 0.0))
         if self.angle == 0:
             return cells

@@ -89,7 +89,6 @@ class TurnedSolid(SolidGeometry):
 
     @property
     def axes(self) -> FloatArray:
-        """Unit vectors along which the sides are named, one a row (3, 3)."""
         return turning(self.angles).T
 
     def turned(self, points: FloatArray) -> FloatArray:

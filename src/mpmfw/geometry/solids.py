@@ -29,7 +29,6 @@ class Ball(Round, SolidGeometry):
         return float(4 * np.pi * self.radius**2)
 
     def surfaces(self, edge: float) -> Surfaces:
-        """Nodes (n, 3) [m] on the sphere and triangles (k, 3) of edges up to ``edge`` [m]."""
         return (sphere_surface(self.centroid, self.radius, edge),)
 
 

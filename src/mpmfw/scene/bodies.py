@@ -125,7 +125,6 @@ class RigidBody(Body):
 
     @property
     def prescribed(self) -> bool:
-        """Return True if no force moves the body."""
         return self.rigid is True or self.rigid.motion is not None
 
 

@@ -54,20 +54,13 @@ class Invariants:
     travel: FloatArray | None = None  #: (body, axis) displacement of the centres, over the cell size
 
 
-def probe(
-    scene: Any,
-    contact: Any = None,
-    shape: Any = None,
-    set: Mapping[str, Any] | None = None,
-    *,
-    steps: int,
-) -> Invariants:
+def probe(scene: Any, contact: Any = None, shape: Any = None, *, steps: int) -> Invariants:
     """Run a scene for ``steps`` steps after settling, or until it fails, and judge every step."""
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore", ResultsWarning)
         warnings.simplefilter("ignore", RuntimeWarning)
         try:
-            loaded = load_scene(scene, set={**(set or {}), **OUTPUT})
+            loaded = load_scene(scene, set=OUTPUT)
             simulation = Simulation(loaded, contact=contact, shape=shape)
         except SceneError as error:
             return Invariants("refused", str(error))

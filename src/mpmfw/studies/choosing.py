@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import json
 import os
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from importlib.resources import files
 from typing import Any, Unpack
 
 import numpy as np
@@ -28,9 +26,9 @@ from mpmfw.studies.ladder import Ladder
 from mpmfw.studies.study import positive, relative_error
 
 #: Default methods, cheap ones first.
-_DEFAULTS = tomllib.loads((files("mpmfw") / "reference" / "choose.toml").read_text(encoding="utf-8"))
-CONTACTS: tuple[str, ...] = tuple(_DEFAULTS["contact"])
-SHAPES: tuple[str, ...] = tuple(_DEFAULTS["shape"])
+_MASTER = "bardenhagen(criterion=position, normal=master)"
+CONTACTS: tuple[str, ...] = (_MASTER, "penalty", "lcp", "penalty(kappa=16)", "hybrid")
+SHAPES: tuple[str, ...] = ("gimp", "cpdi")
 
 
 class Request(Running, total=False):
