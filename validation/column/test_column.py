@@ -7,7 +7,7 @@ from common import elastic, fixed, rectangle, scene
 from mpmfw.validation import CLASSICAL, Place, Runs, known_red, methods, together
 
 WIDTH, GRAVITY = 0.1, 9.81
-#: Height of sand at the toe, over the width: three to five grains of the experiments.
+#: Height of sand at the toe, over the width: 5 mm.
 TOE = 0.05
 #: φ [°] whose shear on a plane, arctan sin φ with ψ = 0, is an angle of repose of 31°.
 ANGLE = 36.9
