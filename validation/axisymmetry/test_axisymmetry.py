@@ -16,7 +16,7 @@ def wall(*cells):
 
 
 pipe = Runs("pipe", revolved.pipe, ALONE, wall(10, 5))
-recovered = methods(["lcp(recovery=1)", CLASSICAL[1]], when="full")
+recovered = methods(["lcp(recovery=0.01)", CLASSICAL[1]], when="full")
 fit = Runs("press fit", revolved.fitted, [*methods(), *recovered], wall(5, 10))
 shell = Runs("shell", revolved.shell, ALONE, wall(5, 10))
 ring = Runs("ring", revolved.ring, ALONE)
@@ -62,7 +62,7 @@ def test_pipe(run):
 @known_red(
     "penalty, cpdi",
     "largest error of its hoop stress, 10 cells in the wall",
-    "the first two layers of points alternate by 6 to 8 %; with lcp and recovery by 4.5 %",
+    "springs begin with 100 times the force at rest; the two points of a cell then differ",
 )
 @fit
 def test_fit(run):
@@ -70,6 +70,7 @@ def test_fit(run):
         revolved.lame,
         ("opening of the press fit, error, {at}", "opening", 0.0, 3.0, "%"),
         ("largest error of its hoop stress, {at}", "hoop", 0.0, 6.0, "%"),
+        ("largest error of its mean in a cell, {at}", "mean", 0.0, 2.0, "%"),
     )
 
 

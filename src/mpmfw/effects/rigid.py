@@ -60,6 +60,7 @@ class RigidBodies:
         count, dim = len(self.bodies), self.dim
         models: list[RigidBody] = [setup.scene.bodies[body.name] for body in self.bodies]  # type: ignore[misc]
         self.prescribed = np.array([body.prescribed for body in self.bodies])
+        self.free = ~self.prescribed
         self.centre, self.velocity = np.zeros((count, dim)), np.zeros((count, dim))
         self.turn, self.spin = np.zeros((count, dim, dim)), np.zeros((count, dim, dim))
         self.belt = np.zeros((count, dim))  #: velocity of the surface over the body [m/s]
@@ -73,6 +74,8 @@ class RigidBodies:
         self.held_axes = np.array([[f"rotation-{name}" in each for name in "xyz"] for each in held])
         self.work = 0.0  #: of what holds them, on free bodies [J/m]
         self.turned = 0.0  #: of it that of this step's torques, which keep spins as bodies turn
+        #: whether part of a free body's motion is held
+        self.holds = bool(self.held.any() or self.held_spin.any() or self.held_axes.any())
         if self.holds:
             self.ledger_term = "external", "held rigid bodies"
         self.mass = np.zeros(count)  #: (n,) [kg/m]; 0 where the motion is prescribed
@@ -92,6 +95,10 @@ class RigidBodies:
         self.sums[self.sums == 0.0] = np.inf  # no spin is of one axis
         self.points = simplex(dim) * self.radii[:, None]  #: of mass, in the body's own axes (n, dim + 1, dim)
         self.share = np.where(self.prescribed, -1.0, self.mass / (dim + 1))[:, None, None]  #: of each point
+        self.point_mass = np.repeat(self.share, dim + 1)
+        #: of rows of the surface nodes: their ends, and nodes, from the first point of mass on
+        self.row = (dim + 1) * np.arange(1, len(self.place) + 1)
+        self.nodes = ((dim + 1) * self.owner[:, None] + np.arange(dim + 1)).ravel()
         self.motion = [tables_of(model, dim) for model in models]
         self.moves = not self.prescribed.all() or any(np.any(t.values) for each in self.motion for t in each)
         self.table: Stencil | None = None
@@ -145,11 +152,6 @@ class RigidBodies:
             held = getattr(model.rigid, "held", None)
             shown.append(body.name + (f" ({', '.join(held)} held)" if held else ""))
         return Acts(", ".join(shown), [bodies])
-
-    @property
-    def holds(self) -> bool:
-        """Return True if part of a free body's motion is held."""
-        return bool(self.held.any() or self.held_spin.any() or self.held_axes.any())
 
     # -- where they are
 
@@ -224,11 +226,11 @@ class RigidBodies:
 
     def own(self, nodal: FloatArray) -> FloatArray:
         """Entries of the points of mass in an array of nodes, as (n, dim + 1, dim)."""
-        return nodal[len(nodal) - self.points[..., 0].size :].reshape(self.points.shape)
+        return nodal[-len(self.point_mass) :].reshape(self.points.shape)
 
     def with_points(self, plain: Stencil) -> Stencil:
         """Return the table ``plain`` of the surface nodes on the grid with rows of those of rigid bodies."""
-        grid, each, end = self.state.grid, self.dim + 1, int(plain.row[-1])
+        grid, end = self.state.grid, int(plain.row[-1])
         size = end + len(self.weight)
         if self.table is None or self.table.room < size:
             nodes, row = (
@@ -238,10 +240,9 @@ class RigidBodies:
             self.table = Stencil(row, nodes, np.zeros(2 * size), np.zeros((0, self.dim)))
         row, nodes, weight, _ = self.table.kernel_arrays
         row[: len(plain.row)] = plain.row
-        row[len(plain.row) :] = end + each * np.arange(1, len(self.place) + 1)
+        np.add(self.row, end, out=row[len(plain.row) :])
         nodes[:end], weight[:end] = plain.nodes[:end], plain.weight[:end]
-        first = int(grid.offset[-1]) - each * len(self.bodies)
-        nodes[end:size] = (first + each * self.owner[:, None] + np.arange(each)).ravel()
+        nodes[end:size] = self.nodes + (int(grid.offset[-1]) - len(self.point_mass))
         weight[end:size] = self.weight
         return self.table
 
@@ -254,7 +255,7 @@ class RigidBodies:
         """Place the points of mass, with their momenta at the beginning of a step."""
         self.moved = False
         self._write_momentum(grid)
-        grid.mass[-len(self.bodies) * (self.dim + 1) :] = np.repeat(self.share, self.dim + 1)
+        grid.mass[-len(self.point_mass) :] = self.point_mass
         self.own(grid.position)[...] = self.centre[:, None] + self.arms
         self.own(grid.start_velocity)[...] = self.point_velocity
 
@@ -275,18 +276,18 @@ class RigidBodies:
         own = self.own(grid.momentum)
         if self.holds:
             self._project(grid)
-        own[self.prescribed] = -self.point_velocity[self.prescribed]
+        np.copyto(own, -self.point_velocity, where=self.prescribed[:, None, None])
 
     @hookimpl(trylast=True)
     def constrain_momentum(self, grid: Grid) -> None:
         """Project the momenta to rigid motions, and keep the prescribed ones; MUSL's second moves nothing."""
-        if not self.moved:
+        if not self.moved and self.free.any():
             self._project(grid)
         self._write_momentum(grid)
 
     def _project(self, grid: Grid) -> None:
         """Take the motion from the momenta, and what holds parts of it in from their change."""
-        own, free = self.own(grid.momentum), ~self.prescribed
+        own, free = self.own(grid.momentum), self.free
         before = own.copy()
         self._read_motion(own)
         if self.holds:
@@ -304,7 +305,7 @@ class RigidBodies:
     def _read_motion(self, momentum: FloatArray) -> None:
         """Take the motion of free bodies that has the sum and the moment of their points' ``momentum``, but
         for what is held."""
-        free = ~self.prescribed
+        free = self.free
         if not free.any():
             return
         velocity = momentum[free].sum(axis=1) / self.mass[free, None]
@@ -337,7 +338,7 @@ class RigidBodies:
     def inverse_mass(self) -> FloatArray:
         """Velocities (n_points, dim, dim + 1, dim) of a body's points by a unit impulse on one of them, along
         each axis [1/kg]; none by one on prescribed bodies."""
-        dim, free = self.dim, np.flatnonzero(~self.prescribed)
+        dim, free = self.dim, np.flatnonzero(self.free)
         inverse = np.zeros((len(self.arms), dim + 1, dim, dim + 1, dim))
         lever = np.einsum("de,npf->npdef", np.eye(dim), self.arms[free])
         moment = (lever - np.swapaxes(lever, 3, 4)).reshape(-1, dim, dim)
@@ -378,7 +379,7 @@ class RigidBodies:
         Those that are free to turn keep L, and turn by W of the mean of Rᵀ L R at both ends: a midpoint rule,
         which keeps the energy (Lewis & Simo 1994)."""
         guided = self.held_axes.any(axis=1)
-        free = ~self.prescribed & ~self.held_spin[:, 0, 0] & ~guided
+        free = self.free & ~self.held_spin[:, 0, 0] & ~guided
         moment, of_guided, begin = self.moment[free], self.moment[guided], self.turn[guided]
         turned = np.einsum("nda,nae->nde", rotations(dt * self.spin), self.turn)
         if free.any() and self.dim == 3:
