@@ -30,7 +30,7 @@ for roll, settled in SETTLED.items():
 @known_red(
     "penalty, cpdi",
     "no slip: fitted acceleration, error, R/h = 4",
-    "rolling resistance, as of the disc on the flat; -0.4 % with finer cells",
+    "an elastic cylinder creeps, and rolls with resistance: -0.46 % with R/h = 16",
 )
 @each(*planes)
 def test_cylinder(run):
@@ -104,8 +104,8 @@ def lost(tree):
     return 100.0 * (1.0 - moment[-5:].mean() / moment[0])
 
 
-flat = Runs("flat", level, METHODS, [place(2), place(4)], set=SERIES_ONLY, when="full")
-finer = Runs("flat, finer", level, methods(), [place(8), place(16)], set=SERIES_ONLY, when="full")
+flat = Runs("flat", level, methods(), [place(n) for n in (2, 4, 8, 16)], set=SERIES_ONLY, when="full")
+others = Runs("flat", level, METHODS[1:], [place(2), place(4)], set=SERIES_ONLY, when="full")
 
 
 @known_red("penalty, cpdi", f"{SLOWS}, R/h = 2", "rolling resistance")
@@ -114,17 +114,17 @@ finer = Runs("flat, finer", level, methods(), [place(8), place(16)], set=SERIES_
     f"{SLOWS}, R/h = 4",
     "the disc touches over 0.7 cells; without friction its spin loses a quarter as much at R/h = 16",
 )
-@each(flat, finer)
+@each(flat, others)
 def test_flat(run):
-    binds = run.runs == "flat"
+    binds = run.method.recommended and run.place.at in ("R/h = 2", "R/h = 4")
     run.gate(f"{SLOWS}, {run.place.at}", run.of(slows), 0.0, 0.5, "%", binds=binds)
 
 
 @full
-@together(flat, finer)
+@together(flat)
 def test_flat_converges(case, runs):
     """The losses of three cells form a geometric series, whose limit is that of no cells."""
-    found = {run.place.at: run.of(lost) for run in runs if run.method.contact == "penalty"}
+    found = {run.place.at: run.of(lost) for run in runs}
     for at, value in found.items():
         case.gate(f"disc on the flat: loss of m v R + L, {at}", value, 0.0, None, "%", method="penalty, cpdi")
     coarse, middle, fine = (found[f"R/h = {n}"] for n in (4, 8, 16))

@@ -1,5 +1,5 @@
-"""Rigid tools: a band round a drum, a grip that lifts a block, and a disc that rebounds."""
-# cost: 60
+"""Rigid tools: a band round a drum, a sheet on a die, a grip that lifts a block, a disc that rebounds."""
+# cost: 90
 
 import numpy as np
 from common import disc, elastic, polygon, rectangle, scene
@@ -58,6 +58,61 @@ def test_band(run):
     run.gate(f"tension of the band, error, {run.place.at}", run.of(tension), 0.0, 3.0, "%")
 
 
+WAY, SHEET, CURVED, FREE = (
+    1.0,
+    0.1,
+    5.0,
+    0.5,
+)  #: of the sheet, its thickness, the die's radius, the free end [m]
+BENT = 1e6 / (1.0 - 0.3**2) * SHEET**3 / 12.0 / (CURVED + 0.5 * SHEET)  #: moment on the die, E' I / R [N]
+
+
+def die(cell):
+    """Return a sheet that is clamped above a round die, and bent over it by a force at its end."""
+    force = [[0.0, 0.0, 0.0], [1.0, 0.0, -BENT / FREE]]
+    sides = [{"side": "left", "fixed": True}, {"side": "right", "force": force}]
+    bodies = {
+        "sheet": rectangle(0.0, 0.0, WAY, SHEET, sides=sides, segment="0.5 cells"),
+        "die": disc(0.0, -CURVED, CURVED, segment=0.02, rigid=True),
+    }
+    calm = {"loads": {"calm": {"model": "drag", "rate": 6.0}}, "output": {"surface": False}}
+    return scene(
+        cell, [-0.2, -0.4], [1.2, 0.3], 3.0, 0.03, elastic(1e3, 1e6, 0.3, "neo_hookean"), bodies, **calm
+    )
+
+
+def bent(tree):
+    """Return errors [%] of the ``moment`` where the sheet lies on the die, of the slope of its stress, and of
+    the ``way`` of its end; and the ``balance`` of the forces over that at the end.
+
+    A sheet leaves the die where the force has the moment E' I / R, at the free length l. Its end goes by
+    (L²/2 − l²/6) / R (Timoshenko 1956), and by l F / (5/6 G t) by shear."""
+    points, radius, force = tree["particles/sheet"].to_dataset(), CURVED + 0.5 * SHEET, BENT / FREE
+    place, last = points["position"].values[0], points.isel(time=-1)
+    x, y = place[:, 0], place[:, 1] - 0.5 * SHEET
+    lies, free = (x > 0.2) & (x < 0.3), x > WAY - FREE
+    moment = np.polyfit(y[lies], last["stress"].values[lies, 0, 0], 1)[0] * SHEET**3 / 12.0
+    falls = np.polyfit(x[free], (place - last["position"].values)[free, 1], 3)
+    exact = (0.5 * WAY**2 - FREE**2 / 6.0) / radius + FREE * force * 1.2 * 2.6 / (1e6 * SHEET)
+    series = tree["series"].to_dataset().isel(time=slice(-10, None)).mean("time").sel(axis="y")
+    forces = series["side_reaction"].values[0] - series["reaction"].sel(body="die").values - force
+    return {
+        "moment": 100.0 * (moment / BENT - 1.0),
+        "way": 100.0 * (np.polyval(falls, WAY) / exact - 1.0),
+        "balance": forces / force,
+    }
+
+
+@Runs("die", die, METHODS, place("die", (0.05, 0.025)), when="full")
+def test_die(run):
+    run.gates(
+        bent,
+        ("moment of the sheet on the die, error, {at}", "moment", 0.0, 5.0, "%"),
+        ("way of its end, error, {at}", "way", 0.0, 2.0, "%"),
+        ("sum of all forces on it, {at}", "balance", 0.0, 5e-3),
+    )
+
+
 def grip(cell, friction):
     """Return a block that two plates press by 1 % each, and lift by 20 mm once gravity acts."""
     bodies = {"block": rectangle(0.0, 0.0, EDGE, EDGE)}
@@ -107,18 +162,25 @@ def rebound(cell):
         "block": rectangle(-0.6, -0.5, 0.6, 0.0),
         "disc": disc(0.1, 0.26, 0.25, segment=0.01, rigid={"density": 1e3}, velocity=[0.0, -1.0]),
     }
-    output = {"particles": False, "surface": False, "ledger": True}
+    output = {"particles": False, "surface": False, "ledger": True, "contact_moment": [0.0, 0.0]}
     return rubber(cell, 0.15, [-1.0, -1.1], [1.0, 1.0], FRICTION, bodies, output=output)
 
 
 def bounced(tree):
     """Return the ``velocity`` of the disc away from the block over that before, the ``energy`` at its largest
-    over the first, and the largest change of ``momentum`` over the disc's."""
+    over the first, and the largest change of ``momentum`` over the disc's; of that about the origin, that by
+    contact (``contact``) over what each body has of it, and all (``turned``) [%]."""
     series = tree["series"].to_dataset()
     velocity = series["mean_velocity"].sel(axis="y").values
     momentum = series["linear_momentum"].sum("body").values
     energy = series["total_energy"].sum("body").values
+    moments = series["contact_moment"].values[..., 0]
+    x, y = series["centre_of_mass"].values.T
+    along, across = series["linear_momentum"].values.T
+    turned = series["angular_momentum"].values[..., 0].sum(axis=1) + (x * across - y * along).sum(axis=0)
     return {
+        "contact": float(np.abs(moments.sum(axis=1)).max() / np.abs(moments).max()),
+        "turned": 100.0 * float(np.abs(turned / turned[0] - 1.0).max()),
         "velocity": float(velocity[-1, 1] - velocity[-1, 0]),
         "energy": float(energy.max() / energy[0]),
         "momentum": float(np.abs(momentum - momentum[0]).max() / np.abs(momentum[0]).max()),
@@ -133,6 +195,8 @@ def test_rebound(run):
         bounced,
         ("largest energy over the first, {at}", "energy", 1.0, (0.0, 1.001)),
         ("largest change of momentum, {at}", "momentum", 0.0, 1e-12),
+        ("largest sum of the moments of contact, {at}", "contact", 0.0, 1e-12),
+        ("largest change of angular momentum, {at}", "turned", 0.0, 0.5, "%"),
     )
 
 
