@@ -159,6 +159,20 @@ def test_springs_press_with_the_area_of_their_rings():
     assert rows.area[: rows.count][flat].sum() == pytest.approx(np.pi * (1.33**2 - 0.33**2), rel=1e-3)
 
 
+def test_a_grid_node_on_the_axis_has_the_area_of_its_disc():
+    scene = on_plane(bodies__solid__geometry__lower=[0.0, 0.0], allow_overlap=True)
+    scene["bodies"]["plane"] = {
+        **scene["bodies"]["solid"], "velocity": [0.0, 0.0],
+        "geometry": {"type": "rectangle", "lower": [0.0, -0.3], "upper": [1.7, 0.01]},
+    }  # fmt: skip
+    simulation = Simulation(scene, contact="nodes+penalty")
+    simulation.advance(1)
+    rows = simulation.contact.last_rows
+    place = simulation.state.grid.position[rows.dof[rows.start[: rows.count]]]
+    area = rows.area[: rows.count][place[:, 0] == 0.0]
+    assert area == pytest.approx([2.0 * np.pi * 0.1**2 / 6.0], rel=0.2)
+
+
 @pytest.mark.parametrize("form", ["density", "mass"])
 def test_a_free_rigid_cylinder_has_the_mass_of_its_ring_and_moves_along_the_axis(form):
     scene = on_plane(gravity={"vector": [0.0, -10.0]}, bodies__solid__sides=[{"side": "top", "fixed": True}])
