@@ -170,7 +170,8 @@ def return_stiffened(
         cut = part * tension + (1.0 - part) * reference
         flows = return_stress(t, bulk, shear, (friction, dilation, strength), cut, cone)
         error = part * _norm_square(t, bulk, shear, reference) ** (0.5 * power) - 1.0
-        if not flows or abs(error) <= 1e-14 * (1.0 + power) or (part == high and error < 0.0):
+        elastic = side == 0 and not flows  # at the first 1/A, that of the trial
+        if elastic or abs(error) <= 1e-14 * (1.0 + power) or (part == high and error < 0.0):
             break
         if error > 0.0:
             left *= 0.5 if side == 1 else 1.0

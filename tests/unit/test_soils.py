@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 from mpmfw_material._frictional import DISTORTED, SEPARATED, frictional_stress
+from mpmfw_material._return import norm_square
 from mpmfw_material.drucker_prager import DruckerPrager
 from mpmfw_material.mohr_coulomb import MohrCoulomb
 from support import PlasticPoint
@@ -197,6 +198,22 @@ def test_elasticity_under_pressure_is_that_published_and_gains_nothing_in_a_cycl
     power = [np.diag(point.stress(deformation(e))) @ r for e, r in zip(path, rate, strict=True)]
     assert point.work == 0.0
     assert abs(np.mean(power)) < 1e-11 * np.abs(power).max()
+
+
+@pytest.mark.parametrize("exponent", [0.5, 0.9])
+def test_returned_stress_is_that_of_the_strain_kept(exponent):
+    """Also where moduli grow so fast that the surface in t recedes while t returns along its normal."""
+    more = {"friction_angle": 0.8, "dilation_angle": 0.8, "reference_pressure": 1e5, "cohesion": 0.0}
+    more |= {"youngs_modulus": 5e7, "poissons_ratio": 0.3, "pressure_exponent": exponent}
+    point = Point(MohrCoulomb(**{**SAND, **more}))
+    bulk, shear, (power, reference) = point.material.elasticity
+    for k in range(20):
+        f = deformation(-3e-4 + 6e-5 * k * np.array([1.0, 1.0, -0.5]))
+        tau = np.diag(point.stress(f))
+        strain = 0.5 * np.log(np.diag(f @ point.flow.metric[0] @ f.T))
+        t = (bulk - 2.0 / 3.0 * shear) * strain.sum() + 2.0 * shear * strain
+        factor = norm_square(t, bulk, shear, reference) ** (0.5 * power)
+        assert tau == pytest.approx(reference + factor * (t - reference), abs=1e-5)
 
 
 @pytest.mark.parametrize("model", [MohrCoulomb, DruckerPrager], ids=lambda m: m.name)
