@@ -78,3 +78,18 @@ def test_a_node_on_a_corner_at_the_axis_is_pushed_along_it():
 def test_far_from_the_axis_a_ring_is_a_body_of_the_plane(contact):
     ring, plane = (moved(meeting(contact, radius=1e3, grid__axisymmetric=round_)) for round_ in (True, False))
     assert np.abs(ring - plane).max() < 1e-3 * np.abs(plane).max()
+
+
+@pytest.mark.parametrize("contact", ["nodes+lcp", "logistic+lcp", "bardenhagen"])
+def test_a_rod_slides_through_a_rigid_bore_narrower_than_a_cell(contact):
+    """Its sides, nearly parallel to the axis, do not stop the nodes there along it."""
+    bore = [[0.06, -0.5], [0.3, -0.5], [0.3, 0.5], [0.065, 0.5]]
+    rod = solid([0.0, -0.2], [0.05, 0.2], 0.025, velocity=[0.0, -1.0])
+    bodies = {"rod": rod, "bore": {"geometry": {"type": "polygon", "points": bore}, "rigid": True}}
+    scene = with_changes(scene_of(bodies, 0.1, [0.0, -1.0], [0.6, 1.0], end=1.0), grid__axisymmetric=True)
+    simulation = Simulation(scene, contact=contact)
+    simulation.start()
+    for _ in range(60):
+        simulation.step(1e-4)
+    assert simulation.contact.last_rows.count > 0
+    assert simulation.state.particles.velocity[:, 1].mean() == pytest.approx(-1.0, abs=0.02)

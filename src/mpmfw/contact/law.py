@@ -225,8 +225,7 @@ class ContactLaw(ContactStrategy):
             if grid.axisymmetric:
                 radius = self.detection.radii(rows, grid)
                 width = grid.around(radius, self.detection.mean_radius)
-                on_axis = np.flatnonzero(grid.on_axis(radius[:, None]))
-                rows.normal[on_axis] = np.sign(rows.normal[on_axis]) * [0.0, 1.0]
+                grid.turn_to_axis(radius[:, None], rows.normal[: rows.count])
             else:
                 width = self.width[rows.pair[: rows.count]]
             for area in (rows.area, rows.tributary_area):

@@ -68,8 +68,8 @@ class RigidSurfaces:
                 measure_distances(points, first, last, self.surface, d, n, self.state.grid.spacing)
                 nearer = np.abs(d) < np.abs(distance)
                 distance[nearer], normal[nearer] = d[nearer], n[nearer]
-        on_axis = self.state.grid.on_axis(points)  # where both halves meet
-        normal[on_axis] = np.sign(normal[on_axis]) * [0.0, 1.0]
+        if self.state.grid.axisymmetric:  # on the axis both halves meet
+            self.state.grid.turn_to_axis(points, normal)
         return distance, normal
 
     def find(self, grid: Grid, least_mass: float, acts_on: Callable[[Pair], bool] | None) -> list[NearRigid]:

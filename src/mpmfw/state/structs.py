@@ -258,6 +258,12 @@ class Grid(Struct):
         """Return which places (…, dim) lie on the axis of bodies of revolution, or beyond it (…,)."""
         return (position[..., 0] < ON_AXIS * self.cell_size) & self.axisymmetric
 
+    def turn_to_axis(self, position: FloatArray, normal: FloatArray) -> None:
+        """Turn each ``normal`` (n, 2) on the axis along it, but for a slope below a half: that of a bore,
+        whose sides press from all round."""
+        turned = self.on_axis(position) & (np.abs(normal[:, 1]) > 0.5 * np.abs(normal[:, 0]))
+        normal[turned] = np.sign(normal[turned]) * [0.0, 1.0]
+
     def field_nodes(self, index: int) -> slice:
         """Flat nodes of velocity field ``index``."""
         return slice(int(self.offset[index]), int(self.offset[index + 1]))
