@@ -90,6 +90,21 @@ def test_one_law_alone_decides_nothing(store):
     assert not found["answer"].any()
 
 
+@pytest.mark.parametrize("measure", ["penetration", "energy-error", "dissipation"])
+def test_what_a_measure_reads_is_recorded(measure, store):
+    methods = {"contact": ["penalty", "impulse"], "shape": ["cpdi"]}
+    found = mpmfw.choose(scene(), "99 %", measure=measure, finest=0.2, store=store, **methods)
+    assert found.attrs["error_against"].startswith("the limit at cells of size zero that ")
+    assert np.isfinite(found["error"]).all()
+
+
+def test_without_a_value_nothing_is_what_errors_are_against(store):
+    methods = {"contact": ["penalty", "impulse"], "shape": ["cpdi"]}
+    found = mpmfw.choose(scene(), "99 %", measure="momentum-change", finest=0.2, store=store, **methods)
+    assert found.attrs["error_against"].startswith("nothing: no two laws have a value")
+    assert found["error"].isnull().all()
+
+
 def test_a_motion_along_y_is_judged_along_y():
     falling = copy.deepcopy(SLIDING)
     del falling["reference"], falling["bodies"]["plane"], falling["contact"]

@@ -159,7 +159,7 @@ def outcome(plugin, name, kind="contact", pictures=None, **options):
 ASKED_EVERYTHING = ("penalty", "bardenhagen", "lcp")
 LONG = {
     "lcp": ("time-step", "step-length", "no-growth", "shapes", "three-dimensions"),
-    "bardenhagen": ("relabelling", "step-length", "three-dimensions"),
+    "bardenhagen": ("three-dimensions",),
 }
 ASKED_OF_ALL = {
     *("runs", "saved", "restart", "sent", "options", "reports", "equal-and-opposite"),

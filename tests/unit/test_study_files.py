@@ -6,11 +6,15 @@ import math
 import numpy as np
 import pytest
 
+from mpmfw.api import About
+from mpmfw.api.results import Exact, Measure
 from mpmfw.campaigns.keys import is_numerical, is_own_method, overrides_of
+from mpmfw.campaigns.measures import MEASURES, exact_of, measure_of
 from mpmfw.errors import SceneError
 from mpmfw.plugin.discovery import available
-from mpmfw.results.references import declared
+from mpmfw.results.references import KNOWN, declared
 from mpmfw.scene import load_scene
+from mpmfw.scene.loading import shipped_scenes
 from mpmfw.studies.loading import shipped_studies
 from studies_for_tests import SLIDING, judge_of
 
@@ -109,6 +113,25 @@ def test_shipped_studies_are_valid_and_their_scenes_have_the_error_that_they_ask
 def test_a_closed_form_that_does_not_apply_is_refused_with_the_reason(change, reason):
     with pytest.raises(SceneError, match=f"reference.kind: 'sliding-block' does not apply: {reason}"):
         declared(load_scene("sliding-block", set=change))
+
+
+def test_a_declared_kind_matters_to_the_measures_that_it_knows():
+    """Others have the value that they give, also where the kind does not apply."""
+    heavy = load_scene("sliding-block", set={"contact.friction": 0.9})
+    doubled = type("Doubled", (Measure,), {"name": "doubled", "exact": lambda *_: Exact.number(2.0, "two")})()
+    for scene in (heavy, load_scene("sliding-block")):
+        assert exact_of(measure_of("penetration"), scene, About()) is None
+        assert exact_of(doubled, scene, About()).at(np.zeros(1)) == [2.0]
+    with pytest.raises(SceneError, match="the friction holds the block"):
+        exact_of(measure_of("end-displacement"), heavy, About())
+
+
+def test_measures_known_to_declared_kinds_are_listed():
+    scenes = [each for each in map(load_scene, shipped_scenes()) if declared(each) is not None]
+    given = {
+        name for one in map(declared, scenes) for name in MEASURES if one.exact(name, About()) is not None
+    }
+    assert given == KNOWN
 
 
 @pytest.mark.parametrize("key", ["force", "torque", "held", "inertia"])

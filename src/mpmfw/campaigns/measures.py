@@ -17,7 +17,7 @@ from mpmfw.plugin.discovery import REFERENCES, available, did_you_mean, full_nam
 from mpmfw.plugin.measure import About, Exact, Measure, Measured, Reference
 from mpmfw.results.analysis import fitted_acceleration, force_noise, impulse, value_at
 from mpmfw.results.conservation import dissipation, energy_error, momentum_change
-from mpmfw.results.references import Incline, PressedBlocks, declared
+from mpmfw.results.references import KNOWN, Incline, PressedBlocks, declared
 from mpmfw.scene import Scene
 
 Kind: TypeAlias = Literal["number", "curve", "field"]
@@ -36,6 +36,7 @@ def measure(
     *,
     norm: Literal["largest", "l2"] = "largest",
     particles: bool = False,
+    outputs: tuple[str, ...] = (),
 ) -> Callable[[Extract], Extract]:
     """Register the function below under a name, with the attributes of a :class:`mpmfw.api.results.Measure`;
     the first line of its docstring is the meaning."""
@@ -47,7 +48,7 @@ def measure(
 
         made = {
             "name": name, "unit": unit, "kind": kind, "keys": keys, "norm": norm, "particles": particles,
-            "of": of, "__doc__": function.__doc__,
+            "outputs": outputs, "of": of, "__doc__": function.__doc__,
             # pickle looks for the function under the class's name
             "__reduce__": lambda self: (measure_of, (self.name,)),
         }  # fmt: skip
@@ -75,8 +76,8 @@ def _made(kind: Literal["measure", "reference"], name: str, base: type[Any]) -> 
 
 def outputs_for(measure: Measure) -> dict[str, bool]:
     """Return overrides that record only what a measure reads."""
-    unused = dict.fromkeys(("output.surface", "output.gap", "output.ledger"), False)
-    return {"output.particles": measure.particles, **unused}
+    read = {f"output.{name}": name in measure.outputs for name in ("gap", "ledger")}
+    return {"output.particles": measure.particles, "output.surface": False, **read}
 
 
 def names_of_measures() -> list[str]:
@@ -102,7 +103,7 @@ def _exact_along(measure: Measure, scene: Scene, about: About) -> Exact | None:
     if scene.reference is not None and scene.reference.kind not in REFERENCES:
         made: Reference = _made("reference", scene.reference.kind, Reference)
         return made.exact(scene, measure.name, about)
-    known = declared(scene)
+    known = declared(scene) if measure.name in KNOWN else None  # of the others it may not apply
     return measure.exact(scene, about) if known is None else known.exact(measure.name, about)
 
 
@@ -199,7 +200,7 @@ def noise_of_force(run: xr.DataTree, scene: Scene, about: About) -> float:  # no
     return force_noise(force["time"].values, force.transpose("time", "axis").values)
 
 
-@measure("penetration", "1", "number", ("pair",))
+@measure("penetration", "1", "number", ("pair",), outputs=("gap",))
 def deepest_penetration(run: xr.DataTree, scene: Scene, about: About) -> float:
     """Deepest penetration of a pair at any output, in cells."""
     gap = _of_pair("min_gap", run, about)
@@ -208,13 +209,13 @@ def deepest_penetration(run: xr.DataTree, scene: Scene, about: About) -> float:
     return max(0.0, -float(gap.min())) / float(scene.grid.cell_size)
 
 
-@measure("energy-error", "1", "number")
+@measure("energy-error", "1", "number", outputs=("ledger",))
 def error_of_energy(run: xr.DataTree, scene: Scene, about: About) -> float:  # noqa: ARG001
     """Largest error of strain and contact energy over the energy put in (``output.ledger``)."""
     return energy_error(run, scene)
 
 
-@measure("dissipation", "1", "number")
+@measure("dissipation", "1", "number", outputs=("ledger",))
 def dissipated_energy(run: xr.DataTree, scene: Scene, about: About) -> float:  # noqa: ARG001
     """Share of the energy put in that is neither kinetic, strain, friction nor plastic work at the end."""
     return dissipation(run, scene)

@@ -59,6 +59,7 @@ class Measure:
     keys: ClassVar[tuple[str, ...]] = ()
     norm: ClassVar[Literal["largest", "l2"]] = "largest"  #: of differences, where a study does not say
     particles: ClassVar[bool] = False  #: whether it needs the arrays of the material points
+    outputs: ClassVar[tuple[str, ...]] = ()  #: of ``gap`` and ``ledger``, those of ``[output]`` that it reads
 
     @property
     def meaning(self) -> str:

@@ -108,6 +108,19 @@ class PressedBlocks:
 
 Reference = RollingReference | SlidingReference | RingsReference | PressedBlocks
 
+#: Measures that one of these knows.
+KNOWN = frozenset(
+    {
+        "displacement",
+        "end-displacement",
+        "acceleration",
+        "spin",
+        "impulse",
+        "kinetic-energy",
+        "interface-stress",
+    }
+)
+
 
 def described(dataset: xr.Dataset) -> str:
     """Return the reference of a comparison in words, if it has one."""

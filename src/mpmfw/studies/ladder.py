@@ -106,7 +106,9 @@ class Ladder:
         if self.judge.is_exact:
             judged = self.judge.judge(results)
         else:
-            found = self.judge.measured(results)
+            found = {
+                i: one for i, one in self.judge.measured(results).items() if np.isfinite(one.values).all()
+            }
             self.limit = self._agreed(found)
             if self.limit is None:
                 return
@@ -173,7 +175,7 @@ class Ladder:
         if self.judge.is_exact:
             return self.judge.describe()
         if self.limit is None:
-            return "nothing: no two laws ran at two cell sizes; expected more contacts that do"
+            return "nothing: no two laws have a value at two cell sizes; expected more contacts that do"
         return f"the limit at cells of size zero that {' and '.join(self.limit.laws)} tend to"
 
 
