@@ -122,11 +122,11 @@ class FrictionalOptions(Moduli):
     )
 
     def apex(self) -> float:
-        """Mean tension at which no shear is left, c cot φ [Pa]."""
+        """Return the mean tension at which no shear is left, c cot φ [Pa]."""
         return self.cohesion / math.tan(self.friction_angle) if self.friction_angle > 0.0 else math.inf
 
     def largest_tension(self) -> float:
-        """Mean tension that is cut off [Pa]: ``tension``, or that of the apex."""
+        """Return the mean tension that is cut off [Pa]: ``tension``, or that of the apex."""
         return self.apex() if self.tension is None else self.tension
 
     @model_validator(mode="after")
@@ -162,7 +162,7 @@ class Frictional(Plastic):
 
     @property
     def elasticity(self) -> tuple[float, float, tuple[float, float]]:
-        """K' = (1 − n) K, G and (m, p₀) of :mod:`mpmfw_material._return`; K, G and m = 0 if n is 0."""
+        """Return K' = (1 − n) K, G and (m, p₀) of :mod:`mpmfw_material._return`; K, G and m = 0 if n is 0."""
         n, reference = self.options.pressure_exponent, self.options.reference_pressure
         return self.bulk_modulus * (1.0 - n), self.shear_modulus, (n / (1.0 - n), reference or 1.0)
 
@@ -189,7 +189,7 @@ class Frictional(Plastic):
 
     @hookimpl
     def stable_timestep(self, state: State) -> tuple[float, str] | None:  # noqa: ARG002
-        """2 / ω of the stiffest point [s], if moduli grow with pressure."""
+        """Return 2 / ω of the stiffest point [s], if moduli grow with pressure."""
         if not len(self.modulus):
             return None
         least = self.bulk_modulus + 4.0 / 3.0 * self.shear_modulus

@@ -1,6 +1,6 @@
 """Extrusions and revolutions of a plane outline, the cylinder and the torus among them.
 
-Sides of the triangles of their surfaces are up to 1.4 of the edge that was asked for."""
+Sides of the triangles of their surfaces are up to 1.4 of the requested edge."""
 
 from __future__ import annotations
 

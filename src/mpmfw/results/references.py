@@ -108,7 +108,7 @@ class PressedBlocks:
 
 Reference = RollingReference | SlidingReference | RingsReference | PressedBlocks
 
-#: Measures that one of these knows.
+#: Measures of which one of these has the value.
 KNOWN = frozenset(
     {
         "displacement",
