@@ -173,6 +173,13 @@ def test_a_grid_node_on_the_axis_has_the_area_of_its_disc():
     assert area == pytest.approx([2.0 * np.pi * 0.1**2 / 6.0], rel=0.2)
 
 
+@pytest.mark.parametrize(("rigid", "holds"), [(True, False), ({"density": 1e3}, True)])
+def test_free_rigid_bodies_alone_are_held_across_the_axis(rigid, holds):
+    plane = {"geometry": {"type": "rectangle", "lower": [0.0, -0.3], "upper": [1.5, 0.0]}, "rigid": rigid}
+    bodies = Simulation(with_changes(on_plane(), bodies__plane=plane)).state.rigid
+    assert (bodies.holds, hasattr(bodies, "ledger_term")) == (holds, holds)
+
+
 @pytest.mark.parametrize("form", ["density", "mass"])
 def test_a_free_rigid_cylinder_has_the_mass_of_its_ring_and_moves_along_the_axis(form):
     scene = on_plane(gravity={"vector": [0.0, -10.0]}, bodies__solid__sides=[{"side": "top", "fixed": True}])

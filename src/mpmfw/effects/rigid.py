@@ -65,8 +65,8 @@ class RigidBodies:
         self.turn, self.spin = np.zeros((count, dim, dim)), np.zeros((count, dim, dim))
         self.belt = np.zeros((count, dim))  #: velocity of the surface over the body [m/s]
         held = [getattr(model.rigid, "held", None) or () for model in models]
-        if setup.state.grid.axisymmetric:  # what acts round the axis moves a body along it alone
-            held = [("x", "rotation", *each) for each in held]
+        if setup.state.grid.axisymmetric:  # what acts round the axis moves a free body along it alone
+            held = [("x", "rotation") if free else () for free in self.free]
         #: components of the velocity (n, dim) and spins (n, 1, 1) of free bodies that no force changes
         self.held = np.array([[name in each for name in "xyz"[:dim]] for each in held])
         self.held_spin = np.array(["rotation" in each for each in held])[:, None, None]

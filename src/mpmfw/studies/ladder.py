@@ -175,7 +175,7 @@ class Ladder:
         if self.judge.is_exact:
             return self.judge.describe()
         if self.limit is None:
-            return "nothing: no two laws have a value at two cell sizes; expected more contacts that do"
+            return "nothing: no two laws have a value at two cell sizes; expected more contacts"
         return f"the limit at cells of size zero that {' and '.join(self.limit.laws)} tend to"
 
 
