@@ -15,6 +15,7 @@ from mpmfw.errors import SceneError, SimulationError
 from mpmfw.results.analysis import fitted_acceleration
 from mpmfw.results.references import reference_of
 from mpmfw.runs.simulation import Simulation
+from mpmfw.state.surface import moments_of
 from scenes_for_tests import SOFT, scene_of, with_changes
 
 BLOCK = {"type": "rectangle", "lower": [0.0, -0.5], "upper": [2.0, 0.3]}
@@ -210,8 +211,8 @@ def test_turned_and_moved_a_body_moves_as_before(angles, place, length):
     nodes = np.array([[0.0, 0, 0], [length, 0, 0], [0, 1, 0], [0, 0, 2]])
     facets = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
     turn = rigid_kinematics.rotations(rigid_kinematics.matrix_of(angles, 3)[np.newaxis])[0]
-    volume, centre, second = rigid_kinematics.moments_of((nodes,), (facets,))
-    turned = rigid_kinematics.moments_of((nodes @ turn.T + place,), (facets,))
+    volume, centre, second = moments_of((nodes,), (facets,))
+    turned = moments_of((nodes @ turn.T + place,), (facets,))
     assert volume == pytest.approx(length / 3.0, rel=1e-12)
     assert turned[0] == pytest.approx(volume, rel=1e-9)
     assert turned[1] == pytest.approx(turn @ centre + place, abs=1e-9)

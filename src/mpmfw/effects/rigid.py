@@ -21,7 +21,6 @@ from mpmfw.effects.rigid_kinematics import (
     in_axes,
     mass_of,
     matrix_of,
-    moments_of,
     rotations,
     simplex,
     tables_of,
@@ -32,6 +31,7 @@ from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.state.fields import FloatArray
 from mpmfw.state.structs import Body, Grid, Stencil
+from mpmfw.state.surface import moments_of
 
 if TYPE_CHECKING:
     from mpmfw.scene.bodies import RigidBody

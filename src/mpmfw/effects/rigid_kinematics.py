@@ -1,4 +1,4 @@
-"""Moments, turns and spins of rigid bodies, and what their tables say of them.
+"""Turns and spins of rigid bodies, and what their tables say of them.
 
 Matrices W have W r = ω × r."""
 
@@ -13,22 +13,6 @@ from mpmfw.units import TimeTable
 
 if TYPE_CHECKING:
     from mpmfw.scene.bodies import RigidBody
-
-
-def moments_of(
-    outlines: tuple[FloatArray, ...], facets: tuple[Any, ...]
-) -> tuple[float, FloatArray, FloatArray]:
-    """Return volume, centroid and ∫ r rᵀ about it of what closed surfaces enclose, of their simplices."""
-    corners = np.concatenate([nodes[own] for nodes, own in zip(outlines, facets, strict=True)])
-    dim = corners.shape[1]
-    origin = corners.mean(axis=(0, 1))
-    corners = corners - origin
-    part = np.linalg.det(corners) / (2.0 if dim == 2 else 6.0)
-    total, volume = corners.sum(axis=1), float(part.sum())
-    centre = part @ total / (dim + 1) / volume
-    second = np.einsum("k,kad,kae->de", part, corners, corners) + np.einsum("k,kd,ke->de", part, total, total)
-    second = second / ((dim + 1) * (dim + 2)) - volume * np.outer(centre, centre)
-    return volume, origin + centre, second
 
 
 def simplex(dim: int) -> FloatArray:

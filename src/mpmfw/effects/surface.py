@@ -7,7 +7,6 @@ from typing import Literal
 
 import numpy as np
 
-from mpmfw.effects.rigid_kinematics import moments_of
 from mpmfw.kernels import kernel, scratch
 from mpmfw.kernels.arithmetic import add_scaled_row
 from mpmfw.kernels.stencil import entries
@@ -16,7 +15,7 @@ from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Effect, Setup
 from mpmfw.state.fields import MIN_GAP, AnyArray, Field
 from mpmfw.state.structs import Body, Grid, State
-from mpmfw.state.surface import closed_surface, least_gaps, make_surface
+from mpmfw.state.surface import closed_surface, least_gaps, make_surface, moments_of
 
 SurfaceMap = Literal["plain", "mass_weighted"]
 

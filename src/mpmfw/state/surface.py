@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from typing import Any
 
 import numpy as np
 
@@ -82,3 +83,19 @@ def least_gaps(surface: Surface, first: IntArray, second: IntArray, spacing: tup
     gaps = np.zeros(len(first))
     minimum_gaps(first, second, surface.body_first, surface.facet_first, surface, gaps, spacing)
     return gaps
+
+
+def moments_of(
+    outlines: tuple[FloatArray, ...], facets: tuple[Any, ...]
+) -> tuple[float, FloatArray, FloatArray]:
+    """Return volume, centroid and ∫ r rᵀ about it of what closed surfaces enclose, of their simplices."""
+    corners = np.concatenate([nodes[own] for nodes, own in zip(outlines, facets, strict=True)])
+    dim = corners.shape[1]
+    origin = corners.mean(axis=(0, 1))
+    corners = corners - origin
+    part = np.linalg.det(corners) / (2.0 if dim == 2 else 6.0)
+    total, volume = corners.sum(axis=1), float(part.sum())
+    centre = part @ total / (dim + 1) / volume
+    second = np.einsum("k,kad,kae->de", part, corners, corners) + np.einsum("k,kd,ke->de", part, total, total)
+    second = second / ((dim + 1) * (dim + 2)) - volume * np.outer(centre, centre)
+    return volume, origin + centre, second
