@@ -231,6 +231,8 @@ def test_tension_is_cut_off(model):
         for strain in (1e-3, 5e-3):
             tau = point.stress(deformation([strain, 1.2 * strain, 0.9 * strain]))
         assert np.trace(tau) / 3.0 == pytest.approx(expected, abs=1e-6)
+        elastic = 0.5 * np.linalg.slogdet(point.flow.metric[0])[1] + 3.1 * strain
+        assert point.opened[0] == pytest.approx(3.1 * strain - elastic, rel=1e-9)
         if not options.get("tension"):
             np.testing.assert_allclose(tau, expected * np.eye(3), atol=1e-6)
     sheared = Point(model(**SAND, tension=2e3)).stress(deformation([1e-3, 0.0, 0.0], 1e-3))
