@@ -113,7 +113,7 @@ class FrictionalOptions(Moduli):
         description="largest mean tension, at most that of the apex, c cot φ; left out, that of the apex",
     )
     pressure_exponent: float = Field(
-        0.0, ge=0, lt=1, description="n: K and G grow as (1 + p/reference_pressure)^n with the pressure p"
+        0.0, ge=0, lt=0.95, description="n: K and G grow as (1 + p/reference_pressure)^n with the pressure p"
     )
     reference_pressure: Pressure | None = Field(
         None,
@@ -142,6 +142,8 @@ class FrictionalOptions(Moduli):
             raise ValueError("pressure_exponent and reference_pressure: expected both or neither")
         if self.reference_pressure is not None and self.reference_pressure <= self.largest_tension():
             limit = self.largest_tension()
+            if math.isinf(limit):
+                raise ValueError("tension: with reference_pressure, expected a cut-off where φ is zero")
             raise ValueError(f"reference_pressure: expected above the largest mean tension, {limit:.4g} Pa")
         return self
 

@@ -349,6 +349,8 @@ def test_any_path_stays_on_the_surface_dissipates_and_turns_with_its_observer(
         ({"pressure_exponent": 0.5}, "expected both or neither"),
         ({"reference_pressure": 1e4}, "expected both or neither"),
         ({**STIFFENS, "reference_pressure": 7e3}, "above the largest mean tension"),
+        ({**STIFFENS, "pressure_exponent": 0.97}, "less than 0.95"),  # roots overflow under large strain
+        ({**STIFFENS, "friction_angle": 0.0, "cohesion": 1e3}, "expected a cut-off where φ is zero"),
     ],
 )
 def test_soils_without_sense_are_refused(options, message):
