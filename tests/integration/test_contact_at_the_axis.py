@@ -33,7 +33,7 @@ def meeting(contact, shape="cpdi", radius=0.0, begins=0.0, rigid=False, gap=0.00
 
 
 def moved(simulation):
-    """How far points are from their start after 15 ms (n, 2) [m]."""
+    """Return displacements of the points after 15 ms (n, 2) [m]."""
     start = simulation.state.particles.position.copy()
     for _ in range(100):
         simulation.step(1.5e-4)

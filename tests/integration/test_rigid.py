@@ -222,6 +222,14 @@ def test_turned_and_moved_a_body_moves_as_before(angles, place, length):
     assert corners.T @ corners == pytest.approx(4.0 * np.eye(3))
 
 
+def test_the_centroid_is_that_of_the_area_not_of_the_nodes():
+    nodes = np.array([[0.0, 0.0], [3.0, 0.0], [0.0, 3.0], [0.0, 2.0], [0.0, 1.0]])
+    facets = np.array([[0, 1], [1, 2], [2, 3], [3, 4], [4, 0]])
+    volume, centre, _ = moments_of((nodes,), (facets,))
+    assert volume == pytest.approx(4.5, rel=1e-14)
+    assert centre == pytest.approx([1.0, 1.0], rel=1e-14)
+
+
 @pytest.mark.parametrize(
     ("outline", "second"),
     [

@@ -23,7 +23,7 @@ def discs():
 
 
 def check_search(detection, surface):
-    """Whether the search was awake; every node inside the other disc has its depth among the candidates."""
+    """Return whether the search was awake, and check that it lists all nodes inside the other disc."""
     awake = detection.near.update()
     detection.count = detection.search()
     position = surface.position
