@@ -9,7 +9,7 @@ import inspect
 import re
 from pathlib import Path
 
-from mpmfw.plugin.hooks import HOOKS, make_manager
+from mpmfw.plugin.hooks import HOOKS, SPECS
 from mpmfw.plugin.hookspecs import HookSpecs
 
 PAGE = Path(__file__).with_name("hooks.md")
@@ -67,8 +67,7 @@ def _section(name: str) -> str:
 
 
 def _first_result(name: str) -> bool:
-    spec = getattr(make_manager().hook, name).spec
-    return bool(spec.opts.get("firstresult"))
+    return bool(SPECS[name].opts.get("firstresult"))
 
 
 def _lines(name: str) -> list[str]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from mpmfw.plugin.base import NamedPlugIn
 from mpmfw.plugin.discovery import available, load
-from mpmfw.plugin.hooks import BoundHooks, make_manager
+from mpmfw.plugin.hooks import BoundHooks, Registry
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import AnyArray, FloatArray
 from mpmfw.state.structs import Particles, State
@@ -63,10 +63,9 @@ def set_up(plugin: Any, state: State, **facts: Any) -> tuple[Setup, BoundHooks]:
     """Set a plug-in up alone; ``facts`` replace or add to those of the setup. Return it and the hooks."""
     frequency = 2.0 * state.bodies[0].wave_speed / state.grid.cell_size
     setup = Setup(state=state, **{"bulk_frequency": frequency, **facts})
-    manager = make_manager()
-    manager.register(plugin)
-    manager.check_pending()
-    hook = BoundHooks(manager, Clock())
+    registry = Registry()
+    registry.register(plugin, "alone")
+    hook = BoundHooks(registry, Clock())
     hook.declare_fields()
     hook.setup(setup=setup)
     return setup, hook

@@ -15,7 +15,7 @@ from mpmfw.contact.rows import Detection
 from mpmfw.errors import SceneError
 from mpmfw.geometry.discretise import refuse_incomplete
 from mpmfw.plugin.discovery import Kind, full_name, load, options_of, refuse_class, refuse_nameless
-from mpmfw.plugin.hooks import make_manager, register
+from mpmfw.plugin.hooks import implemented
 from mpmfw.runs.build import BASES
 from mpmfw.scene.specification import parse_specification, specification_of
 from mpmfw.scene.wording import problems_of
@@ -148,7 +148,7 @@ def _refuse_unusable(plugin: type[Any], kind: Kind) -> None:
     if kind == "geometry":
         refuse_incomplete(plugin)
     elif kind not in ("measure", "reference"):
-        register(make_manager(), object.__new__(plugin), full_name(plugin))
+        implemented(object.__new__(plugin))
 
 
 def kind_of(plugin: Any) -> Kind:

@@ -152,7 +152,7 @@ def test_bodies_that_share_nodes_are_averaged_both(volumetric: str) -> None:
     p.stress[:] = np.random.default_rng(2).normal(size=p.stress.shape)
     total = [float(p.volume[body.particles] @ np.trace(p.stress[body.particles], axis1=1, axis2=2))
              for body in simulation.state.bodies]  # fmt: skip
-    effect: Any = simulation.manager.get_plugin("averaged_volume")
+    effect: Any = simulation.registry.plugins["averaged_volume"]
     p.velocity_gradient[:] = 0.0
     effect.after_velocity_gradient(particles=p, grid=simulation.state.grid, dt=1e-4)
     effect.update_stress(particles=p)

@@ -217,7 +217,7 @@ def test_nodes_on_the_axis_alone_are_held(monkeypatch):
         simulation, _ = begun(hollow())
         grid = simulation.state.grid
         grid.momentum[:] = 1.0
-        simulation.manager.get_plugin("axisymmetry").constrain_momentum(grid=grid)
+        simulation.registry.plugins["axisymmetry"].constrain_momentum(grid=grid)
         return set(grid.position[grid.momentum[:, 0] == 0.0, 0].round(9).tolist())
 
     assert held(ON_AXIS=structs.ON_AXIS) == {0.0}

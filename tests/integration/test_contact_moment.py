@@ -109,7 +109,7 @@ def pass_nodes_left(method, from_x=-0.4, **still):
     low = (own[:, 1] < 1e-9) & (own[:, 0] > from_x) & (own[:, 0] < 0.4)
     own[low, 1] -= 1.24
     start = particles.mass @ particles.velocity
-    simulation.manager.get_plugin("verdict").diagnostics(simulation.state, 0.0)
+    simulation.registry.plugins["verdict"].diagnostics(simulation.state, 0.0)
     while simulation.state.time < 0.17:
         simulation.step()
     return simulation, particles.mass @ particles.velocity - start
@@ -120,7 +120,7 @@ def test_bodies_pass_nodes_that_have_left_their_points(method):
     """Nothing would take the opposite force, so the momentum stays; and the bodies have not crossed."""
     simulation, gained = pass_nodes_left(method)
     np.testing.assert_allclose(gained, 0.0, atol=1e-6)
-    state, gap = simulation.state, simulation.manager.get_plugin("gap")
+    state, gap = simulation.state, simulation.registry.plugins["gap"]
     np.testing.assert_allclose(gap.diagnostics(state)["min_gap"], 1.25 - 5.0 * state.time, rtol=1e-6)
     assert simulation.status == "ok"
 

@@ -122,11 +122,13 @@ PER_STEP = {"usl": USL, **dict.fromkeys(("musl", "usf"), USL + Counter(["constra
 
 def counted(sim):
     """Count the calls of every hook's implementations from now on, by hook and plug-in."""
-    calls = Counter()
+    calls, names = Counter(), {id(plugin): name for name, plugin in sim.registry.plugins.items()}
     for hook in sim.hook_callers():
-        for implementation in getattr(sim.manager.hook, hook).get_hookimpls():
-            implementation.function = _spy(calls, (hook, implementation.plugin_name), implementation.function)
-    sim.hook = BoundHooks(sim.manager, sim.clock)
+        for implementation in sim.registry.implementations[hook]:
+            implementation.function = _spy(
+                calls, (hook, names[id(implementation.plugin)]), implementation.function
+            )
+    sim.hook = BoundHooks(sim.registry, sim.clock)
     return calls
 
 

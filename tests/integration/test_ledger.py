@@ -148,7 +148,7 @@ def stopped(mapping):
     """What stops a run past the stability limit, which is let run so far."""
     simulation = Simulation({**mapping, "output": {"ledger": True}, "allow_unstable": True})
     guard = EnergyGuard(negligible_energy(simulation.state), simulation.setup.remedies)
-    simulation.manager.get_plugin("energy_ledger").guard = guard
+    simulation.registry.plugins["energy_ledger"].guard = guard
     with pytest.raises(SimulationError, match="energy grew by") as caught:
         simulation.run()
     return caught.value

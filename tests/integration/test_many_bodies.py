@@ -67,7 +67,7 @@ def all_sizes(count, method):
     """Number of pairs, and sizes of the arrays of state, plug-ins and frame after a step."""
     sim = Simulation(small(count, method, output={"stability": True}))
     sim.advance(1)
-    held = [sim.state, *sim.manager.get_plugins(), sim._recorder.frame(1.0).series]
+    held = [sim.state, *sim.registry.plugins.values(), sim._recorder.frame(1.0).series]
     named = {getattr(each, "name", type(each).__name__): each for each in held}
     # Plug-ins hold one another: an array is reached by the same way in every run
     return len(sim.state.pairs), dict(sizes_of(dict(sorted(named.items())), "", set()))

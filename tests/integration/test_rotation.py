@@ -35,7 +35,7 @@ def brick_answer(shape, rotation):
 def test_the_excess_inertia_is_that_of_second_moments(left_out):
     sim = Simulation(one_body(BRICK, size=0.125, shape__method="cpdi", bodies__solid__rotation="spin"))
     sim.advance(1)
-    p, g, edges = sim.state.particles, sim.state.grid, sim.manager.get_plugin("local_spin").half_edges
+    p, g, edges = sim.state.particles, sim.state.grid, sim.registry.plugins["local_spin"].half_edges
     end, excess, centre = p.count - left_out, np.zeros((3, 3)), g.mass @ g.position / g.mass.sum()
     find_excess(0, end, p, edges, 0, len(g.mass), g, excess, g.spacing)
     q, x, r = p.position[:end] - centre, g.position - centre, (p.deformation_gradient @ edges)[:end]
@@ -187,7 +187,7 @@ def projected(scene):
 def corrected(sim, momentum, held, edges=1.0):
     """Nodal momenta after the correction, where boundary conditions leave ``held`` ones; of larger points."""
     p, g, excess, common = sim.state.particles, sim.state.grid, np.zeros((3, 3)), np.zeros(len(momentum))
-    half_edges = edges * sim.manager.get_plugin("local_spin").half_edges
+    half_edges = edges * sim.registry.plugins["local_spin"].half_edges
     total = find_excess(0, p.count, p, half_edges, 0, len(g.mass), g, excess, g.spacing)
     grid = struct(mass=g.mass, start_velocity=np.zeros_like(momentum), momentum=momentum.copy())
     if total > 0.0:
@@ -239,8 +239,8 @@ def test_a_side_that_is_held_gains_no_spin():
     sim, _ = projected(with_changes(scene, bodies__solid__sides=[{"side": "bottom", "fixed": True}]))
     grid = sim.state.grid
     grid.momentum[:] = np.random.default_rng(5).normal(size=grid.momentum.shape) * grid.mass[:, None]
-    momentum, held = grid.momentum.copy(), sim.manager.get_plugin("constraint").held_momentum(grid)
-    sim.manager.get_plugin("local_spin").correct_inertia(grid, sim.state.particles)
+    momentum, held = grid.momentum.copy(), sim.registry.plugins["constraint"].held_momentum(grid)
+    sim.registry.plugins["local_spin"].correct_inertia(grid, sim.state.particles)
     expected, other = corrected(sim, momentum, held), corrected(sim, momentum, momentum)
     np.testing.assert_allclose(grid.momentum, expected, rtol=0.0, atol=1e-12 * np.abs(momentum).max())
     assert np.abs(expected - other).max() > 1e-3 * np.abs(expected - momentum).max()

@@ -42,7 +42,7 @@ def test_gravity_of_settling_alone_acts_while_settling_alone():
     assert least_stress(scene) == pytest.approx(EXPECTED, rel=0.01)
     sim = Simulation(scene)
     sim.start()
-    assert (sim.manager.get_plugin("gravity").at(0.0) == 0.0).all()
+    assert (sim.registry.plugins["gravity"].at(0.0) == 0.0).all()
 
 
 def test_a_moving_side_rests_while_the_scene_settles():

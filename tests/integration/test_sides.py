@@ -152,8 +152,8 @@ def test_a_side_takes_velocities_over_time(scheme, tmp_path):
     sim = Simulation(scene)
     frames = []
     sim.run(write=lambda frame: frames.append(frame.series))
-    constraint = sim.manager.get_plugin("constraint")
-    begin = Simulation(scene).manager.get_plugin("constraint").planes.place
+    constraint = sim.registry.plugins["constraint"]
+    begin = Simulation(scene).registry.plugins["constraint"].planes.place
     np.testing.assert_allclose((constraint.planes.place - begin), [0.0, -0.015], rtol=1e-9, atol=1e-15)
     series = {
         k: np.array([frame[k] for frame in frames]) for k in ("side_reaction", "side_work", "linear_momentum")
@@ -182,7 +182,7 @@ def test_a_table_of_one_velocity_is_that_velocity():
 def test_a_side_with_a_table_stands_still_while_the_scene_settles():
     scene = in_time(-0.2, 0.2, gravity={"vector": [0.0, -10.0]}, settle={"tolerance": 1e-2})
     sim, places = Simulation(scene), []
-    constraint = sim.manager.get_plugin("constraint")
+    constraint = sim.registry.plugins["constraint"]
     sim.run(after_step=lambda: places.append((sim.started, *constraint.planes.place)))
     assert {tuple(place) for started, *place in places if not started} == {tuple(places[0][1:])}
 

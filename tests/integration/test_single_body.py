@@ -193,7 +193,7 @@ def test_a_moving_body_with_a_layer_is_not_strained(scheme):
 def test_points_and_layer_keep_linear_momentum_while_the_body_vibrates(transfer):
     sim = Simulation(two_discs(scheme="usl", transfer=transfer))
     sim.start()
-    p, layer = sim.state.particles, sim.manager.get_plugin("surface_layer")
+    p, layer = sim.state.particles, sim.registry.plugins["surface_layer"]
     own = sim.state.bodies[0].particles
     p.deformation_gradient[own] = np.diag([1.02, 0.99])  # it springs back
     sim.step(1e-6)

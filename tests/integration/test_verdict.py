@@ -138,7 +138,7 @@ def test_the_work_of_loads_and_sides_is_that_of_the_ledger(name, scheme):
     simulation = Simulation(with_changes(made, **WORKS[name]))
     series = []
     simulation.run(lambda frame: series.append(dict(frame.series)))
-    verdict = simulation.manager.get_plugin("verdict")
+    verdict = simulation.registry.plugins["verdict"]
     assert simulation.status == "ok"
     work = verdict.gravity_work + sum(plugin.work for plugin in verdict.working)
     ledger = series[-1].get("gravity_work", 0.0) + series[-1].get("external_work", 0.0)
@@ -178,7 +178,7 @@ def test_bodies_with_loads_that_settle_are_judged_from_time_zero_on():
 def test_sides_are_looked_at_between_outputs():
     simulation = Simulation(scene((DISCS[0], 0.0), (DISCS[1], 0.0), end=100.0, outputs=1), contact="penalty")
     simulation.start()
-    judge = simulation.manager.get_plugin("verdict")
+    judge = simulation.registry.plugins["verdict"]
     judge.diagnostics(simulation.state, 0.0)  # the first output
     assert judge.latest_sides == SIDES_LATEST
     simulation.advance(SIDES_LATEST + 1)

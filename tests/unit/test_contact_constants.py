@@ -143,7 +143,7 @@ def on_shared_nodes(**constants):
     with mock.patch.dict(vars(nodes), constants):
         simulation = Simulation(mapping, contact="nodes+penalty(kappa=1)", shape="bspline")
         bulk, steps, gaps = simulation.limits()[0][0], [], []
-        gap = simulation.manager.get_plugin("gap")
+        gap = simulation.registry.plugins["gap"]
         for _ in range(60):
             simulation.advance(1)
             steps.append(simulation.state.dt)

@@ -162,7 +162,7 @@ def test_facets_of_a_turned_side_lie_on_it_but_for_rounding(monkeypatch):
             bodies__solid__geometry__angle=0.3, bodies__solid__sides=[{"side": "top", "pressure": 1.0}]
         )
         with contextlib.suppress(SceneError):  # there is none
-            return len(Simulation(turned).manager.get_plugin("pressure on solid top").facets)
+            return len(Simulation(turned).registry.plugins["pressure on solid top"].facets)
         return 0
 
     assert loaded(side_loads.FLAT) == 16
@@ -199,7 +199,7 @@ def test_rows_are_met_by_the_least_change_of_momentum(dim):
 
 def missed(simulation):
     """Largest velocity by which rows of prescribed sides are not met after a step [m/s]."""
-    held, grid = simulation.manager.get_plugin("constraint"), simulation.state.grid
+    held, grid = simulation.registry.plugins["constraint"], simulation.state.grid
     table, worst = held.table, 0.0
     for r in range(held.rows):
         entries = slice(table.row[r], table.row[r + 1])
@@ -230,7 +230,7 @@ def passes_and_miss(monkeypatch, **constants):
         monkeypatch.setattr(constraint, name, value)
     simulation = with_sides()
     simulation.advance(1)
-    return simulation.manager.get_plugin("constraint").passes, missed(simulation)
+    return simulation.registry.plugins["constraint"].passes, missed(simulation)
 
 
 def test_sides_that_share_nodes_are_met_together(monkeypatch):
@@ -254,7 +254,7 @@ def test_rows_of_oblique_sides_are_met_in_half_of_the_passes(monkeypatch):
         monkeypatch.setattr(constraint, "RELAXATION", relaxation)
         simulation = Simulation(scene)
         simulation.advance(1)
-        passes = simulation.manager.get_plugin("constraint").passes
+        passes = simulation.registry.plugins["constraint"].passes
         return passes, simulation.state.particles.velocity.mean(axis=0)
 
     (relaxed, velocity), (plain, expected) = first_step(RELAXATION), first_step(1.0)

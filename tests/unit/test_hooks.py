@@ -6,7 +6,7 @@ import pytest
 
 from mpmfw.api import hookimpl
 from mpmfw.errors import MpmfwError, SceneError
-from mpmfw.plugin.hooks import BoundHooks, Observer, make_manager
+from mpmfw.plugin.hooks import BoundHooks, Observer, Registry, pluggy_manager
 from mpmfw.step import timestep as module
 from mpmfw.step.timestep import Clock
 
@@ -18,11 +18,11 @@ def plugin(name, **hooks):
 
 def bound(*plugins, clock=None):
     """The bound hooks of some plug-ins registered in turn, and pluggy's own."""
-    manager = make_manager()
+    registry, manager = Registry(), pluggy_manager()
     for one in plugins:
+        registry.register(one, one.name)
         manager.register(one, name=one.name)
-    manager.check_pending()
-    return BoundHooks(manager, clock or Clock()), manager.hook
+    return BoundHooks(registry, clock or Clock()), manager.hook
 
 
 def answer(value, **options):
@@ -39,13 +39,15 @@ def test_calls_come_in_the_order_of_pluggy():
     hook, pluggy_hook = bound(
         plugin("a", stable_timestep=answer("a")),
         plugin("last", stable_timestep=answer("last", trylast=True)),
+        plugin("very last", stable_timestep=answer("very last", trylast=True)),
         plugin("first", stable_timestep=answer("first", tryfirst=True)),
+        plugin("very first", stable_timestep=answer("very first", tryfirst=True)),
         plugin("b", stable_timestep=answer("b")),
         plugin("nothing", stable_timestep=answer(None)),
     )
     found = hook.stable_timestep(state=None)
     assert found == pluggy_hook.stable_timestep(state=None)
-    assert found == ["first", "b", "a", "last"]
+    assert found == ["very first", "first", "b", "a", "last", "very last"]
 
 
 def test_an_observer_sees_every_implementation_while_it_runs():

@@ -15,7 +15,7 @@ import numpy as np
 from mpmfw.contact.law import PairRecords
 from mpmfw.contact.strategy import ContactStrategy
 from mpmfw.errors import SceneError
-from mpmfw.plugin.hooks import BoundHooks, Observer, make_manager, register
+from mpmfw.plugin.hooks import BoundHooks, Observer, Registry
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import AnyArray, Field, FloatArray
@@ -97,12 +97,12 @@ class ContactsByPair(ContactStrategy):
         self.base.detection.acts_on = lambda pair: pair.label not in others
         self.contacts: tuple[Any, ...] = (self.base, *labels)
         self._combine(auto_map)
-        self.manager = make_manager()
-        for contact in reversed(self.contacts):  # pluggy calls the last registered first
-            register(self.manager, contact, contact.name)
+        registry = Registry()
+        for contact in reversed(self.contacts):  # the last registered is called first
+            registry.register(contact, contact.name)
         self.rigid_motion = RigidMotion()
-        register(self.manager, self.rigid_motion, self.rigid_motion.name)
-        self.hook: Any = BoundHooks(self.manager, lambda stage: stage)
+        registry.register(self.rigid_motion, self.rigid_motion.name)
+        self.hook: Any = BoundHooks(registry, lambda stage: stage)
 
     def _combine(self, auto_map: Any) -> None:
         """Set the facts that all contacts have together."""

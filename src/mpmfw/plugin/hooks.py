@@ -1,7 +1,8 @@
-"""From a plug-in manager to the calls of a step.
+"""From registered plug-ins to the calls of a step.
 
-pluggy checks the arguments of every call anew, 3-4 µs a hook, a large share of a small scene's step. The
-calls are therefore bound once, in pluggy's order. Each plug-in's time goes to its own stage of the clock.
+pluggy looks at every attribute of every object (a third of a small scene's build), and checks the arguments
+of every call anew (3-4 µs a hook). Here it checks each class once, and calls are bound once, in pluggy's
+order. Each plug-in's time goes to its own stage of the clock.
 """
 
 from __future__ import annotations
@@ -11,6 +12,8 @@ import inspect
 import linecache
 import zlib
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from operator import attrgetter
 from textwrap import indent
 from types import CodeType
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
@@ -32,53 +35,86 @@ BEFORE_THE_RUN = ("declare_fields", "setup")
 HOOKS = tuple(name for name in vars(HookSpecs) if not name.startswith("_"))
 
 
-@functools.cache
-def _marks_of(kind: type) -> dict[str, Any]:
-    """Return the options of ``@hookimpl`` by the members of a class; looking up one takes 20 µs."""
-    found = {name: pluggy.PluginManager("mpmfw").parse_hookimpl_opts(kind, name) for name in dir(kind)}
-    return {name: mark for name, mark in found.items() if mark is not None}
+@dataclass
+class Implementation:
+    """A plug-in's implementation of a hook: a wrapper, or ordered first (−1), as registered (0), last (1)."""
+
+    plugin: Any
+    function: Callable[..., Any]
+    argnames: tuple[str, ...]
+    wrapper: bool
+    order: int
 
 
-class _Manager(pluggy.PluginManager):
-    """A plug-in manager that looks up the marks of each class once in a process."""
-
-    def parse_hookimpl_opts(self, plugin: Any, name: str) -> Any:
-        """Return the options of a hook's implementation, None of what is none."""
-        kind: Any = type(plugin)
-        own = name in getattr(plugin, "__dict__", ())
-        return super().parse_hookimpl_opts(plugin, name) if own else _marks_of(kind).get(name)
+#: Arguments of :class:`Implementation` by attribute and hook, of every class that was registered.
+_implemented: dict[type, dict[tuple[str, str], tuple[tuple[str, ...], bool, int]]] = {}
 
 
-def make_manager() -> pluggy.PluginManager:
-    """Return the plug-in manager of one simulation."""
-    manager = _Manager("mpmfw")
+def pluggy_manager() -> pluggy.PluginManager:
+    """Return a manager that knows the hooks and no plug-in."""
+    manager = pluggy.PluginManager("mpmfw")
     manager.add_hookspecs(HookSpecs)
     return manager
 
 
-def register(manager: pluggy.PluginManager, plugin: Any, name: str) -> None:
-    """Register a plug-in, whose hooks will be called.
+SPECS: dict[str, Any] = {name: getattr(pluggy_manager().hook, name).spec for name in HOOKS}
 
-    Raise SceneError if its name is taken, a hook or an argument is unknown, or a hook is not marked."""
-    other = manager.get_plugin(name)
-    if other is not None:
-        raise SceneError(
-            f"{described(other)} and {described(plugin)} have one name; expected another for one of them"
-        )
+
+def implemented(plugin: Any) -> dict[tuple[str, str], tuple[tuple[str, ...], bool, int]]:
+    """Return arguments, wrapper and order by attribute and hook; pluggy takes 1 ms to find and check them.
+
+    Raise SceneError if a hook or an argument is unknown, or a hook is not marked."""
+    kind = type(plugin)
+    own = not getattr(plugin, "__dict__", {}).keys().isdisjoint(HOOKS)
+    if kind in _implemented and not own:
+        return _implemented[kind]
+    manager = pluggy_manager()
     try:
-        manager.register(plugin, name=name)
+        manager.register(plugin, "")
         manager.check_pending()
     except pluggy.PluginValidationError as error:
         raise SceneError(f"{described(plugin)}: {error}") from error
-    for hook in HOOKS:
-        if not inspect.isroutine(getattr(plugin, hook, None)):
-            continue
-        mark = manager.parse_hookimpl_opts(plugin, hook)
-        if mark is None or mark["hookwrapper"]:
+    marks: Any = {name: manager.parse_hookimpl_opts(plugin, name) for name in dir(plugin)}
+    found = {}
+    for name, mark in marks.items():
+        if name in HOOKS and inspect.isroutine(getattr(plugin, name)) and (not mark or mark["hookwrapper"]):
             raise SceneError(
-                f"{described(plugin)}: {hook} has the name of a hook; expected @hookimpl above it, of a "
+                f"{described(plugin)}: {name} has the name of a hook; expected @hookimpl above it, of a "
                 "wrapper @hookimpl(wrapper=True), or another name"
             )
+        if mark:
+            impl = pluggy.HookImpl(plugin, "", getattr(plugin, name), mark)
+            order = impl.trylast - impl.tryfirst
+            found[name, mark["specname"] or name] = (impl.argnames, impl.wrapper, order)
+    return found if own else _implemented.setdefault(kind, found)
+
+
+class Registry:
+    """The plug-ins of a simulation by name, and the implementations of every hook in the order of calls."""
+
+    def __init__(self) -> None:
+        self.plugins: dict[str, Any] = {}
+        self.implementations: dict[str, list[Implementation]] = {hook: [] for hook in HOOKS}
+
+    def register(self, plugin: Any, name: str) -> None:
+        """Register a plug-in, whose hooks are called before those of others in the same order.
+
+        Raise SceneError if its name is taken, or as :func:`implemented`."""
+        if name in self.plugins:
+            both = f"{described(self.plugins[name])} and {described(plugin)}"
+            raise SceneError(f"{both} have one name; expected another for one of them")
+        for (attribute, hook), facts in implemented(plugin).items():
+            function = getattr(plugin, attribute)
+            calls, new = self.implementations[hook], Implementation(plugin, function, *facts)
+            calls.insert(len(calls) if new.order > 0 else 0, new)
+            calls.sort(key=attrgetter("order"))
+        self.plugins[name] = plugin
+
+    def unregister(self, name: str) -> None:
+        """Take a plug-in out again."""
+        plugin = self.plugins.pop(name)
+        for hook, found in self.implementations.items():
+            self.implementations[hook] = [each for each in found if each.plugin is not plugin]
 
 
 #: When a hook is observed: before all implementations, before and after each, and after all.
@@ -112,13 +148,13 @@ class BoundHooks:
 
     __slots__ = HOOKS
 
-    def __init__(self, manager: pluggy.PluginManager, clock: Clock, state: State | None = None) -> None:
+    def __init__(self, registry: Registry, clock: Clock, state: State | None = None) -> None:
         clock = getattr(clock, "__call__", clock)  # noqa: B004 - Python finds the method sooner
-        observers = [each for _, each in manager.list_name_plugin() if isinstance(each, Observer)]
-        for name in HOOKS:
+        observers = [each for each in registry.plugins.values() if isinstance(each, Observer)]
+        for name, implementations in registry.implementations.items():
             of_run = None if name in BEFORE_THE_RUN else state
             own = [each for each in observers if name in each.observes]
-            setattr(self, name, _bind(getattr(manager.hook, name), clock, of_run, own))
+            setattr(self, name, _bind(name, implementations, clock, of_run, own))
 
     if TYPE_CHECKING:
 
@@ -126,16 +162,19 @@ class BoundHooks:
 
 
 def _bind(
-    caller: pluggy.HookCaller, clock: Clock, state: State | None, observers: Sequence[Observer]
+    name: str,
+    implementations: Sequence[Implementation],
+    clock: Clock,
+    state: State | None,
+    observers: Sequence[Observer],
 ) -> Callable[..., Any]:
     """Return a function, written as text, that calls a hook's implementations with the arguments they take.
 
     Observers look before and after each. Between two kernels over many points the interpreter's own data has
     left the caches: a loop over the implementations takes twice as long as this."""
-    assert caller.spec is not None
-    name, given, implementations = caller.name, caller.spec.argnames, caller.get_hookimpls()
-    calls = [impl for impl in reversed(implementations) if not impl.wrapper]  # pluggy calls the last first
-    first_result = bool(calls and caller.spec.opts.get("firstresult"))
+    given = SPECS[name].argnames
+    calls = [impl for impl in implementations if not impl.wrapper]
+    first_result = bool(calls and SPECS[name].opts.get("firstresult"))
     names: dict[str, Any] = {"clock": clock, "passed_on": (*PASSED_ON, OutsideGrid)}
     names["failed"] = lambda error, plugin: failure(error, plugin, name, state)
     names |= {f"observer_{k}": observer for k, observer in enumerate(observers)}
@@ -157,7 +196,7 @@ def _bind(
         lines += f"plugin = plugin_{k}\n{whole}if result is not None:\n    {keep}\n"
     lines += calls_of["end"]
     if first_result:
-        expected = caller.spec.function.__annotations__["return"]
+        expected = SPECS[name].function.__annotations__["return"]
         lines += f"raise TypeError('returned None; expected {expected}')\n"
     text = (
         f"def {name}({', '.join(['*'] * bool(given) + [*given])}):\n    results = []\n    plugin = None\n"
@@ -167,7 +206,7 @@ def _bind(
     )
     exec(_compiled(text, name), names)
     bound: Callable[..., Any] = names[name]
-    for impl in implementations:
+    for impl in reversed(implementations):
         if impl.wrapper:
             bound = _around(impl, name, bound, state)
     return bound
@@ -194,7 +233,7 @@ def _compiled(text: str, name: str) -> CodeType:
 
 
 def _around(
-    impl: pluggy.HookImpl, name: str, inner: Callable[..., Any], state: State | None
+    impl: Implementation, name: str, inner: Callable[..., Any], state: State | None
 ) -> Callable[..., Any]:
     """Return a hook with a wrapper, which gets the result where it yields."""
 

@@ -12,7 +12,7 @@ from mpmfw.effects.settling import Settling, concern, is_settled_for_good
 from mpmfw.errors import Diverged, PluginError, SceneError, SimulationError
 from mpmfw.kernels._jit import import_numba_without_scipy
 from mpmfw.plugin.checks import bundled, declared_fields
-from mpmfw.plugin.hooks import HOOKS, BoundHooks, make_manager, register
+from mpmfw.plugin.hooks import HOOKS, BoundHooks, Registry
 from mpmfw.plugin.setup import Effect, Setup
 from mpmfw.results import Frame, RunHeader
 from mpmfw.runs.bodies import initial_velocity
@@ -92,11 +92,11 @@ class Simulation:
             particles = self.state.particles
             ascend = self.shape.rows_ascend and self.state.self_contact is None
             particles.threads = Threads(min(threads, particles.count), rows_ascend=ascend)
-        self.manager = make_manager()
+        self.registry = Registry()
         groups: list[Mapping[str, Any]] = [setup.materials, *setup.named.values()]
         named = {id(plugin): f"{plugin.name} {name}" for group in groups for name, plugin in group.items()}
-        for plugin in reversed(setup.plugins):  # pluggy calls the last registered first
-            register(self.manager, plugin, named.get(id(plugin), str(plugin.name)))
+        for plugin in reversed(setup.plugins):  # the last registered is called first
+            self.registry.register(plugin, named.get(id(plugin), str(plugin.name)))
         self._bind_hooks()
         state = self.state
         answers = self.hook.declare_fields() or []
@@ -121,11 +121,11 @@ class Simulation:
             self._step = self._sleep.step
 
     def _bind_hooks(self) -> None:
-        self.hook: Any = BoundHooks(self.manager, self.clock, self.state)
+        self.hook: Any = BoundHooks(self.registry, self.clock, self.state)
 
     def _callers(self, hook: str) -> list[Any]:
         """Plug-ins that implement a hook, in the order of the calls."""
-        return [impl.plugin for impl in reversed(getattr(self.manager.hook, hook).get_hookimpls())]
+        return [impl.plugin for impl in self.registry.implementations[hook]]
 
     def _check_supports(self) -> None:
         """Refuse a body whose shape functions reach beyond the grid at the start."""
@@ -145,7 +145,7 @@ class Simulation:
 
     def hook_callers(self) -> dict[str, list[str]]:
         """Names of the plug-ins that implement each hook, in the order of the calls."""
-        names = {id(plugin): name for name, plugin in self.manager.list_name_plugin()}
+        names = {id(plugin): name for name, plugin in self.registry.plugins.items()}
         return {hook: [names[id(plugin)] for plugin in self._callers(hook)] for hook in HOOKS}
 
     # -- how it runs
@@ -192,12 +192,12 @@ class Simulation:
     @contextlib.contextmanager
     def extra_plugin(self, plugin: Any) -> Iterator[None]:
         """Context in which a plug-in is registered, such as the damping of settling."""
-        self.manager.register(plugin, name=plugin.name)
+        self.registry.register(plugin, plugin.name)
         self._bind_hooks()
         try:
             yield
         finally:
-            self.manager.unregister(plugin)
+            self.registry.unregister(plugin.name)
             self._bind_hooks()
 
     def start(self, after_step: Callable[[], None] | None = None) -> None:
@@ -335,8 +335,9 @@ class Simulation:
     def _parts(self) -> dict[str, Any]:
         """Return every object that has values, by its name in messages."""
         damping = None if self._settling is None else self._settling.damping  # registered while it steps
-        plugins = dict(self.manager.list_name_plugin())
-        kept = {f"plug-in '{name}'": each for name, each in plugins.items() if each is not damping}
+        kept = {
+            f"plug-in '{name}'": each for name, each in self.registry.plugins.items() if each is not damping
+        }
         return {"state": self.state, **kept, "simulation": self}
 
     # -- what it leaves
@@ -357,7 +358,7 @@ class Simulation:
                 "outputs": self.scene.time.outputs,
                 "output_interval": self.scene.time.output_interval,
                 "effects": [{"name": e.name, "on": e.on, "reason": e.reason} for e in self.effects],
-                "plugins": {name: type(each).__module__ for name, each in self.manager.list_name_plugin()},
+                "plugins": {name: type(each).__module__ for name, each in self.registry.plugins.items()},
                 **(attributes or {}),
             }
         )
@@ -370,12 +371,11 @@ class Simulation:
     @property
     def status(self) -> str:
         """``ok``, or ``suspect: …`` with the reasons; complete after the last step."""
-        verdict: Any = self.manager.get_plugin("verdict")
-        return str(verdict.status)
+        return str(self.registry.plugins["verdict"].status)
 
     def remarks(self) -> dict[str, list[str]]:
         """Return the warnings, and the names of time step owners."""
-        watch = self.manager.get_plugin("time_step_series")
+        watch = self.registry.plugins.get("time_step_series")
         owners = {} if watch is None else {"time_step_owners": list(watch.owners)}
         return {"warnings": self.concerns(), **owners}
 

@@ -254,7 +254,7 @@ def _reached(start: AnyArray, first: IntArray, second: IntArray) -> AnyArray:
 def _hand_over(giver: Any, taker: Any) -> None:
     index_map = IndexMap.between(giver.state, taker.state)
     copy_history(taker.state, giver.state, index_map)
-    for name, plugin in taker.manager.list_name_plugin():
-        other = giver.manager.get_plugin(name)
+    for name, plugin in taker.registry.plugins.items():
+        other = giver.registry.plugins.get(name)
         if other is not None and hasattr(plugin, "copy_history"):
             plugin.copy_history(other, index_map)

@@ -98,7 +98,7 @@ def _own_limit(simulation: Simulation) -> float | None:
     contact = simulation.contact
     parts = () if contact is None else tuple(type(part) for part in contact.parts())
     stated = []
-    for impl in simulation.manager.hook.stable_timestep.get_hookimpls():
+    for impl in simulation.registry.implementations["stable_timestep"]:
         if impl.plugin is contact or isinstance(impl.plugin, parts):
             answer: Any = impl.function(*[simulation.state for _ in impl.argnames])
             if answer is not None:
