@@ -88,12 +88,13 @@ def changed_spring(
 @kernel
 def set_springs(
     rows: Rows, count: int, own: ChangingSprings, old: Rows, old_count: int, old_own: ChangingSprings,
-    modulus: Floats, stiffest: float, cell_size: float, linear_to: float, begins: bool,
+    modulus: Floats, stiffest: float, cell_size: float, linear_to: float, begins: bool, mean_gaps: bool,
 ) -> None:  # fmt: skip
     """Effective area, rest gap and stiffness of every row; ``modulus`` is κ M / h of each pair.
 
     A place keeps what it bore, as :func:`changed_spring` says, shared by its rows as their areas are. In
-    the step that ``begins`` the run bodies overlap as the scene has them.
+    the step that ``begins`` the run bodies overlap as the scene has them. ``mean_gaps``, which change as
+    points enter and leave, change the depth by the motion of the row alone.
     """
     c = 0
     while c < count:
@@ -111,7 +112,13 @@ def set_springs(
             bore = 0.0
             for i in range(o, end_of(o, old_count, old.identity)):
                 bore += old_own.effective_area[i]
-            share, free = changed_spring(share, bore / total, old_own.rest[o], across, gap, cell_size)
+            rest = old_own.rest[o]
+            if mean_gaps:
+                rest += gap - old.gap[o]
+                for d in range(rows.motion.shape[1]):
+                    rest -= old.normal[o, d] * old_own.moved[o, d]
+                rest = min(rest, 0.0)
+            share, free = changed_spring(share, bore / total, rest, across, gap, cell_size)
         elif not begins:
             free = new_rest(gap, -along)
         for i in range(c, e):

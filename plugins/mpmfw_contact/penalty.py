@@ -106,7 +106,7 @@ class PenaltyLaw(SpringLaw):
         """Write k = κ M A / h with the area across the normal, and return the tangent stiffness."""
         set_springs(
             rows, rows.count, rows.own, old, old.count, old.own, self.modulus, self.stiffest,
-            self.cell_size, self.linear_to, self.state.steps == 0,
+            self.cell_size, self.linear_to, self.state.steps == 0, self.detection.mean_gaps,
         )  # fmt: skip
         return rows.own.limit_k  # type: ignore[no-any-return]
 

@@ -74,7 +74,7 @@ class AtNodes(Detection):
     #: Whether forces act on the rows, which need nodes that have some mass.
     forces = False
     has_radius, mean_radius = True, 1.0 / 3.0
-    selects_pairs = True
+    mean_gaps = selects_pairs = True
     #: What is projected on the nodes: volume gradients, and mean positions.
     projects_gradient = True
     projects_mean = False

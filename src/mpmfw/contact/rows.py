@@ -157,6 +157,8 @@ class Detection(PlugIn):
     adds_mass: bool = False
     #: Whether rows have an area, which forces and cohesion are made of.
     measures_area: bool = True
+    #: Whether gaps are those of means over points, which change also as points enter and leave.
+    mean_gaps: ClassVar[bool] = False
     #: Whether bodies at rest may be left out for a while: :meth:`copy_history` copies its history, and rows
     #: renumber theirs.
     leaves_bodies_out: bool = False
