@@ -117,15 +117,15 @@ def _set_last_axis(factors: Table, p: int, last: int, out: Floats) -> None:
 
 
 @device
-def _is_apart(factors: Table, p: int, own_nodes: NodeRange, spacing: tuple[float, ...]) -> bool:
-    """Return True if no node of point ``p`` is among ``own_nodes``."""
-    end = factors.node[p] + WIDTH
+def _last_node(factors: Table, p: int, spacing: tuple[float, ...]) -> int:
+    """Return the last node of point ``p``; ``factors.node`` is its first."""
+    last = factors.node[p] + WIDTH - 1
     for d in range(1, len(spacing)):
         rows = WIDTH - 1
         for e in range(d, len(spacing)):
             rows *= factors.shape[p, e]
-        end += rows
-    return bool(end <= own_nodes[0] or factors.node[p] >= own_nodes[1])
+        last += rows
+    return int(last)
 
 
 @device
@@ -148,7 +148,25 @@ def _project(
     points: Points, affine: Floats | None, thickness: Floats | None, factors: Table, grid: Nodes,
     mass: Floats | None, force: Floats | None, spacing: tuple[float, ...], own_nodes: NodeRange | None,
 ) -> None:  # fmt: skip
-    """Add to momentum, ``mass`` and ``force`` of the nodes, line by line.
+    """Add to momentum, ``mass`` and ``force`` of the nodes. Most points have all or none of their nodes among
+    ``own_nodes``."""
+    for p in range(len(points.mass)):
+        if own_nodes is None:
+            _add_point(p, points, affine, thickness, factors, grid, mass, force, spacing, None)
+        else:
+            begin, end = factors.node[p], _last_node(factors, p, spacing) + 1
+            if own_nodes[0] <= begin and end <= own_nodes[1]:
+                _add_point(p, points, affine, thickness, factors, grid, mass, force, spacing, None)
+            elif own_nodes[0] < end and begin < own_nodes[1]:
+                _add_point(p, points, affine, thickness, factors, grid, mass, force, spacing, own_nodes)
+
+
+@device
+def _add_point(
+    p: int, points: Points, affine: Floats | None, thickness: Floats | None, factors: Table, grid: Nodes,
+    mass: Floats | None, force: Floats | None, spacing: tuple[float, ...], own_nodes: NodeRange | None,
+) -> None:  # fmt: skip
+    """Add what point ``p`` gives, line by line.
 
     With w, w' and w q of the last axis alone, and W = Π w of the other axes e: m_i += w W m, (m v)_i += w m
     (W v + Σ_e (w q)_e … C_e) + (w q) m W C_last, f_i −= w V Σ_e w'_e … σ_e + w' V W σ_last."""
@@ -158,45 +176,42 @@ def _project(
     traction, along = scratch.matrix(spacing, spacing), scratch.matrix(NODES, NODES)
     value, change = scratch.matrix(_ONE, spacing), scratch.matrix(_ONE, spacing)
     across, down = scratch.matrix(_ONE, spacing), scratch.matrix(_ONE, spacing)
-    for p in range(len(points.mass)):
-        if own_nodes is not None and _is_apart(factors, p, own_nodes, spacing):
-            continue
-        m = points.mass[p]
-        set_scaled_row(velocity, 0, m, points.velocity, p, spacing)
-        if affine is not None:
-            for d in range(len(spacing)):
-                for e in range(len(spacing)):
-                    columns[e, d] = m * affine[p, d, e]
-        if force is not None:
-            set_traction(points, thickness, p, traction, spacing)
-        _set_last_axis(factors, p, last, along)
-        for a in range(WIDTH):
-            for b in range(1 if in_plane else WIDTH):
-                i = _line(factors, p, a, b, slope, moment, spacing)
-                if not in_plane and slope[0, last] == 0.0:
-                    continue  # the domain does not reach the line; in the plane the branch costs more
-                share = slope[0, last]
-                set_scaled_row(value, 0, share, velocity, 0, spacing)
-                if affine is not None:
-                    for d in range(last):
-                        add_scaled_row(value, 0, moment[0, d], columns, d, spacing)
-                    set_scaled_row(change, 0, share, columns, last, spacing)
-                if force is not None:
-                    set_scaled_row(across, 0, slope[0, 0], traction, 0, spacing)
-                    for d in range(1, last):
-                        add_scaled_row(across, 0, slope[0, d], traction, d, spacing)
-                    set_scaled_row(down, 0, share, traction, last, spacing)
-                _add_to_line(grid.momentum, i, along, VALUE, value, own_nodes, spacing)
-                if affine is not None:
-                    _add_to_line(grid.momentum, i, along, MOMENT, change, own_nodes, spacing)
-                if force is not None:
-                    _add_to_line(force, i, along, VALUE, across, own_nodes, spacing)
-                    _add_to_line(force, i, along, SLOPE, down, own_nodes, spacing)
-                if mass is not None:
-                    for c in range(WIDTH):
-                        k = i + np.uint64(c)
-                        if own_nodes is None or own_nodes[0] <= k < own_nodes[1]:
-                            mass[k] += along[VALUE, c] * (share * m)
+    m = points.mass[p]
+    set_scaled_row(velocity, 0, m, points.velocity, p, spacing)
+    if affine is not None:
+        for d in range(len(spacing)):
+            for e in range(len(spacing)):
+                columns[e, d] = m * affine[p, d, e]
+    if force is not None:
+        set_traction(points, thickness, p, traction, spacing)
+    _set_last_axis(factors, p, last, along)
+    for a in range(WIDTH):
+        for b in range(1 if in_plane else WIDTH):
+            i = _line(factors, p, a, b, slope, moment, spacing)
+            if not in_plane and slope[0, last] == 0.0:
+                continue  # the domain does not reach the line; in the plane the branch costs more
+            share = slope[0, last]
+            set_scaled_row(value, 0, share, velocity, 0, spacing)
+            if affine is not None:
+                for d in range(last):
+                    add_scaled_row(value, 0, moment[0, d], columns, d, spacing)
+                set_scaled_row(change, 0, share, columns, last, spacing)
+            if force is not None:
+                set_scaled_row(across, 0, slope[0, 0], traction, 0, spacing)
+                for d in range(1, last):
+                    add_scaled_row(across, 0, slope[0, d], traction, d, spacing)
+                set_scaled_row(down, 0, share, traction, last, spacing)
+            _add_to_line(grid.momentum, i, along, VALUE, value, own_nodes, spacing)
+            if affine is not None:
+                _add_to_line(grid.momentum, i, along, MOMENT, change, own_nodes, spacing)
+            if force is not None:
+                _add_to_line(force, i, along, VALUE, across, own_nodes, spacing)
+                _add_to_line(force, i, along, SLOPE, down, own_nodes, spacing)
+            if mass is not None:
+                for c in range(WIDTH):
+                    k = i + np.uint64(c)
+                    if own_nodes is None or own_nodes[0] <= k < own_nodes[1]:
+                        mass[k] += along[VALUE, c] * (share * m)
 
 
 @kernel
