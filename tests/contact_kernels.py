@@ -160,7 +160,7 @@ def pair_table(n_bodies):
     return pair_of_bodies(first, second), first
 
 
-def rows_of(loops, found, *, across=False, ties=True, friction=True, tilts=False, passes=1.0, table=None):
+def rows_of(loops, found, *, across=False, ties=0.0, friction=True, tilts=False, passes=1.0, table=None):
     """Rows of the candidates; without a table the grid's nodes are the surface's own."""
     n = len(loops.body)
     own = dict.fromkeys((*SpringArrays.member_names, "rest"), 0) | {"tangential": 1, "moved": 1}

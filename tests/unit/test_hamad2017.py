@@ -25,8 +25,8 @@ class Surfaces:
         """Forces on all nodes (n, 2), and the candidates; tangential forces of every row are kept."""
         loops = self.loops
         found = find(loops, literal=True, slots=SLOTS)
-        rows = rows_of(loops, found, ties=False, tilts=True)
-        old = rows_of(loops, found, ties=False, tilts=True) if self.old is None else self.old
+        rows = rows_of(loops, found, ties=-np.inf, tilts=True)
+        old = rows_of(loops, found, ties=-np.inf, tilts=True) if self.old is None else self.old
         old_count = 0 if self.old is None else old.count
         match_rows(rows, rows.count, old, old_count)
         own, old_own = (each.members() for each in (rows.own, old.own))

@@ -79,6 +79,18 @@ def test_a_forced_run_begins_whatever_its_length(monkeypatch):
     assert compared.status.item() == "ok"
 
 
+@pytest.mark.parametrize(("size", "said"), [(2.5, "the body of"), (0.11, "a cell of 0.1 m"), (0.1, "")])
+def test_points_larger_than_a_cell_or_their_body_are_noted(size, said):
+    plate = {**DISC["bodies"]["a"], "geometry": PLATE, "particles": {"size": size}}
+    scene = load_scene({**DISC, "bodies": {"a": plate}}, set={"grid.cell_size": 0.1})
+    assert [said in text for text in limits.coarse_bodies(scene)] == [True] * bool(said)
+
+
+def test_a_run_takes_a_step_at_least_from_output_to_output():
+    scene = load_scene(DISC, set={"time.end": 1e-3, "time.output_interval": 1e-13})
+    assert limits.steps_of(scene, 1e-3) == limits.outputs_of(scene)
+
+
 def _plate(**sides):
     scene = copy.deepcopy(DISC)
     scene["bodies"]["a"]["geometry"] = PLATE

@@ -66,7 +66,7 @@ def row_of(position, displacement=None, *, tilts=False):
     table = as_table(np.arange(6), np.arange(5, dtype=np.int32), np.ones(5))
     pairs = pair_table(np.array([0]), np.array([1]))
     rows.count = assemble(
-        np.arange(2), False, False, candidates, outline, pairs, np.array([0]), table,
+        np.arange(2), False, -np.inf, candidates, outline, pairs, np.array([0]), table,
         np.zeros(5, dtype=np.int64), rows, rows.places, SPACE,
     )  # fmt: skip
     assert rows.count == 1

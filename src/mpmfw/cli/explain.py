@@ -66,12 +66,12 @@ def _print_head(simulation: Simulation) -> None:
         f"{scene.dim}D, {len(state.bodies)} bodies, {state.particles.count} material points, "
         f"contact {method}, shape {simulation.shape.label}"
     )
-    if simulation.threads > 1:
-        from mpmfw.runs.limits import remarks_on_threads
+    from mpmfw.runs.limits import coarse_bodies, remarks_on_threads
 
+    if simulation.threads > 1:
         typer.echo(f"{simulation.threads} threads")
-        for remark in remarks_on_threads(simulation.threads):
-            typer.echo(remark)
+    for remark in [*remarks_on_threads(simulation.threads), *coarse_bodies(scene)]:
+        typer.echo(remark)
     typer.echo("")
 
 

@@ -148,6 +148,11 @@ def coarse_bodies(scene: Scene) -> list[str]:
             texts.append(
                 f"bodies.{name}.particles.size, {size:g} m, is larger than the body of {_box(body)} m"
             )
+        elif size > (1.0 + 1e-9) * cell and not own_elements:
+            texts.append(
+                f"bodies.{name}.particles.size, {size:g} m, is larger than a cell of {cell:g} m: points may "
+                "lose touch with each other"
+            )
         if cell > least:
             texts.append(f"grid.cell_size, {cell:g} m, is larger than the body '{name}' of {_box(body)} m")
     return texts
@@ -173,7 +178,7 @@ def steps_of(scene: Scene, step: float) -> float:
     time = scene.time
     if time.outputs == "nearest":
         return float(math.ceil(time.end / step - 1e-9))
-    return float(outputs_of(scene) * math.ceil(min(time.output_interval, time.end) / step - 1e-9))
+    return float(outputs_of(scene) * max(1, math.ceil(min(time.output_interval, time.end) / step - 1e-9)))
 
 
 def check_length(simulation: Simulation) -> None:

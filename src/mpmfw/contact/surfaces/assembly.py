@@ -225,15 +225,15 @@ def sign_of(first: int, body: int, master: int, normal: Floats) -> float:
 
 @kernel
 def assemble(
-    rank: Ints, across: bool, ties: bool, candidates: Candidates, outline: Surface, pair_of: Ints,
+    rank: Ints, across: bool, ties: float, candidates: Candidates, outline: Surface, pair_of: Ints,
     pair_first: Ints, table: Table, place: Ints, rows: Rows, places: Places, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
     """A row for each candidate, two where it meets two facets alike; their number, or −1 without room.
 
     A node counts with its tributary area, or with half of it where its body and the master are of the same
-    ``rank`` (body,): each is then slave once. ``across``: only what lies across the normal is a row's area;
-    ``ties``: of two equally close facets both count. ``place`` is scratch (:func:`add_point`). A node that
-    has left its points has no row: nothing would take the opposite force.
+    ``rank`` (body,): each is then slave once. ``across``: only what lies across the normal is a row's area.
+    Of two equally close facets both count where the gap is below ``ties`` [m]. ``place`` is scratch
+    (:func:`add_point`). A node that has left its points has no row: nothing would take the opposite force.
     """
     c, top, body, dim = 0, 0, outline.body, len(spacing)
     share, normal = scratch.vector(spacing), scratch.vector(spacing)
@@ -248,7 +248,7 @@ def assemble(
                 for d in range(dim):
                     normal[d] = -normal[d]
             other, part = m, 0.0
-            if ties and g < 0.0:
+            if g < ties:
                 other, part = equally_close(
                     s, m, share, g, normal, other_share, other_normal, outline, spacing
                 )

@@ -206,12 +206,13 @@ class Surfaces(OnFacets):
         if self.count == 0:
             rows.have(0)
             return
+        ties = self.law_range if closest else -np.inf
         if len(self.place) < len(grid.mass):
             self.place = np.zeros(len(grid.mass), dtype=np.int64)
         self.fill(
             rows,
             lambda: assemble(
-                self.rank, closest, closest, self.candidates, self.surface, self.near.pair_of,
+                self.rank, closest, ties, self.candidates, self.surface, self.near.pair_of,
                 self.near.first, self.surface.table, self.place, rows, rows.places, grid.spacing,
             ),
         )  # fmt: skip
