@@ -196,7 +196,7 @@ class Frictional(Plastic):
             return None
         least = self.bulk_modulus + 4.0 / 3.0 * self.shear_modulus
         ratio = max(least, *(float(self.modulus[own].max()) for own in self.slices)) / least
-        return 2.0 / (self.bulk_frequency * math.sqrt(ratio)), f"wave speed under pressure ({self.name})"
+        return 2.0 / (self.bulk_frequency * math.sqrt(ratio)), f"bulk under pressure ({self.name})"
 
     def set_stress(self, own: slice, stress: FloatArray) -> bool:
         """Take the elastic strain of the stress, and so the plastic metric: ½ ln b_e of b_e = C_p⁻¹."""

@@ -97,9 +97,11 @@ def test_the_step_follows_the_stiffness_under_pressure():
     modulus = factor * (k + 4.0 / 3.0 * G + k * principal[0] ** 2 / norm)
     limits = {owner: limit for limit, owner in simulation.limits()}
     expected = 0.25 / np.sqrt(modulus / DENSITY)
-    assert limits["wave speed under pressure (mohr_coulomb)"] == pytest.approx(expected, rel=1e-6)
+    assert limits["bulk under pressure (mohr_coulomb)"] == pytest.approx(expected, rel=1e-6)
     assert simulation.stable_step() == pytest.approx(simulation.setup.safety * expected, rel=1e-6)
     assert expected < 0.8 * limits["bulk wave speed (h / c)"]
+    with pytest.raises(SceneError, match=r"bulk under pressure \(mohr_coulomb\), of which 0\.8 is stable"):
+        Simulation(layer(materials__soil=STIFFENS, time__safety=0.9)).start()
 
 
 def test_top_density_and_the_direction_of_gravity_are_obeyed():

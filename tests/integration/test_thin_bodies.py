@@ -67,7 +67,7 @@ def test_the_limit_is_the_root_of_cell_and_width(width, length, angle):
 
 
 def test_a_step_past_it_is_refused():
-    with pytest.raises(SceneError, match=r"past the stability limit .* of the bulk \(0\.8 √\(h w\) / c\)"):
+    with pytest.raises(SceneError, match=r"limit .* of bulk wave speed \(√\(h w\) / c\), of which 0\.8 is"):
         Simulation(scene(bar(0.1), 0.05, step=0.5 * TICK)).run()
 
 

@@ -143,8 +143,9 @@ class HookSpecs:
     def stable_timestep(self, state: State) -> tuple[float, str] | None:
         """After :meth:`detect`: the largest stable step [s] and its owner, or None if nothing limits it now.
 
-        The least of all answers holds. Before the first :meth:`detect` contacts count as if they were there.
-        May change nothing."""
+        The least of all answers holds. Of the time in which a wave passes a cell, whose owner begins with
+        "bulk", the shape function's share is stable. Before the first :meth:`detect` contacts count as if
+        they were there. May change nothing."""
 
     @hookspec
     def diagnostics(self, state: State, interval: float, points: bool) -> dict[str, AnyArray]:

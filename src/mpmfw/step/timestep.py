@@ -62,7 +62,7 @@ class TimeStep:
         length, courant = "√(h w)" if thin else "h", setup.shape_function.courant
         damped = ", with damping" if setup.plugin("material_damping") is not None else ""
         self._bulk = (self.bulk_limit, f"bulk wave speed ({length} / c){damped}")
-        self._least_refused = (courant * self.bulk_limit, f"the bulk ({courant:g} {length} / c)")
+        self._courant = courant
         self._safety, self._fixed = setup.scene.time.safety, setup.scene.time.step
         # A share of the least limit of at most that is below all of them.
         may_exceed = self._fixed is not None or self._safety > courant
@@ -121,10 +121,16 @@ class TimeStep:
         least = {owner: limit for limit, owner in sorted(answers, reverse=True)}
         return [self._bulk, *((limit, owner) for owner, limit in least.items())]
 
+    def _stable(self, limit: float, owner: str) -> tuple[float, str]:
+        """Return the share of a ``limit`` [s] that is stable, and its owner."""
+        if not owner.startswith("bulk"):
+            return limit, owner
+        return self._courant * limit, f"{owner}, of which {self._courant:g} is stable"
+
     def _choose(self, limits: list[tuple[float, str]]) -> tuple[float, str]:
         """Return the step [s], and the reason if it is past a stability limit."""
         step: float = self._safety * min(limits)[0] if self._fixed is None else self._fixed
-        limit, owner = min([self._least_refused, *limits[1:]])
+        limit, owner = min(self._stable(*limit) for limit in limits)
         if not self._checked or step <= limit * (1.0 + 1e-12):
             return step, ""
         return step, f"a step of {step:.4g} s is past the stability limit {limit:.4g} s of {owner}"
