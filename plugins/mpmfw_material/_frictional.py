@@ -17,7 +17,7 @@ from mpmfw.kernels.types import Floats
 from mpmfw_material._isotropic import Moduli, pad_plane_strain
 from mpmfw_material._plastic import MODULUS, OPENED, SPACE, Flow, Plastic, pad
 from mpmfw_material._principal import compose, diagonalise, push_forward
-from mpmfw_material._return import norm_square, return_stiffened, wave_modulus
+from mpmfw_material._return import norm_square, return_stiffened, swelling, wave_modulus
 
 #: Logarithm of the volume beyond which points no longer touch: what has opened so far opens no further.
 SEPARATED = math.log(2.0)
@@ -63,7 +63,12 @@ def frictional_stress(
         for a in range(3):
             strain[a] = 0.5 * math.log(values[a])
         volumetric = strain[0] + strain[1] + strain[2]
-        closed = min(opened[p], max(-volumetric, 0.0))
+        closed = 0.0
+        if opened[p] > 0.0:
+            square = -volumetric * volumetric / 3.0
+            for a in range(3):
+                square += strain[a] * strain[a]
+            closed = min(opened[p], max(swelling(square, bulk, shear, stiffening) - volumetric, 0.0))
         opened[p] -= closed
         volumetric += closed
         for a in range(3):

@@ -39,6 +39,22 @@ def wave_modulus(
 
 
 @device
+def swelling(deviator: Float, bulk: float, shear: float, stiffening: tuple[float, float]) -> Float:
+    """Return tr ε at which shear leaves no mean stress: Σ e² is ``deviator``, v² − v^(−2 m) = K' J₂ / (G p₀²).
+
+    Newton's method from above."""
+    power, reference = stiffening
+    if power == 0.0 or deviator == 0.0:
+        return 0.0
+    part = 2.0 * bulk * shear * deviator / reference**2
+    v = math.sqrt(1.0 + part)
+    for _ in range(8):
+        other = v ** (-2.0 * power)
+        v -= (v * v - other - part) / (2.0 * v + 2.0 * power * other / v)
+    return reference * (1.0 - v ** (-power)) / bulk
+
+
+@device
 def return_to_cone(tau: Floats, bulk: float, shear: float, surface: tuple[float, float, float]) -> bool:
     """Return principal stresses to √J₂ + η p ≤ k, with the flow of √J₂ + η̄ p; ``surface`` is (η, η̄, k).
 
