@@ -17,7 +17,7 @@ from mpmfw.kernels.types import Floats
 from mpmfw_material._isotropic import Moduli, pad_plane_strain
 from mpmfw_material._plastic import MODULUS, OPENED, SPACE, Flow, Plastic, pad
 from mpmfw_material._principal import compose, diagonalise, push_forward
-from mpmfw_material._return import norm_square, return_stiffened, swelling, wave_modulus
+from mpmfw_material._return import closing_volume, norm_square, return_stiffened, wave_modulus
 
 #: Logarithm of the volume beyond which points no longer touch: what has opened so far opens no further.
 SEPARATED = math.log(2.0)
@@ -62,15 +62,9 @@ def frictional_stress(
         diagonalise(b, values, vectors)
         for a in range(3):
             strain[a] = 0.5 * math.log(values[a])
-        volumetric = strain[0] + strain[1] + strain[2]
-        closed = 0.0
-        if opened[p] > 0.0:
-            square = -volumetric * volumetric / 3.0
-            for a in range(3):
-                square += strain[a] * strain[a]
-            closed = min(opened[p], max(swelling(square, bulk, shear, stiffening) - volumetric, 0.0))
+        closed = closing_volume(opened[p], strain, bulk, shear, stiffening)
         opened[p] -= closed
-        volumetric += closed
+        volumetric = strain[0] + strain[1] + strain[2] + closed
         for a in range(3):
             strain[a] += closed / 3.0
             tau[a] = (bulk - 2.0 / 3.0 * shear) * volumetric + 2.0 * shear * strain[a]

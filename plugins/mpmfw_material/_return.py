@@ -39,19 +39,26 @@ def wave_modulus(
 
 
 @device
-def swelling(deviator: Float, bulk: float, shear: float, stiffening: tuple[float, float]) -> Float:
-    """Return tr ε at which shear leaves no mean stress: Σ e² is ``deviator``, v² − v^(−2 m) = K' J₂ / (G p₀²).
+def closing_volume(
+    opened: Float, strain: Floats, bulk: float, shear: float, stiffening: tuple[float, float]
+) -> Float:
+    """Return the part of the ``opened`` volume (a logarithm) that closes before there is pressure.
 
-    Newton's method from above."""
-    power, reference = stiffening
-    if power == 0.0 or deviator == 0.0:
+    It closes at the tr ε at which shear leaves no mean stress, where v² − v^(−2 m) = K' J₂ / (G p₀²): Newton's
+    method from above."""
+    if opened == 0.0:
         return 0.0
-    part = 2.0 * bulk * shear * deviator / reference**2
-    v = math.sqrt(1.0 + part)
-    for _ in range(8):
-        other = v ** (-2.0 * power)
-        v -= (v * v - other - part) / (2.0 * v + 2.0 * power * other / v)
-    return reference * (1.0 - v ** (-power)) / bulk
+    (power, reference), free = stiffening, 0.0
+    volumetric = strain[0] + strain[1] + strain[2]
+    if power > 0.0:
+        square = strain[0] ** 2 + strain[1] ** 2 + strain[2] ** 2 - volumetric**2 / 3.0
+        part = 2.0 * bulk * shear * max(square, 0.0) / reference**2
+        v = math.sqrt(1.0 + part)
+        for _ in range(8):
+            other = v ** (-2.0 * power)
+            v -= (v * v - other - part) / (2.0 * v + 2.0 * power * other / v)
+        free = reference * (1.0 - v ** (-power)) / bulk
+    return min(opened, max(free - volumetric, 0.0))
 
 
 @device
