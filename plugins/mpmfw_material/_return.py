@@ -44,7 +44,7 @@ def closing_volume(
 ) -> Float:
     """Return the part of the ``opened`` volume (a logarithm) that closes before there is pressure.
 
-    It closes at the tr ε at which shear leaves no mean stress, where v² − v^(−2 m) = K' J₂ / (G p₀²): Newton's
+    It closes at the tr ε at which shear leaves no mean stress, v² − v^(−2 m) = K' J₂ / (G p₀²): Newton's
     method from above."""
     if opened == 0.0:
         return 0.0
