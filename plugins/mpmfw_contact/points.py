@@ -19,8 +19,8 @@ import numpy as np
 
 from mpmfw.api import ContactRows, Detection, Grid, Particles, Setup, State, Stencil
 from mpmfw.kernels import device, kernel
-from mpmfw.kernels.boxes import Boxes, bounding_boxes, boxes_apart
 from mpmfw.kernels.contact import Rows
+from mpmfw.kernels.facets import Boxes, bounding_boxes, boxes_apart
 from mpmfw.kernels.types import Float, Floats, Ints, Nodes, Points, Table
 
 #: Reach over the sum of the radii up to which two points have a row, a step before they touch.

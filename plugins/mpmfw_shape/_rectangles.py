@@ -16,6 +16,7 @@ from mpmfw.api.types import AnyArray, FloatArray, IntArray, Particles, Stencil, 
 from mpmfw.kernels import kernel
 from mpmfw.kernels.stencil import entries
 from mpmfw.kernels.types import Indices, Ints, Table
+from mpmfw_shape._tables import shown
 
 #: Distance over a rectangle's size within which a node is its centre, or its corners are those of a point's
 #: face.
@@ -114,4 +115,4 @@ class Rectangles:
         if len(self.place) < grid_nodes:
             self.place = np.zeros(grid_nodes, dtype=np.int32)
         mean_rows(self.index, self.corners, plain, self.place, self.table)
-        return self.table.show(self.table.row[-1])
+        return shown(self.table)

@@ -153,7 +153,14 @@ class PackedRows(LinearSurface):
             if code == FULL:
                 self.table = _with_room(particles.count, 3 * room // 2, grid.dim)
         check_inside(code)
-        return self.table.show(self.table.row[-1])
+        return shown(self.table)
+
+
+def shown(table: Stencil) -> Stencil:
+    """Show the entries of the rows alone in Python; kernels see all of the room."""
+    row, nodes, weight, gradient = table.kernel_arrays
+    vars(table).update(nodes=nodes[: row[-1]], weight=weight[: row[-1]], gradient=gradient[: row[-1]])
+    return table
 
 
 def _with_room(points: int, entries: int, dim: int) -> Stencil:

@@ -49,7 +49,7 @@ def begun(scene):
 def test_a_uniform_pressure_is_in_balance_within_a_body(shape, inner):
     simulation, phi = begun(hollow(inner, shape__method=shape))
     p, grid = simulation.state.particles, simulation.state.grid
-    p.stress[:], p.space.stress[:] = np.eye(2), np.eye(3)
+    p.stress[:], p.in_space.stress[:] = np.eye(2), np.eye(3)
     add_internal_force(p, phi, grid)
     r, y = grid.position.T
     around = 2.0 * np.pi * np.maximum(r, 0.1)[:, None] * 0.1
@@ -67,7 +67,7 @@ def test_a_uniform_rate_is_that_of_every_point(shape):
     grid.velocity[:] = grid.position @ RATE[:2, :2]
     gather_velocity_gradient(p, phi, grid)
     simulation.hook.after_velocity_gradient(particles=p.in_space, grid=grid, phi=phi, dt=1e-3)
-    assert np.abs(p.space.velocity_gradient - RATE).max() < 1e-12
+    assert np.abs(p.in_space.velocity_gradient - RATE).max() < 1e-12
 
 
 @pytest.mark.parametrize("scheme", ["usl", "musl", "usf"])
@@ -90,11 +90,11 @@ def test_a_uniform_motion_stretches_rings_as_their_radii(scheme, model):
     dt = simulation.state.dt
     stretch = np.eye(3) + dt * RATE
     inner = (start[:, 0] < 0.7) & (start[:, 1] > 0.3) & (start[:, 1] < 0.7)
-    assert np.abs(p.space.deformation_gradient[inner] - stretch).max() < 1e-3 * dt
-    assert np.abs(p.deformation_gradient - p.space.deformation_gradient[:, :2, :2]).max() == 0.0
+    assert np.abs(p.in_space.deformation_gradient[inner] - stretch).max() < 1e-3 * dt
+    assert np.abs(p.deformation_gradient - p.in_space.deformation_gradient[:, :2, :2]).max() == 0.0
     assert np.allclose(p.position[inner, 0] / start[inner, 0], stretch[2, 2], atol=1e-3 * dt)
     assert np.allclose(p.volume[inner] / p.initial_volume[inner], np.linalg.det(stretch), atol=3e-3 * dt)
-    difference = p.space.stress[inner, 2, 2] - p.stress[inner, 0, 0]
+    difference = p.in_space.stress[inner, 2, 2] - p.stress[inner, 0, 0]
     assert np.abs(difference).max() < 1e-3 * SOFT["bulk_modulus"] * dt
 
 
@@ -201,7 +201,7 @@ def test_the_axis_is_kept_and_two_threads_change_no_bit():
         simulation.start()
         simulation.advance(40)
         p = simulation.state.particles
-        ends.append((p.position.copy(), p.space.stress.copy()))
+        ends.append((p.position.copy(), p.in_space.stress.copy()))
     assert all(np.array_equal(a, b) for a, b in zip(*ends, strict=True))
     assert ends[0][0][:, 0].min() > 0.0
     surface = simulation.state.surface

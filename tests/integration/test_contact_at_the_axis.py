@@ -56,7 +56,7 @@ def test_what_meets_at_the_axis_keeps_momentum_and_gains_no_energy(contact, shap
     assert max(energy) < 1.0001 * energy[0]
     assert simulation.state.arrays.get(f"{contact}/spring_work", np.zeros(1)).min() > -1e-9 * energy[0]
     assert p.position[:, 0].min() > 0.0
-    assert np.isfinite(p.space.stress).all()
+    assert np.isfinite(p.in_space.stress).all()
 
 
 @ALL

@@ -75,8 +75,8 @@ def test_a_layer_stays_where_it_is(changes, most):
         rounding += 0.5 * 0.25 * DENSITY * 10.0
     assert p.stress[deep, 1, 1] == pytest.approx(vertical, abs=rounding)
     assert p.stress[deep, 0, 0] == pytest.approx(0.5 * vertical, abs=rounding)
-    if p.space is not None:
-        assert p.space.stress[deep, 2, 2] == pytest.approx(0.5 * vertical, abs=rounding)
+    if p.in_space is not p:
+        assert p.in_space.stress[deep, 2, 2] == pytest.approx(0.5 * vertical, abs=rounding)
 
 
 def test_without_it_the_layer_settles():

@@ -18,8 +18,8 @@ from mpmfw.contact.surfaces import outline, seams, search
 from mpmfw.contact.surfaces.assembly import equally_close
 from mpmfw.contact.surfaces.outline import distance_to, opposes
 from mpmfw.contact.surfaces.search import THIN, keep_inside
-from mpmfw.kernels.boxes import BLOCK
-from mpmfw.kernels.surfaces import minimum_gap, node_normal
+from mpmfw.kernels.sides import minimum_gap
+from mpmfw.kernels.surfaces import BLOCK, node_normal
 from mpmfw.runs.simulation import Simulation
 
 H = 0.25  #: cell size, and radius of the search

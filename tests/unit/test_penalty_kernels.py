@@ -7,7 +7,7 @@ import pytest
 import shapely
 
 from contact_kernels import PLANE, Law, empty_candidates, find, flat, forces, join, rows_of, star
-from mpmfw.kernels.surfaces import minimum_gap
+from mpmfw.kernels.sides import minimum_gap
 
 H = 0.25
 

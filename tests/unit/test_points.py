@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from contact_scenes import impact, run
 from measures_for_tests import detect
 from mpmfw.contact.rows import ContactRows
-from mpmfw.kernels.boxes import Boxes, bounding_boxes
+from mpmfw.kernels.facets import Boxes, bounding_boxes
 from mpmfw.runs.simulation import Simulation
 from mpmfw_contact.points import NEAR, find_near
 from scenes_for_tests import block, box, solid

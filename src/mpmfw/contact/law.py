@@ -179,8 +179,8 @@ class ContactLaw(ContactStrategy):
         self.detection.prepare(setup, self.name)
         self.prepare(setup)
         self.list_pairs(setup.state)
-        self.check_range()
         self.detection.law_range = self.range()
+        self.check_range(self.detection.law_range)
         own = self.row_arrays(friction=setup.has_friction)
         self.rows, self.old = self.detection.new_rows(own), self.detection.new_rows(own)
         if self.friction_law.cohesive and not self.detection.measures_area:
@@ -193,10 +193,10 @@ class ContactLaw(ContactStrategy):
             for rows in (self.rows, self.old):
                 rows.allocate_friction(cohesion=self.friction_law.cohesive)
 
-    def check_range(self) -> None:
-        """Refuse a law that acts across wider gaps than the detection finds."""
+    def check_range(self, needed: float) -> None:
+        """Refuse a detection that does not find gaps of up to ``needed`` [m]."""
         detection = self.detection
-        listed, needed = detection.range(self.cell_size), self.range()
+        listed = detection.range(self.cell_size) if needed > 0.0 else None
         if listed is None or needed <= listed or math.isclose(needed, listed):
             return
         finds, expected = f"contact '{self.name}': detection '{detection.name}'", "another detection"

@@ -10,9 +10,8 @@ import numpy as np
 
 from mpmfw.contact.rows import ContactRows
 from mpmfw.kernels import kernel, scratch
-from mpmfw.kernels.boxes import BLOCK, block_boxes
 from mpmfw.kernels.facets import read_point
-from mpmfw.kernels.surfaces import closest_facet, signed_distance
+from mpmfw.kernels.surfaces import BLOCK, block_boxes, closest_facet, signed_distance
 from mpmfw.kernels.types import Faceted, Floats
 from mpmfw.state.fields import FloatArray, IntArray
 from mpmfw.state.structs import Grid, Pair, State

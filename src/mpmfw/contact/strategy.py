@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from mpmfw.plugin.base import PlugIn
-from mpmfw.plugin.checks import naming
+from mpmfw.plugin.checks import raise_named
 from mpmfw.plugin.setup import Acts, Effect, Setup
 from mpmfw.state.fields import FloatArray, IntArray
 from mpmfw.state.structs import Body, Pair
@@ -70,7 +70,7 @@ def from_setup(setup: Setup) -> Acts | str:
     contact, law = setup.contact, setup.friction_law
     if contact is None:
         return "one body" if len(setup.bodies) == 1 else "not named"
-    with naming(contact, "its planning"):
+    try:
         asked = f"contact '{contact.name}' requires {contact.velocity_fields}"
         frictional, why = "", f"contact '{contact.name}' does not use it"
         if contact.uses_friction:
@@ -85,6 +85,8 @@ def from_setup(setup: Setup) -> Acts | str:
         pairs = str(len(setup.pairs)) if setup.state.near is None else "those that come near"
         reason = f"{contact.name} ({type(contact).__name__}), pairs: {pairs}"
         return Acts(reason, [contact, *contact.parts()], lines)
+    except BaseException as error:
+        raise_named(error, contact, "its planning")
 
 
 def _frictional(setup: Setup) -> str:

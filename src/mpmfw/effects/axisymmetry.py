@@ -12,6 +12,7 @@ International Journal for Numerical Methods in Engineering 101, 127-147."""
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from typing import Any
 
@@ -64,7 +65,7 @@ class SpacePoints(Particles):
     @classmethod
     def of(cls, plane: Particles) -> SpacePoints:
         """Return those of points at the start, without stress."""
-        shared = {name: array for name, array in vars(plane).items() if name in cls.__dataclass_fields__}
+        shared = {f.name: getattr(plane, f.name) for f in dataclasses.fields(plane) if f.init}
         tensors = ("deformation_gradient", "velocity_gradient", "stress")
         space = cls(**shared | {name: np.zeros((plane.count, 3, 3)) for name in tensors})
         space.deformation_gradient[:] = np.eye(3)
@@ -86,7 +87,7 @@ class Axisymmetry:
 
     def __init__(self, setup: Setup) -> None:
         self.state = setup.state
-        self.plane, self.space = setup.state.particles, setup.state.particles.space
+        self.plane, self.space = setup.state.particles, setup.state.particles.in_space
         self.materials, self.checked = setup.materials, False
         self.deformation_gradient = self.space.deformation_gradient
         self.velocity_gradient, self.stress = self.space.velocity_gradient, self.space.stress

@@ -74,7 +74,8 @@ class Constraint:
         self.n_labels = len(labels)
         #: While a scene settles, moving sides are held where they are.
         self.at_rest = False
-        faces = [_face_of(setup, body, side) for body, side in sides]
+        faces = [setup.face_of(body, side) for body, side in sides]
+        _refuse_corners(sides, faces, FLAT * setup.cell_size)
         #: unit vectors along the body's own axes, (n_sides, dim, dim), one a row
         self.directions = np.array([setup.scene.bodies[body.name].geometry.axes for body in bodies])
         self.planes = _planes(setup, bodies, faces, self.degree, 2 if shape.staggered else 1)
@@ -279,13 +280,13 @@ def _planes(
     )
 
 
-def _face_of(setup: Setup, body: Body, side: Side) -> tuple[FloatArray, float]:
-    """Return the normal and place of a side; refuse a mere corner."""
-    normal, place = setup.face_of(body, side)
-    at_side = [np.abs(loop @ normal - place) <= FLAT * setup.cell_size for loop in body.outlines]
-    along = (on[corners].all(axis=1).any() for on, corners in zip(at_side, body.facets, strict=True))
-    if body.outlines and not any(along):
-        raise SceneError(
-            f"no part of the outline lies along the side '{side.side}'", key=f"bodies.{body.name}.sides"
-        )
-    return normal, place
+def _refuse_corners(
+    sides: list[tuple[Body, Side]], faces: list[tuple[FloatArray, float]], within: float
+) -> None:
+    """Refuse sides along which no facet lies ``within`` a distance [m]."""
+    for (body, side), (normal, place) in zip(sides, faces, strict=True):
+        at_side = [np.abs(loop @ normal - place) <= within for loop in body.outlines]
+        along = [on[corners].all(axis=1).any() for on, corners in zip(at_side, body.facets, strict=True)]
+        if along and not any(along):
+            text = f"no part of the outline lies along the side '{side.side}'"
+            raise SceneError(text, key=f"bodies.{body.name}.sides")

@@ -47,8 +47,8 @@ class InitialStress:
                     key=f"bodies.{body.name}.initial_stress",
                 )
             material.update_stress(particles=p.in_space)
-        if p.space is not None:
-            p.stress[...] = p.space.stress[:, :2, :2]
+        if p.in_space is not p:
+            p.stress[...] = p.in_space.stress[:, :2, :2]
         for body in self.bodies:
             stress, found = wanted[body.name], p.in_space.stress[body.particles]
             axes = found.shape[1]

@@ -96,11 +96,11 @@ class EnergyLedger(Observer):
         self.strategy, self.contact = contact, "" if contact is None else str(contact.name)
         self.accounted, self.half_steps = "spring_work" in setup.contact_fields, setup.scheme == "usl"
         self.tells_motion = self.half_steps and self.accounted and hasattr(contact, "work_over_last_step")
-        self.nothing = series.negligible_energy(setup.state)
+        self.nothing, unit = series.negligible_energy(setup.state), series.energy_unit(setup.state)
         #: None where the scene allows unstable runs.
         self.guard: EnergyGuard | None = None
         if not setup.allow_unstable:
-            self.guard = EnergyGuard(self.nothing, setup.remedies, series.energy_unit(setup.state))
+            self.guard = EnergyGuard(self.nothing, setup.remedies, unit)
         self.motion = self.start = self.lost = 0.0
         self.momentum = np.zeros((0, 0))
         self._forget()

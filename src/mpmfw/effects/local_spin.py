@@ -288,13 +288,14 @@ class LocalSpin:
 
     def _correct(self, some: slice, grid: Grid, particles: Particles, held: FloatArray) -> None:
         for body, excess in zip(self.bodies[some], self.excess[some], strict=True):
-            nodes, points = grid.field_nodes(body.field), body.particles
+            first, last = grid.offset[body.field : body.field + 2].tolist()
+            points = body.particles
             total = find_excess(
-                points.start, points.stop, particles, self.half_edges, nodes.start, nodes.stop, grid, excess,
+                points.start, points.stop, particles, self.half_edges, first, last, grid, excess,
                 grid.spacing,
             )  # fmt: skip
             if total > 0.0:
                 correct_spin(
-                    nodes.start, nodes.stop, grid.window_shape[body.field], total, excess, grid, held,
+                    first, last, grid.window_shape[body.field], total, excess, grid, held,
                     self.change, self.common, grid.spacing,
                 )  # fmt: skip

@@ -113,8 +113,9 @@ def energy_unit(state: State) -> str:
 def negligible_energy(state: State) -> float:
     """Return the energy that counts as zero, a share of stiffness [J/m]."""
     volume = state.particles.times_thickness(state.particles.initial_volume)
-    volumes = [volume[body.particles].sum() for body in state.soft_bodies]
-    stiffness = [body.bulk_modulus + body.shear_modulus for body in state.soft_bodies]
+    soft = state.soft_bodies
+    volumes = [volume[body.particles].sum() for body in soft]
+    stiffness = [body.bulk_modulus + body.shear_modulus for body in soft]
     return NOTHING * float(np.dot(volumes, stiffness))
 
 

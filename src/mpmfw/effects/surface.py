@@ -103,13 +103,12 @@ def move_points(
             position[s, d] += dt * motion[0, d]
 
 
-def _filled(body: Body, setup: Setup) -> float:
+def _filled(body: Body, area: float, cell_size: float) -> float:
     """Return the part of a cell that a body can fill: (4 V / S h)^dim, of a square its area; at most 1."""
     if body.rigid:
         return 1.0
-    volume, *_ = moments_of(body.outlines, body.facets)
-    area = setup.state.tracked_surface.tributary[setup.state.tracked_surface.of(body.index)].sum()
-    return float(min(1.0, 4.0 * volume / (area * setup.cell_size)) ** setup.dim)
+    volume, centroid, _ = moments_of(body.outlines, body.facets)
+    return float(min(1.0, 4.0 * volume / (area * cell_size)) ** len(centroid))
 
 
 CELL_MASS = Field(
@@ -132,7 +131,8 @@ class SurfaceTracker:
         self.cell_mass[:] = density[self.surface.body] * setup.cell_size**setup.dim
         if setup.state.grid.axisymmetric:
             self.cell_mass *= setup.state.grid.around(self.surface.position[:, 0])
-        filled = np.array([_filled(body, setup) for body in setup.bodies])
+        areas = [own.sum() for own in np.split(self.surface.tributary, self.surface.body_first[1:-1])]
+        filled = np.array([_filled(*each, setup.cell_size) for each in zip(setup.bodies, areas, strict=True)])
         self.least = EMPTY * self.cell_mass * filled[self.surface.body]  #: mass of nodes that are not empty
 
     @classmethod

@@ -5,8 +5,8 @@ specialises by type and the disk cache hits. A plug-in marks its own kernels wit
 call with :func:`device`, and takes scratch memory from :mod:`mpmfw.kernels.scratch`.
 
 - **Files**: the time step in ``particle_grid`` and ``motion``, for products of functions of one axis in
-  ``products``, numbers of several points in ``lanes``, tables in ``stencil``, one facet in ``facets``, closed
-  ``surfaces`` and their ``boxes``, rows of ``contact``, short rows and small matrices in ``arithmetic``.
+  ``products``, numbers of several points in ``lanes``, tables in ``stencil``, facets and boxes in ``facets``,
+  closed ``surfaces`` and their ``sides``, rows of ``contact``, small matrices in ``arithmetic``.
 - **Types** of arguments: ``Floats``, ``Ints``, ``Indices`` are arrays of float64, int64 and int32, ``Float``
   a compiled scalar.
 - **Structs**: a class derived from :class:`Struct` has arrays that kernels take as one argument,
@@ -70,8 +70,7 @@ from mpmfw.kernels import scratch
 from mpmfw.kernels._jit import device, kernel
 from mpmfw.kernels._struct import Struct, struct
 from mpmfw.kernels.arithmetic import add_scaled_row, determinant, invert, set_scaled_row
-from mpmfw.kernels.boxes import bounding_boxes
-from mpmfw.kernels.facets import closest_point, squared_distance
+from mpmfw.kernels.facets import bounding_boxes, closest_point, squared_distance
 from mpmfw.kernels.particle_grid import (
     add_body_force,
     add_internal_force,
@@ -80,6 +79,7 @@ from mpmfw.kernels.particle_grid import (
     project,
     velocity_of_momentum,
 )
+from mpmfw.kernels.sides import minimum_gap
 from mpmfw.kernels.stencil import (
     FULL,
     OUTSIDE,
@@ -91,7 +91,7 @@ from mpmfw.kernels.stencil import (
     linear_weights,
     read_window,
 )
-from mpmfw.kernels.surfaces import Facets, minimum_gap, signed_distance
+from mpmfw.kernels.surfaces import Facets, signed_distance
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
 
 __all__ = [

@@ -1,6 +1,6 @@
-"""Geometry of one facet: a segment of a closed polyline in the plane, a triangle in space.
+"""Facets, and boxes round facets and bodies. A facet is a segment of a closed polyline, or a triangle.
 
-A facet is given by its ``corners``, one a row. In the plane the material lies on the left of the direction of
+It is given by its ``corners``, one a row. In the plane the material lies on the left of the direction of
 travel, so that the outward unit normal of a segment with unit tangent e_t is e_n = (e_t,y, −e_t,x); in space
 the corners run counter-clockwise as seen from outside. What depends on the dimension stands in this module;
 the dimension is the length of ``spacing``.
@@ -11,7 +11,8 @@ from __future__ import annotations
 import math
 
 from mpmfw.kernels import scratch
-from mpmfw.kernels._jit import device
+from mpmfw.kernels._jit import device, kernel
+from mpmfw.kernels._struct import Struct
 from mpmfw.kernels.types import Float, Floats, Ints
 
 
@@ -240,3 +241,57 @@ def write_own_gradients(corners: Floats, scale: Float, out: Floats, spacing: tup
         for d in range(3):
             area[d] /= size
         write_gradients(corners, area, scale, out, spacing)
+
+
+class Boxes(Struct):
+    """Bounding boxes of all bodies."""
+
+    lower: Floats  #: (n_bodies, dim) [m]
+    upper: Floats  #: (n_bodies, dim) [m]
+
+
+@device
+def read_box(
+    i: int, corners: Ints, position: Floats, lower: Floats, upper: Floats, spacing: tuple[float, ...]
+) -> None:
+    """Write the bounding box of the surface nodes ``corners[i]`` into ``lower`` and ``upper`` (dim,) [m]."""
+    for d in range(len(spacing)):
+        lower[d] = upper[d] = position[corners[i, 0], d]
+        for a in range(1, corners.shape[1]):
+            lower[d] = min(lower[d], position[corners[i, a], d])
+            upper[d] = max(upper[d], position[corners[i, a], d])
+
+
+@device
+def square_between(
+    lower: Floats, upper: Floats, other_lower: Floats, other_upper: Floats, spacing: tuple[float, ...]
+) -> Float:
+    """Squared distance of two boxes [m²]."""
+    square = 0.0
+    for d in range(len(spacing)):
+        beyond = max(lower[d] - other_upper[d], other_lower[d] - upper[d], 0.0)
+        square += beyond * beyond
+    return square
+
+
+@device
+def boxes_apart(a: int, b: int, lower: Floats, upper: Floats, reach: Float) -> bool:
+    """Return true if boxes a and b of ``lower`` and ``upper`` (n, dim) are farther apart than ``reach`` [m]
+    along an axis."""
+    apart = False
+    for d in range(lower.shape[1]):
+        apart = apart or lower[a, d] - upper[b, d] > reach or lower[b, d] - upper[a, d] > reach
+    return apart
+
+
+@kernel
+def bounding_boxes(first: Ints, position: Floats, lower: Floats, upper: Floats) -> None:
+    """Bounding box of the nodes ``first[b]:first[b + 1]`` of every body b; an empty range gives an empty
+    box."""
+    for b in range(len(first) - 1):
+        for d in range(position.shape[1]):
+            low, high = math.inf, -math.inf
+            for s in range(first[b], first[b + 1]):
+                low = min(low, position[s, d])
+                high = max(high, position[s, d])
+            lower[b, d], upper[b, d] = low, high

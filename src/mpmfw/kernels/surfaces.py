@@ -1,15 +1,12 @@
-"""Closed surfaces of facets: signed distance of a point, its closest facet, least gap of two bodies."""
+"""Closed surfaces of facets: signed distance of a point, and its closest facet."""
 
 from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from mpmfw.kernels import scratch
-from mpmfw.kernels._jit import device, kernel
+from mpmfw.kernels._jit import device
 from mpmfw.kernels._struct import Struct
-from mpmfw.kernels.boxes import BLOCK, block_boxes, square_between
 from mpmfw.kernels.facets import (
     area_vector,
     at_rim,
@@ -19,7 +16,7 @@ from mpmfw.kernels.facets import (
     length_of,
     project,
     read_corners,
-    read_point,
+    square_between,
     squared_distance,
 )
 from mpmfw.kernels.types import Faceted, Float, Floats, Ints
@@ -157,6 +154,28 @@ def signed_distance(
     return distance
 
 
+#: Consecutive facets that share a bounding box where the closest one is looked for.
+BLOCK = 8
+
+
+@device
+def block_boxes(
+    first: int, last: int, start: int, surface: Faceted, boxes: Floats, spacing: tuple[float, ...]
+) -> None:
+    """Bounding boxes of each ``BLOCK`` of the facets ``first:last``, lower and upper corner, into the rows
+    of ``boxes`` from ``start`` on."""
+    for m in range(first, last):
+        row = start + (m - first) // BLOCK
+        if (m - first) % BLOCK == 0:
+            for d in range(len(spacing)):
+                boxes[row, 0, d], boxes[row, 1, d] = math.inf, -math.inf
+        for a in range(len(spacing)):
+            p = surface.facets[m, a]
+            for d in range(len(spacing)):
+                boxes[row, 0, d] = min(boxes[row, 0, d], surface.position[p, d])
+                boxes[row, 1, d] = max(boxes[row, 1, d], surface.position[p, d])
+
+
 @device
 def closest_facet(
     x: Floats, within: Float, guess: int, first: int, last: int, start: int, surface: Faceted, boxes: Floats,
@@ -205,92 +224,3 @@ def turns_round(x: Floats, first: int, last: int, surface: Faceted) -> int:
             elif then and left < 0.0:
                 turns -= 1
     return turns
-
-
-@device
-def least_gap(
-    first_a: int, last_a: int, first_b: int, last_b: int, start: int, least: Float, surface: Faceted,
-    boxes: Floats, spacing: tuple[float, ...],
-) -> Float:  # fmt: skip
-    """``least``, or the least signed distance of nodes ``first_a:last_a`` from the facets ``first_b:last_b``
-    if less [m].
-
-    From row ``start`` on ``boxes`` are those of the facets' blocks; behind them is room for one more. The
-    node closest to the box round them all goes first: most others are farther from that box than its
-    distance.
-    """
-    dim = len(spacing)
-    x, share, normal = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
-    blocks = (last_b - first_b + BLOCK - 1) // BLOCK
-    whole = start + blocks
-    for d in range(dim):
-        boxes[whole, 0, d], boxes[whole, 1, d] = math.inf, -math.inf
-    for block in range(start, start + blocks):
-        for d in range(dim):
-            boxes[whole, 0, d] = min(boxes[whole, 0, d], boxes[block, 0, d])
-            boxes[whole, 1, d] = max(boxes[whole, 1, d], boxes[block, 1, d])
-    nearest, shortest = first_a, math.inf
-    for s in range(first_a, last_a):
-        read_point(s, surface.position, x, spacing)
-        box = square_between(x, x, boxes[whole, 0], boxes[whole, 1], spacing)
-        if box < shortest:
-            nearest, shortest = s, box
-    closest = first_b
-    for visit in range(first_a - 1, last_a):
-        s = nearest if visit < first_a else visit
-        read_point(s, surface.position, x, spacing)
-        box = square_between(x, x, boxes[whole, 0], boxes[whole, 1], spacing)
-        square = max(least, 0.0) * max(least, 0.0)
-        if box > square:
-            # farther from the whole surface's box than the least distance, or outside where another is inside
-            continue
-        # What is within the box may be inside, and deeper than the least distance found.
-        within = square * (1.0 + 1e-9) if box > 0.0 else math.inf
-        m = closest_facet(x, within, closest, first_b, last_b, start, surface, boxes, spacing)
-        if m >= 0:
-            closest = m
-            gap = signed_distance(x, m, surface, share, normal, spacing)
-            # Where a corner is folded over, normals do not separate inside from outside
-            if gap < min(least, 0.0) and dim == 2 and turns_round(x, first_b, last_b, surface) <= 0:
-                gap = -gap
-            least = min(least, gap)
-    return least
-
-
-@kernel
-def minimum_gap(
-    first_a: int, last_a: int, first_b: int, last_b: int, surface: Faceted, spacing: tuple[float, ...]
-) -> float:
-    """Least signed distance of nodes ``first_a:last_a`` from the facets ``first_b:last_b`` [m], negative
-    as soon as one is inside."""
-    boxes = np.empty(((last_b - first_b) // BLOCK + 2, 2, len(spacing)))
-    block_boxes(first_b, last_b, 0, surface, boxes, spacing)
-    least: float = least_gap(first_a, last_a, first_b, last_b, 0, math.inf, surface, boxes, spacing)
-    return least
-
-
-@kernel
-def minimum_gaps(
-    first: Ints, second: Ints, body_first: Ints, facet_first: Ints, surface: Faceted, gaps: Floats,
-    spacing: tuple[float, ...],
-) -> None:  # fmt: skip
-    """Least distance of the surfaces of every two bodies ``first`` and ``second``, into ``gaps`` [m]: the
-    lesser of both ways of :func:`mpmfw.kernels.minimum_gap`; infinite of a body and itself.
-
-    Nodes and facets of body b are ``body_first[b]:body_first[b + 1]`` and ``facet_first[b]:facet_first[b +
-    1]``.
-    """
-    n_bodies = len(body_first) - 1
-    boxes = np.empty((facet_first[n_bodies] // BLOCK + 2 * n_bodies, 2, len(spacing)))
-    for b in range(n_bodies):
-        start = facet_first[b] // BLOCK + 2 * b
-        block_boxes(facet_first[b], facet_first[b + 1], start, surface, boxes, spacing)
-    for c in range(len(first)):
-        least = math.inf
-        for way in range(0 if first[c] == second[c] else 2):
-            a, b = (first[c], second[c]) if way == 0 else (second[c], first[c])
-            least = least_gap(
-                body_first[a], body_first[a + 1], facet_first[b], facet_first[b + 1],
-                facet_first[b] // BLOCK + 2 * b, least, surface, boxes, spacing,
-            )  # fmt: skip
-        gaps[c] = least

@@ -26,13 +26,16 @@ if TYPE_CHECKING:
 
 def lay_out(scene: Scene) -> tuple[Layout, ...]:
     """Discretise the bodies; bodies that differ by their centres alone share one layout."""
-    kinds = Counter(type(body.geometry) for body in scene.bodies.values())
-    asked = [_alike(body, scene, kinds[type(body.geometry)] > 1) for body in scene.bodies.values()]
+    bodies = scene.bodies.values()
+    kinds = Counter(type(body.geometry) for body in bodies)
+    segments = [body.segment_length(scene.grid.cell_size) for body in bodies]
+    alike = [_about_the_origin(body.geometry) if kinds[type(body.geometry)] > 1 else None for body in bodies]
+    asked = [*zip(alike, (body.particles for body in bodies), segments, strict=True)]
     made, times, about_the_origin = [], Counter(asked), functools.cache(discretise)
-    for (name, body), alike in zip(scene.bodies.items(), asked, strict=True):
-        geometry, particles, segment = alike
+    for (name, body), each in zip(scene.bodies.items(), asked, strict=True):
+        geometry, particles, segment = each
         try:
-            if geometry is None or times[alike] == 1:
+            if geometry is None or times[each] == 1:
                 made.append(discretise(_placed(body, scene), particles, segment))
             else:
                 by = np.subtract(body.geometry.centroid, geometry.centroid)
@@ -42,13 +45,12 @@ def lay_out(scene: Scene) -> tuple[Layout, ...]:
     return tuple(made)
 
 
-def _alike(body: Any, scene: Scene, several: bool) -> tuple[Any, Any, float]:
-    """Return division, segment length, and of one of several with a centre the geometry about the origin."""
-    kind, geometry = type(body.geometry), None
-    if several and "centre" in kind.model_fields:  # made anew: a copy has what the original has worked out
-        keys = {key: getattr(body.geometry, key) for key in kind.model_fields}
-        geometry = kind(**{**keys, "centre": (0.0,) * len(body.geometry.centre)})
-    return geometry, body.particles, body.segment_length(scene.grid.cell_size)
+def _about_the_origin(geometry: Any) -> Any:
+    """Return a geometry that has a centre with that at the origin; None of others."""
+    if "centre" not in type(geometry).model_fields:
+        return None  # made anew: a copy has what the original has worked out
+    keys = {key: getattr(geometry, key) for key in type(geometry).model_fields}
+    return type(geometry)(**{**keys, "centre": (0.0,) * len(geometry.centre)})
 
 
 def _placed(body: Any, scene: Scene) -> Any:
@@ -93,7 +95,7 @@ def make_bodies(
                 facets=layout.facets,
                 thickness=1.0 if model.thickness is None else model.thickness,
                 rigid=rigid,
-                prescribed=model.prescribed,
+                prescribed=rigid and model.prescribed,
                 width=model.geometry.width,
             )
         )
@@ -189,7 +191,7 @@ def make_particles(
     if scene.grid.axisymmetric:
         from mpmfw.effects.axisymmetry import SpacePoints
 
-        particles.space = SpacePoints.of(particles)
+        particles.in_space = SpacePoints.of(particles)
     return particles
 
 

@@ -25,7 +25,7 @@ from mpmfw.scene import Scene, load_scene
 from mpmfw.scene.options import NAMED
 from mpmfw.state.structs import Body, State
 from mpmfw.state.windows import FEW, BodyPairs, make_grid
-from mpmfw.step.timestep import damped_frequency, stable_length
+from mpmfw.step.timestep import highest_frequency
 from mpmfw.step.transfer import Transfer, make_transfer
 
 #: Base classes of what a scene names.
@@ -146,10 +146,14 @@ def _put_together(
     )
     particles = make_particles(scene, layouts, bodies, transfer, n_fields)
     soft = [body for body in bodies if not body.rigid]
-    frequencies = [_highest_frequency(scene, body, shape.courant) for body in soft]
-    for body, frequency in zip(soft, frequencies, strict=True):
+    of_soft = [scene.bodies[body.name].material for body in soft]
+    frequencies = [
+        highest_frequency(body, scene.grid.cell_size, shape.courant, scene.materials[name].damping)
+        for body, name in zip(soft, of_soft, strict=True)
+    ]
+    for body, name, frequency in zip(soft, of_soft, frequencies, strict=True):
         # neighbours become one slice, and take one call of a kernel
-        material, own = materials[scene.bodies[body.name].material], body.particles
+        material, own = materials[name], body.particles
         last = material.slices[-1:]
         if last and last[0].stop == own.start:
             material.slices, own = material.slices[:-1], slice(last[0].start, own.stop)
@@ -180,19 +184,6 @@ def _put_together(
         check_bodies(scene, layouts, bodies)
     add_effects(setup)
     return setup
-
-
-def _highest_frequency(scene: Scene, body: Body, courant: float) -> float:
-    """Return 2 c / h of a body, √(h w) instead of h in a thin one, raised by its damping [1/s].
-
-    Its product with the step is at most 2 ``courant``, the stable fraction of the shape function.
-    """
-    frequency = 2.0 * body.wave_speed / stable_length(scene.grid.cell_size, body.width)
-    if (damping := scene.materials[scene.bodies[body.name].material].damping) is None:
-        return frequency
-    bulk, shear = damping.times
-    viscosity = bulk * body.bulk_modulus + 4.0 / 3.0 * shear * body.shear_modulus
-    return damped_frequency(frequency, viscosity / body.p_wave_modulus / courant)
 
 
 def _named(
@@ -247,7 +238,8 @@ def _add_interfaces(setup: Setup) -> None:
 
 def _plugin(kind: Any, name: Any, options: Any) -> Any:
     plugin = load(kind, name)
-    _check_base(kind, plugin)
+    if not issubclass(plugin, BASES[kind]):
+        raise _of_another_kind(kind, plugin)
     try:
         given = options is not None and hasattr(plugin, "from_options")
         return plugin.from_options(options) if given else plugin()
@@ -264,18 +256,18 @@ def _strategy(kind: Kind, given: Any) -> Any:
             f"{kind}: found {given!r}; expected a name, module:Class, or a class derived from "
             f"mpmfw.api.{BASES[kind].__name__} or an object of one"
         )
-    _check_base(kind, given if isinstance(given, type) else type(given))
-    refuse_nameless(given if isinstance(given, type) else type(given))
+    plugin = given if isinstance(given, type) else type(given)
+    if not issubclass(plugin, BASES[kind]):
+        raise _of_another_kind(kind, plugin)
+    refuse_nameless(plugin)
     return object_of(given)
 
 
-def _check_base(kind: Kind, plugin: type[Any]) -> None:
-    base = BASES[kind]
-    if not issubclass(plugin, base):
-        raise SceneError(
-            f"{kind} plug-in {full_name(plugin)} of {distribution_text(plugin)}: expected a class derived "
-            f"from mpmfw.api.{base.__name__}"
-        )
+def _of_another_kind(kind: Kind, plugin: type[Any]) -> SceneError:
+    return SceneError(
+        f"{kind} plug-in {full_name(plugin)} of {distribution_text(plugin)}: expected a class derived from "
+        f"mpmfw.api.{BASES[kind].__name__}"
+    )
 
 
 def _check_dimensions(scene: Scene, plugin: Any, key: str) -> None:

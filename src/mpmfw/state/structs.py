@@ -35,11 +35,7 @@ class Stencil(Struct):
 
     def __init__(self, row: IntArray, nodes: IndexArray, weight: FloatArray, gradient: FloatArray) -> None:
         super().__init__(row=row, nodes=nodes, weight=weight, gradient=gradient)
-
-    @property
-    def room(self) -> int:
-        """Number of entries that the arrays were made for."""
-        return len(self.kernel_arrays[1])
+        self.room = len(nodes)  #: number of entries that the arrays were made for
 
     def replace(self, **arrays: AnyArray) -> Stencil:
         """Return a table with other ``arrays``, by name."""
@@ -49,12 +45,6 @@ class Stencil(Struct):
         """Return the table of the points ``begin:end``, with the same entries."""
         row, *entries = self.kernel_arrays
         return Stencil(row[begin : end + 1], *entries)
-
-    def show(self, entries: int) -> Stencil:
-        """Show the first ``entries`` of the room in Python; kernels see all of it."""
-        _, nodes, weight, gradient = self.kernel_arrays
-        self.__dict__.update(nodes=nodes[:entries], weight=weight[:entries], gradient=gradient[:entries])
-        return self
 
 
 class Factors(Struct):
@@ -94,7 +84,7 @@ class Products(Stencil):
 
     def __getattr__(self, name: str) -> Any:
         """Make the table of which ``name`` is an attribute."""
-        if name not in (*self.member_names, "kernel_arrays", "_numba_type_", "_numbers", "_address"):
+        if name not in (*self.member_names, "room", "kernel_arrays", "_numba_type_", "_numbers", "_address"):
             raise AttributeError(name)
         points, dim = self.factors.shape.shape
         if self._table is None:
@@ -186,18 +176,14 @@ class Particles(Struct):
     first: IntArray  #: (n_fields + 1,) material points of velocity field f are first[f]:first[f + 1]
     thickness: FloatArray | None = None  #: (n,) [m]; None unless a body of the plane names its own
     threads: Any = None  #: ``Threads`` that share the operations of the step; None if one does it all
-    #: the points with F, L and σ in three dimensions, (n, 3, 3); None unless the grid is axisymmetric
-    space: Any = None
+    #: the points with the tensors that materials take: of a body of revolution F, L and σ of (n, 3, 3)
+    in_space: Any = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
+        self.in_space = self
         self.set()
         self.count: int = len(self.mass)  #: number of material points
         self.dim: int = self.position.shape[1]  #: number of space dimensions
-
-    @property
-    def in_space(self) -> Any:
-        """The points with the tensors that materials take: of a body of revolution those in space."""
-        return self if self.space is None else self.space
 
     def part(self, begin: int, end: int) -> Struct:
         """Return what kernels see of the points ``begin:end``, as views."""
@@ -294,20 +280,13 @@ class Surface(Struct):
     first: IntArray = field(default_factory=lambda: np.zeros(1, dtype=np.int64))
     """(n_fields + 1,) surface nodes of velocity field f"""
     stage: str = "contact"  #: stage of the clock that pays for it: ``gap`` if only the diagnostic uses it
-    stencil: Stencil | None = None  #: N_i(x_s) of this step
+    table: Any = None  #: N_i(x_s) of this step, a :class:`Stencil`; None before it was filled
     rigid_nodes: int = 0  #: number of nodes of rigid bodies, the last ones
 
     def __post_init__(self) -> None:
         self.set()
         self.count = len(self.tributary)  #: number of surface nodes
         self.on_grid = self.count - self.rigid_nodes  #: of those that move with the grid, the first ones
-
-    @property
-    def table(self) -> Stencil:
-        """N_i(x_s) of this step, once it was filled."""
-        if self.stencil is None:
-            raise RuntimeError("the surface's table was not filled")
-        return self.stencil
 
     def of(self, body: int) -> slice:
         """Surface nodes of one body."""

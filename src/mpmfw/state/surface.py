@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from mpmfw.geometry.layout import neighbours_of, stars_of, tributaries_of
-from mpmfw.kernels.surfaces import minimum_gaps
+from mpmfw.kernels.sides import minimum_gaps
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 from mpmfw.state.structs import Body, Grid, Surface
 
@@ -52,7 +52,7 @@ def outer_facets(surface: Surface, grid: Grid) -> IntArray:
 
 def nodes_left(surface: Surface) -> AnyArray:
     """Return which nodes have left their points, (n_s,): the table of the step gives them no weights."""
-    if surface.stencil is None:
+    if surface.table is None:
         return np.zeros(surface.count, dtype=bool)
     row = surface.table.row[: surface.count + 1]
     return ~np.logical_or.reduceat(surface.table.weight[: row[-1]] != 0.0, row[:-1])

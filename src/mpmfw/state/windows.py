@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.kernels.boxes import bounding_boxes
+from mpmfw.kernels.facets import bounding_boxes
 from mpmfw.state.fields import GRID_FIELDS, AnyArray, FloatArray, IntArray
 from mpmfw.state.history import NotSaved
 from mpmfw.state.structs import Grid, Pair, State

@@ -174,12 +174,12 @@ def _fill_tables(state: State, hook: Any, clock: Clock) -> Stencil:
             table = hook.interpolate_surface(position=position, first=first, grid=grid)
         except OutsideGrid as error:
             raise OutsideGrid(error.index, surface=True) from None
-        if surface.stencil is not table:
-            surface.stencil = table
+        if surface.table is not table:
+            surface.table = table
         if state.self_contact is not None:
             phi = state.self_contact.divide(phi, grid)
         if state.rigid is not None:
-            surface.stencil = state.rigid.with_points(table)
+            surface.table = state.rigid.with_points(table)
     return phi
 
 
@@ -236,8 +236,8 @@ def add_internal_force(p: Particles, phi: Stencil, g: Grid) -> None:
 
 
 def _add_hoop_force(p: Particles, phi: Stencil, g: Grid) -> None:
-    if p.space is not None:
-        p.space.add_hoop_force(p, phi, g, _over_nodes)
+    if p.in_space is not p:
+        p.in_space.add_hoop_force(p, phi, g, _over_nodes)
 
 
 def add_forces(state: State, hook: Any, phi: Stencil, dt: float) -> None:
@@ -278,8 +278,8 @@ def update_deformation(state: State, dt: float) -> None:
     p = state.particles
     bad = _over_points(p.in_space, motion.update_deformation, dt, state.grid.tensor_spacing)
     if bad < 0:
-        if p.space is not None:
-            p.deformation_gradient[...] = p.space.deformation_gradient[:, :2, :2]
+        if p.in_space is not p:
+            p.deformation_gradient[...] = p.in_space.deformation_gradient[:, :2, :2]
         return
     jacobian = p.volume[bad] / p.initial_volume[bad]
     inverted = f"a material point inverted (det F = {jacobian:.3g})"

@@ -15,6 +15,7 @@ from mpmfw.state.fields import STAGES
 
 if TYPE_CHECKING:
     from mpmfw.plugin.setup import Setup
+    from mpmfw.state.structs import Body
 
 # numba's annotations differ between versions.
 _event: Any = numba_event
@@ -26,24 +27,21 @@ _LOCK = "numba:compiler_lock"
 COLLAPSED = 1e-4
 
 
-def stable_length(cell_size: float, width: float) -> float:
-    """Return the length that a wave passes in a stable step [m].
+def highest_frequency(body: Body, cell_size: float, courant: float, damping: Any) -> float:
+    """Return the highest frequency of a body's nodes, 2 c / h [1/s], 2 ``courant`` over the longest step.
 
-    It is h, or √(h w) in a body whose ``width`` w [m] is less than ``cell_size`` h [m]: a row of nodes into
-    which a part b of the width reaches has the mass ρ b² / (2 h) and the stiffness M b² / (w h²): ω² = 2 c² /
-    (h w).
+    In a body whose width w is less than h it is 2 c / √(h w): a row of nodes into which a part b of the width
+    reaches has the mass ρ b² / (2 h) and the stiffness M b² / (w h²). The viscous stress of ``damping`` is τ
+    times the rate of the elastic one. It raises ω to ω (ξ + √(1 + ξ²)), ξ = τ ω / 2: its velocity is half a
+    step behind (Belytschko, Liu & Moran, Nonlinear finite elements, section 6.2).
     """
-    thin = width < cell_size * (1.0 - 1e-9)
-    return math.sqrt(cell_size * width) if thin else cell_size
-
-
-def damped_frequency(frequency: float, time: float) -> float:
-    """Return ω' = ω (ξ + √(1 + ξ²)), ξ = τ ω / 2: 2 / ω' is the longest stable step of a damped oscillator.
-
-    ``frequency`` is ω [1/s], ``time`` τ [s] that of a viscous stress τ times the rate of the elastic one. Its
-    velocity is half a step behind (Belytschko, Liu & Moran, Nonlinear finite elements, section 6.2).
-    """
-    ratio = 0.5 * time * frequency
+    thin = body.width < cell_size * (1.0 - 1e-9)
+    frequency = 2.0 * body.wave_speed / (math.sqrt(cell_size * body.width) if thin else cell_size)
+    if damping is None:
+        return frequency
+    bulk, shear = damping.times
+    viscosity = bulk * body.bulk_modulus + 4.0 / 3.0 * shear * body.shear_modulus
+    ratio = 0.5 * float(viscosity / body.p_wave_modulus / courant) * frequency
     return frequency * (ratio + math.sqrt(1.0 + ratio * ratio))
 
 

@@ -12,15 +12,15 @@ from typing import Any
 import numpy as np
 
 from mpmfw.kernels import Struct, device, kernel, scratch
-from mpmfw.kernels.boxes import (
-    BLOCK,
+from mpmfw.kernels.contact import pair_table
+from mpmfw.kernels.facets import (
     Boxes,
     bounding_boxes,
     boxes_apart,
     read_box,
     square_between,
 )
-from mpmfw.kernels.contact import pair_table
+from mpmfw.kernels.surfaces import BLOCK
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup

@@ -6,8 +6,17 @@ from __future__ import annotations
 from mpmfw.contact.surfaces.near_facets import FacetBoxes, NearFacets, Partners
 from mpmfw.contact.surfaces.outline import ROUNDING
 from mpmfw.kernels import device, kernel, scratch
-from mpmfw.kernels.boxes import Boxes, boxes_apart, read_box, square_between
-from mpmfw.kernels.facets import closest_point, dot, length_of, read_corners, read_point
+from mpmfw.kernels.facets import (
+    Boxes,
+    boxes_apart,
+    closest_point,
+    dot,
+    length_of,
+    read_box,
+    read_corners,
+    read_point,
+    square_between,
+)
 from mpmfw.kernels.surfaces import area_of
 from mpmfw.kernels.types import Float, Floats, Indices, Ints
 from mpmfw.state.structs import Surface
