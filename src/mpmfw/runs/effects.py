@@ -35,8 +35,7 @@ def _table(setup: Setup) -> list[tuple[str, str, object, str]]:
     pressed = any(getattr(each, key, None) is not None for each in rigid for key in ("force", "torque"))
     gravity = scene.gravity or (scene.settle and scene.settle.gravity)
     damped = any(scene.materials[name].damping for name in setup.materials)
-    stressed = any(body.initial_stress for body in scene.bodies.values())
-    touches_itself = any(scene.bodies[body.name].self_contact for body in bodies)
+    surfaces, averaged, held = setup.surface_users, setup.averaged_bodies, setup.held_sides
     slides = setup.whole is None and contact is not None and contact.uses_friction
     slides = slides and setup.friction_law is None and setup.has_friction
     no_gap = "one body" if output.gap else "output.gap = false"
@@ -51,19 +50,17 @@ def _table(setup: Setup) -> list[tuple[str, str, object, str]]:
          len(rigid) > 1, "no two rigid bodies"),
         ("reaction", "effects.reaction:Reaction.from_setup", rigid, "no rigid body"),
         ("least gap", "effects.surface:GapDiagnostic.from_setup", output.gap and several, no_gap),
-        ("surfaces", "effects.surface:SurfaceTracker.from_setup", setup.surface_users,
-         "nothing needs outlines"),
-        ("self-contact", "contact.surfaces.self_contact:SelfContact.from_setup", touches_itself,
-         "no body has self_contact"),
+        ("surfaces", "effects.surface:SurfaceTracker.from_setup", surfaces, "nothing needs outlines"),
+        ("self-contact", "contact.surfaces.self_contact:SelfContact.from_setup",
+         any(scene.bodies[body.name].self_contact for body in bodies), "no body has self_contact"),
         ("material damping", "effects.damping:Damping.from_setup", damped, "no material has damping"),
-        ("averaged volume", "effects.averaged_volume:AveragedVolume.from_setup", setup.averaged_bodies,
+        ("averaged volume", "effects.averaged_volume:AveragedVolume.from_setup", averaged,
          "no body would lock, and none has volumetric = 'averaged'"),
-        ("initial stress", "effects.initial_stress:InitialStress.from_setup", stressed,
-         "no body has initial_stress"),
+        ("initial stress", "effects.initial_stress:InitialStress.from_setup",
+         any(body.initial_stress for body in scene.bodies.values()), "no body has initial_stress"),
         ("gravity", "effects.gravity:Gravity.from_setup", gravity, "no [gravity]"),
         ("settling", "effects.settling:from_setup", scene.settle, "no [settle]"),
-        ("prescribed sides", "effects.constraint:Constraint.from_setup", setup.held_sides,
-         "no fixed or moving side"),
+        ("prescribed sides", "effects.constraint:Constraint.from_setup", held, "no fixed or moving side"),
         ("loads on sides", "effects.side_loads:from_setup", setup.loaded_sides,
          "no side has a pressure, traction or force"),
         ("", "runs.effects:_named", True, ""),
