@@ -166,9 +166,8 @@ SCHEDULER = ["--scheduler", "tcp://127.0.0.1:1"]
     ("module", "arguments", "extra"),
     [
         ("hypothesis", ["check", "neo_hookean"], "testing"),
-        ("pytest", ["validate", "hertz", "--quick"], "testing"),
+        ("xdist", ["validate", "hertz", "--quick"], "testing"),
         ("distributed", ["compare", "scene.toml", *SCHEDULER], "dask"),
-        ("distributed", ["validate", "hertz", "--quick", *SCHEDULER], "dask"),
     ],
 )
 def test_a_missing_extra_is_named_with_status_2(tmp_path, monkeypatch, module, arguments, extra):

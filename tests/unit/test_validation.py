@@ -7,10 +7,7 @@ from pathlib import Path
 import pytest
 
 from command_line import called
-from mpmfw.campaigns.executors import InProcess
-from mpmfw.campaigns.store import Store
 from mpmfw.validation import Case, CaseRun, Method, Place, Runs, by_method, methods
-from mpmfw.validation import suite as suites
 from mpmfw.validation.page import BEGIN, END
 from mpmfw.validation.suite import find_cases, rows_of, run_cases
 from python_files import module_of
@@ -30,7 +27,20 @@ from mpmfw.validation import known_red
 def test_{name}(case): case.gate('{name}', {value}, tolerance=(5.0, 7.0), method='by hand')
 """
 BROKEN = "\ndef test_it(case):\n    case.gate('before', 1.0)\n    raise ZeroDivisionError('no reference')\n"
-KILLED = "import os, signal\ndef test_it(case): os.kill(os.getpid(), signal.SIGKILL)"
+#: Ends its process if there is the file ``kill``, and writes down that it ran.
+KILLED = """
+import os, pathlib, signal
+HERE = pathlib.Path(__file__).parents[2]
+
+def test_it(case):
+    with (HERE / "ran").open("a") as file:
+        file.write(case.folder.name)
+    if case.folder.name == "a" and (HERE / "kill").exists():
+        os.kill(os.getpid(), signal.SIGKILL)
+    case.gate("late", 1.0)
+
+def test_more(case): case.gate("more", 2.0)
+"""
 FIGURE = """
 from mpmfw.plots.style import new_figure
 
@@ -39,6 +49,7 @@ def test_line(case):
     figure.subplots().plot([0, 1])
     case.figure("line", figure)
 """
+MAIN = pytest.main
 NINE, FIVE = KNOWN.format(name="nine", value=9.0), KNOWN.format(name="five", value=5.5)
 RUNS = """
 from types import SimpleNamespace
@@ -104,16 +115,8 @@ def suite(tmp_path):
 
 @pytest.fixture
 def here(monkeypatch):
-    """Run cases in this process, but for ``z``: one of its own takes seconds to start."""
-    alone = suites.Pool(1)
-
-    class Here(InProcess):
-        def outcomes(self, work, tasks):
-            for task in tasks:
-                executor = alone if task.name == "z" else super()
-                yield from executor.outcomes(work, [task])
-
-    monkeypatch.setattr(suites, "Pool", lambda _: Here())
+    """Run cases in this process: another one takes seconds to start."""
+    monkeypatch.setattr(pytest, "main", lambda options: MAIN([*options, "-n0"]))
 
 
 def results(folder, tmp_path, **options):
@@ -193,19 +196,32 @@ def test_a_pattern_that_fits_no_method_or_place_is_refused(tmp_path):
 
 @pytest.mark.usefixtures("here")
 def test_whatever_goes_wrong_is_said_and_ends_with_status_1(suite, tmp_path):
-    folder = suite(a=GREEN + RED + NINE + FIVE + BROKEN, z=KILLED)
+    folder = suite(a=GREEN + RED + NINE + FIVE + BROKEN, b="import nothing_of_this_name")
     output = " ".join(validate(folder, tmp_path, status=1).split())
     for said in (
         "RED: a: by hand, eight: 8 (5 … 7)",
         "known red: a: by hand, nine: 9 (5 … 7): it is more",
         "marked as known red",
         "no reference",
-        "its process ended abruptly",
+        "No module named 'nothing_of_this_name'",
     ):
         assert said in output
     with (tmp_path / "out" / "validation.csv").open() as file:
         assert [row["quantity"] for row in csv.DictReader(file) if row["verdict"] == "holds"] == ["six"]
     assert "did you mean 'a'?" in validate(folder, tmp_path, "aa", status=2)
+
+
+def test_a_case_whose_process_is_killed_is_red_and_alone_runs_again(suite, tmp_path, monkeypatch):
+    folder = suite(a=KILLED, b=KILLED)
+    (tmp_path / "kill").touch()
+    assert "its process ended abruptly" in validate(folder, tmp_path, status=1)
+    (tmp_path / "kill").unlink()
+    monkeypatch.setattr(pytest, "main", lambda options: MAIN([*options, "-n0"]))
+    validate(folder, tmp_path)
+    assert (tmp_path / "ran").read_text() == "aba"
+    with (tmp_path / "out" / "validation.csv").open() as file:
+        rows = [(row["case"], row["quantity"]) for row in csv.DictReader(file)]
+    assert rows == [("a", "late"), ("a", "more"), ("b", "late"), ("b", "more")]
 
 
 @pytest.mark.usefixtures("here")
@@ -274,11 +290,11 @@ def test_cases_run_one_by_one_make_one_table_of_todays_code(suite, tmp_path):
     validate(folder, tmp_path, "a")
     with (tmp_path / "out" / "validation.csv").open() as file:
         assert [row["case"] for row in csv.DictReader(file)] == ["a", "a", "b"]
-    assert rows_of([folder / "b"], Store(tmp_path / "out" / "runs"), quick=True) == []
+    assert rows_of([folder / "b"], tmp_path / "out", quick=True) == []
     (folder / "b" / "test_b.py").write_text(GREEN)
-    assert rows_of([folder / "b"], Store(tmp_path / "out" / "runs"), quick=False) == []
+    assert rows_of([folder / "b"], tmp_path / "out", quick=False) == []
     (folder / "measures.py").write_text("SIX = 6.5\n")
-    assert rows_of(find_cases(folder), Store(tmp_path / "out" / "runs"), quick=False) == []
+    assert rows_of(find_cases(folder), tmp_path / "out", quick=False) == []
 
 
 LEAVES = """

@@ -33,8 +33,8 @@ from mpmfw.runs.limits import cores
 T = TypeVar("T")
 R = TypeVar("R")
 
-_ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("NUMBA", "OMP", "OPENBLAS", "MKL")}
-_ONE_THREAD |= {"VECLIB_MAXIMUM_THREADS": "1"}
+ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("NUMBA", "OMP", "OPENBLAS", "MKL")}
+ONE_THREAD |= {"VECLIB_MAXIMUM_THREADS": "1"}
 
 #: Seconds to wait for the scheduler of a Dask cluster to answer.
 PATIENCE = 10.0
@@ -76,7 +76,7 @@ class Pool:
         leaving, here, died, dead = (deque[T]() for _ in range(4))
         for task in tasks:
             (leaving if _leaves(task) else here).append(task)
-        with mock.patch.dict(os.environ, _ONE_THREAD):
+        with mock.patch.dict(os.environ, ONE_THREAD):
             yield from self._done(work, leaving, self.jobs, died)
             yield from self._done(work, died, 1, dead)
         for task in dead:

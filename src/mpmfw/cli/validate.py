@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 from typer import Argument, Option
 
 from mpmfw.cli import arguments as args
-from mpmfw.cli.tables import campaign_progress
 from mpmfw.errors import SceneError
 
 
@@ -30,7 +29,6 @@ def validate(
     jobs: Annotated[
         int | None, Option("-j", "--jobs", min=1, help="Cases at a time; one for each core by default.")
     ] = None,
-    scheduler: args.Scheduler = None,
     force: Annotated[bool, Option("--force", help="Run cases again that have results.")] = False,
 ) -> None:
     """Run validation cases by pytest: closed forms and references for contact algorithms.
@@ -39,25 +37,20 @@ def validate(
     code in the output folder are not run again; table and page include them.
     """
     try:
-        import pytest  # noqa: F401
+        import xdist  # noqa: F401
     except ImportError as error:
-        raise SceneError("validate needs pytest: pip install 'mpmfw[testing]'") from error
-    from mpmfw.campaigns.store import Store
+        raise SceneError("validate needs pytest-xdist: pip install 'mpmfw[testing]'") from error
     from mpmfw.validation.page import GATES, said, summary, write_csv, write_page
     from mpmfw.validation.suite import find_cases, rows_of, run_cases, suite_of
 
     folder = suite_of(suite)
     found = find_cases(folder, cases or ())
     _check_places(found, output, document, force)
-    running: dict[str, Any] = {**args.workers(jobs, scheduler, None), "force": force}
-    with campaign_progress("cases") as reports:
-        rows = run_cases(found, output, quick=quick, progress=reports["progress"], **running)
+    rows = run_cases(found, output, quick, jobs, force)
     for row in (row for row in rows if row["verdict"] in GATES[1:]):
         typer.echo(f"{row['verdict']}: {row['case']}: {said(row)}")
     others = [case for case in find_cases(folder) if case not in found]
-    everything = sorted(
-        [*rows, *rows_of(others, Store(output / "runs"), quick)], key=lambda row: str(row["case"])
-    )
+    everything = sorted([*rows, *rows_of(others, output, quick)], key=lambda row: str(row["case"]))
     write_csv(everything, output / "validation.csv")
     if document is not None:
         named = ["--suite", str(suite)] if suite not in (None, folder) else []

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import fnmatch
 import itertools
+import json
 import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -16,6 +17,8 @@ from typing import Any
 import pytest
 
 from mpmfw.errors import ResultsWarning
+from mpmfw.plots import write_figure
+from mpmfw.results.replacing import replace_bytes
 from mpmfw.runs.run import run as run_scene
 from mpmfw.scene import Scene, load_scene
 
@@ -39,16 +42,15 @@ known_red = pytest.mark.known_red
 together = pytest.mark.together
 
 Values = Mapping[str, Any]
-#: Names of the methods and places of all full versions in this process.
-_METHODS: set[str] = set()
-_PLACES: set[str] = set()
+#: Names of the methods and places of the full version of the case.
+NAMES: set[str] = set()
 
 
-def _fits(name: str, patterns: Sequence[str], known: set[str]) -> bool:
-    """Return whether a pattern fits a name; a ValueError refuses one that fits none of the known names."""
+def _fits(name: str, patterns: Sequence[str]) -> bool:
+    """Return whether a pattern fits a name; a ValueError refuses one that fits none of the case."""
     for pattern in patterns:
-        if not fnmatch.filter(known, pattern):  # it is misspelt, and its gate would be lost
-            raise ValueError(f"'{pattern}' fits no name of the full version: {', '.join(sorted(known))}")
+        if not fnmatch.filter(NAMES, pattern):  # it is misspelt, and its gate would be lost
+            raise ValueError(f"'{pattern}' fits no name of the full version: {', '.join(sorted(NAMES))}")
     return any(fnmatch.fnmatchcase(name, pattern) for pattern in patterns)
 
 
@@ -71,7 +73,7 @@ class Method:
 
     def matches(self, *patterns: str) -> bool:
         """Return whether a pattern such as ``penalty, cpdi*`` fits its name; it must fit one of all runs."""
-        return _fits(str(self), patterns, _METHODS)
+        return _fits(str(self), patterns)
 
     def __str__(self) -> str:
         return ", ".join(filter(None, (self.contact, self.shape, self.label)))
@@ -125,8 +127,8 @@ class Runs:
 
     def __post_init__(self) -> None:
         if self.when != "quick":
-            _METHODS.update(str(method) for method in self.methods if method.when != "quick")
-            _PLACES.update(place.at for place in self.places if place.when != "quick")
+            NAMES.update(str(method) for method in self.methods if method.when != "quick")
+            NAMES.update(place.at for place in self.places if place.when != "quick")
             self.bound(Method("", ""))
 
     def __call__(self, function: Callable[..., Any]) -> Any:
@@ -176,7 +178,7 @@ class CaseRun:
 
     def at(self, *patterns: str) -> bool:
         """Return whether a pattern fits the name of its place; it must fit a place of all runs."""
-        return _fits(self.place.at, patterns, _PLACES)
+        return _fits(self.place.at, patterns)
 
     def of(self, measure: Callable[..., Any], key: str | None = None, scale: float = 1.0, **args: Any) -> Any:
         """Return what a function of the results gives: a number, or None; ``key`` takes one of several."""
@@ -214,15 +216,17 @@ def by_method(runs: Sequence[CaseRun], *patterns: str) -> Iterator[tuple[Method,
 
 @dataclass
 class Case:
-    """A case while it is checked: folder, version, and the rows of its table.
+    """A case while it is checked: folder, version, file of its rows, and rows.
 
-    ``known``: why gates are known not to hold, by method and quantity, of the test that runs."""
+    ``known``: why gates of the test that runs are known not to hold, by method and quantity; ``names``: of
+    the methods and places of the full version."""
 
     folder: Path
     quick: bool = False
+    file: Path | None = None
     rows: list[dict[str, Any]] = field(default_factory=list)
-    figures: dict[str, Any] = field(default_factory=dict)
     known: Mapping[Any, str] = field(default_factory=dict)
+    names: set[str] = field(default_factory=set)
     _seconds: float = nan
 
     def scene(self, given: Any, method: Method, values: Values) -> Scene:
@@ -274,8 +278,17 @@ class Case:
         self.gate(f"{at}: run" if at else "run", nan, "ends", (0.0, inf), "", method, binds, note=why)
 
     def figure(self, name: str, figure: Any) -> None:
-        """Keep a figure as ``<case>-<name>.png``, or ``<case>.png`` without a name."""
-        self.figures[f"{self.folder.name}-{name}" if name else self.folder.name] = figure
+        """Write a figure as ``<case>-<name>.png``, or ``<case>.png`` without a name, if there is a folder."""
+        if self.file is not None:
+            stem = f"{self.folder.name}-{name}" if name else self.folder.name
+            write_figure(figure, self.file.parents[1] / f"{stem}.png")
+
+    def write(self, *errors: str) -> None:
+        """Add a red row for each error; write the rows, if there is a file for them."""
+        for error in errors:
+            self.gate("case", nan, "ends", (0.0, 0.0), note=f"went wrong: {error}")
+        if self.file is not None:
+            replace_bytes(json.dumps(self.rows, default=float).encode(), self.file)
 
     @contextlib.contextmanager
     def timed(self) -> Iterator[None]:

@@ -1,67 +1,91 @@
-"""Pytest's plug-in for cases, and the suite: each case by pytest, in processes that take one after the other.
+"""Pytest's plug-in for cases, and the suite, whose cases pytest-xdist runs in several processes.
 
 ``pytest -p mpmfw.validation.suite validation/hertz [--quick]`` runs one case; ``mpmfw validate`` runs all."""
 
 from __future__ import annotations
 
-import contextlib
-import io
+import json
 import os
 import re
+import shlex
+import signal
 import sys
 from collections.abc import Generator, Iterable, Iterator, Sequence
-from math import nan
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 from unittest import mock
 
 import numpy as np
 import pytest
 
-from mpmfw.campaigns.executors import Pool, executor_of
-from mpmfw.campaigns.running import Progress, do, resumable
-from mpmfw.campaigns.store import Finished, Outcome, Store
-from mpmfw.errors import SceneError, SimulationError
-from mpmfw.plots import write_figure
+from mpmfw.campaigns.executors import ONE_THREAD
+from mpmfw.errors import Interrupted, SceneError, SimulationError
 from mpmfw.plots.style import journal_style
 from mpmfw.results.selection import checked_name
 from mpmfw.runs.identity import code_of_plugins, digest, package, sources
-from mpmfw.validation.case import Case, CaseRun, Method, Place, Runs
+from mpmfw.runs.interruption import interruptible
+from mpmfw.runs.limits import cores
+from mpmfw.validation.case import NAMES, Case, CaseRun, Method, Place, Runs
 from mpmfw.validation.page import said
 
-#: Of this process: the cases whose tests have run, and errors of tests and of collection, not of gates.
-CASES: list[Case] = []
-ERRORS: list[str] = []
+#: The case of a module.
+_CASE = pytest.StashKey[Case]()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Add ``--quick``."""
+    """Add the options of cases."""
     parser.addoption("--quick", action="store_true", help="Run the reduced version of validation cases.")
+    parser.addoption("--results", metavar="FOLDER", help="Folder for rows and figures of validation cases.")
 
 
 def pytest_configure(config: pytest.Config) -> None:
     """Announce the marks of cases, and leave out tests of the other version."""
-    other = "full" if config.getoption("--quick") else "quick"
+    other = "full" if config.option.quick else "quick"
     asked = config.option.markexpr
     config.option.markexpr = f"({asked}) and not {other}" if asked else f"not {other}"
     for mark in ("full", "quick", "together(runs, ...)", "known_red(method, quantity, reason)"):
         config.addinivalue_line("markers", mark)
 
 
-def pytest_runtest_logreport(report: pytest.TestReport | pytest.CollectReport) -> None:
-    """Keep an error of a test or of collection."""
-    if report.failed and not getattr(report, "user_properties", ()):
-        ERRORS.append(f"{report.nodeid}\n{report.longreprtext}")
+def case_of(node: Any) -> Case:
+    """Return the case of a test, or of its module."""
+    return node.getparent(pytest.Module).stash[_CASE]  # type: ignore[no-any-return]
 
 
-pytest_collectreport = pytest_runtest_logreport
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report(collector: pytest.Collector) -> Generator[None, Any, Any]:
+    """Import a module as a case, with the modules of its folder and the names of its runs."""
+    if not isinstance(collector, pytest.Module):
+        return (yield)
+    folder, options = collector.path.parent, collector.config.option
+    for path in folder.glob("*.py"):  # another case may have modules so named
+        sys.modules.pop(path.stem, None)
+    file = rows_file(folder, options.quick, Path(options.results)) if options.results else None
+    collector.stash[_CASE] = Case(folder, options.quick, file)
+    NAMES.clear()
+    report = yield
+    collector.stash[_CASE].names |= NAMES
+    return report
 
 
 @pytest.fixture(scope="module")
-def case(request: pytest.FixtureRequest) -> Case:
-    """Return the case that the module's tests record."""
-    CASES.append(Case(request.path.parent, request.config.getoption("--quick")))
-    return CASES[-1]
+def case(request: pytest.FixtureRequest) -> Iterator[Case]:
+    """Yield the case that the module's tests record; what it changes in the process is undone."""
+    case = case_of(request.node)
+    if case.file is not None and case.file.exists():  # a worker that began it is gone
+        case.rows += json.loads(case.file.read_bytes())
+        pytest.fail("red: its process ended abruptly", pytrace=False)
+    case.write("its process ended abruptly")
+    case.rows.clear()
+    NAMES.clear()
+    NAMES.update(case.names)
+    with journal_style(), np.errstate(), mock.patch.dict(os.environ):
+        yield case
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Set why gates of a test are known not to hold."""
+    case_of(item).known = {mark.args[:2]: mark.args[2] for mark in item.iter_markers("known_red")}
 
 
 @pytest.fixture
@@ -69,13 +93,12 @@ def run(request: pytest.FixtureRequest, case: Case) -> CaseRun:
     """Run one point of the test's runs; one that fails keeps its row, red if a gate binds it."""
     point: tuple[Runs, Place, Method] = request.param
     runs, place, method = point
-    case.known = known_of(request.node)
     binds = runs.bound(method) and not place.is_open("run", method)
     try:
         return runs.start(case, place, method)
     except (SimulationError, SceneError) as error:
         case.failed(method, str(error), binds, place.at)
-        judge(request.node, case.rows[-1:])
+        judge(case.rows[-1:])
         pytest.skip(str(error))
 
 
@@ -91,75 +114,32 @@ def runs(request: pytest.FixtureRequest) -> list[CaseRun]:
 @pytest.hookimpl(wrapper=True)
 def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> Generator[None, Any, Any]:
     """Judge the rows that a test has recorded."""
-    case = pyfuncitem.funcargs.get("case")
-    if not isinstance(case, Case):
-        return (yield)
-    case.known = known_of(pyfuncitem)
+    case = case_of(pyfuncitem)
     start, result = len(case.rows), (yield)
-    judge(pyfuncitem, case.rows[start:])
+    judge(case.rows[start:])
     return result
 
 
-def known_of(item: pytest.Item) -> dict[Any, str]:
-    """Return why gates of a test are known not to hold, by method and quantity."""
-    return {mark.args[:2]: mark.args[2] for mark in item.iter_markers("known_red")}
-
-
-def judge(item: pytest.Item, rows: Sequence[dict[str, Any]]) -> None:
+def judge(rows: Sequence[dict[str, Any]]) -> None:
     """Fail a test with red gates; mark one with known red gates alone as expected to fail."""
     if wrong := [f"red: {said(row)}" for row in rows if row["verdict"] == "RED"]:
-        item.user_properties.append(("gates", wrong))
         pytest.fail("\n".join(wrong), pytrace=False)
     if expected := [row["reason"] for row in rows if row["verdict"] == "known red"]:
         pytest.xfail("; ".join(dict.fromkeys(expected)))
 
 
-class CaseTask(NamedTuple):
-    """One case to run; as :class:`mpmfw.campaigns.work.Task`."""
-
-    key: str
-    name: str
-    folder: Path
-    output: Path
-    quick: bool
+def pytest_exception_interact(node: Any, report: pytest.TestReport | pytest.CollectReport) -> None:
+    """Record an error of a test or of its collection as a red row, unless a gate is red."""
+    if node.getparent(pytest.Module) is not None and not report.longreprtext.startswith("red: "):
+        case_of(node).write(f"{report.nodeid}\n{report.longreprtext}")
 
 
-def check_once(task: CaseTask) -> Finished:
-    """Check a case by pytest and save its figures; an error is a red row."""
-    printed, options = io.StringIO(), ["-p", "no:cacheprovider", "-p", __name__, *["--quick"] * task.quick]
-    CASES.clear()
-    ERRORS.clear()
-    with journal_style(), contextlib.redirect_stdout(printed), _alone(task.folder.parent):
-        code = pytest.main(["-c", os.devnull, f"--rootdir={task.folder}", *options, str(task.folder)])
-    nothing = code == pytest.ExitCode.NO_TESTS_COLLECTED and task.quick  # a case of full runs alone
-    if code not in (0, 1) and not nothing and not ERRORS:
-        ERRORS.append(printed.getvalue())
-    for name, figure in ((name, figure) for case in CASES for name, figure in case.figures.items()):
-        write_figure(figure, task.output / f"{name}.png")
-    rows = [row for case in CASES for row in case.rows] + broken(task.folder, *ERRORS)
-    red = any(row["verdict"] == "RED" for row in rows)
-    status = "failed: it went wrong, or a gate is red" if red else "ok"
-    return Finished(Outcome(task.key, status, task.name, values={"rows": rows}, code=code_of_plugins()))
-
-
-def broken(folder: Path, *errors: str) -> list[dict[str, Any]]:
-    """Return a red row for each error of a case."""
-    case = Case(folder)
-    for error in errors:
-        case.gate("case", nan, "ends", (0.0, 0.0), note=f"went wrong: {error}")
-    return case.rows
-
-
-@contextlib.contextmanager
-def _alone(suite: Path) -> Iterator[None]:
-    """Find modules in the suite's folder, and leave none to the next case, which may have others so named."""
-    loaded = {*sys.modules}
-    with mock.patch.object(sys, "path", [str(suite), *sys.path]), mock.patch.dict(os.environ), np.errstate():
-        yield
-    for name in {*sys.modules} - loaded:
-        file = Path(getattr(sys.modules[name], "__file__", None) or "/")
-        if file.is_relative_to(suite) and "site-packages" not in file.relative_to(suite).parts:
-            del sys.modules[name]
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_teardown(item: pytest.Item, nextitem: pytest.Item | None) -> Generator[None, Any, Any]:
+    """Write the rows of a case after its last test."""
+    if nextitem is None or nextitem.path != item.path:
+        case_of(item).write()
+    return (yield)
 
 
 def suite_of(given: Path | None = None) -> Path:
@@ -181,45 +161,53 @@ def find_cases(suite: Path, names: Sequence[str] = ()) -> list[Path]:
 
 
 def run_cases(
-    cases: Sequence[Path], output: Path, quick: bool = False, jobs: int | None = None,
-    progress: Progress | None = None, *, executor: Any = None, force: bool = False,
-) -> list[dict[str, Any]]:  # fmt: skip
-    """Run cases, longest first, but those that today's code has done; return their rows.
+    cases: Sequence[Path], output: Path, quick: bool = False, jobs: int | None = None, force: bool = False
+) -> list[dict[str, Any]]:
+    """Run cases by pytest, longest first, but those that today's code has finished; return their rows.
 
-    ``output`` is the folder for figures and, in ``runs``, results."""
-    output.mkdir(parents=True, exist_ok=True)
-    runner, store = (
-        executor_of(executor, jobs) if executor is not None else Pool(jobs),
-        Store(output / "runs"),
-    )
-    ordered = sorted(cases, key=_cost, reverse=True)
-    tasks = [CaseTask(_key(one, quick), one.name, one, output, quick) for one in ordered]
-    for task in tasks:
-        if force or not getattr(store.outcome(task.key), "values", ()):
-            store.forget(task.key)
-    with resumable(store, "validation"):
-        do(check_once, tasks, store, runner, progress)
-    return rows_of(cases, store, quick, "it was not run")
-
-
-def rows_of(cases: Iterable[Path], store: Store, quick: bool, missing: str = "") -> list[dict[str, Any]]:
-    """Return the rows that runs of these cases have with today's code; ``missing`` is why one has none."""
-    rows = []
-    for folder in cases:
-        outcome = store.outcome(_key(folder, quick))
-        if outcome is not None and outcome.values:
-            rows += outcome.values["rows"]
-        elif why := outcome.status if outcome is not None else missing:
-            rows += broken(folder, why)
-    return rows
+    ``output`` is the folder for figures and, in ``runs``, rows."""
+    files = {case: rows_file(case, quick, output) for case in sorted(cases, key=_cost, reverse=True)}
+    waiting = [case for case, file in files.items() if force or not _is_finished(file)]
+    (output / "runs").mkdir(parents=True, exist_ok=True)
+    for case in waiting:
+        files[case].unlink(missing_ok=True)
+    suite, code = cases[0].parent, 0
+    options = [
+        *("-c", os.devnull, f"--rootdir={suite}", "-o", f"pythonpath={shlex.quote(str(suite))}"),
+        *("-p", "no:cacheprovider", "-p", __name__, f"--results={output.resolve()}", *["--quick"] * quick),
+        *("-n", str(jobs or cores()), "--dist=loadfile", "--no-loadscope-reorder"),
+        *(f"--max-worker-restart={len(waiting)}", "--continue-on-collection-errors"),
+        *("-q", "--tb=no", "-rN", "--disable-warnings", *map(str, waiting)),
+    ]
+    with mock.patch.dict(os.environ, ONE_THREAD), interruptible():
+        code = pytest.main(options) if waiting else 0
+    if code == pytest.ExitCode.INTERRUPTED:
+        text = f"interrupted: {output / 'runs'} keeps finished cases; the same validation continues from them"
+        raise Interrupted(signal.SIGINT, text)
+    for case in waiting:
+        if not files[case].exists():  # nothing is of the quick version of a case of full runs alone
+            ran = quick and code in (0, 1, pytest.ExitCode.NO_TESTS_COLLECTED)
+            Case(case, quick, files[case]).write(*[] if ran else ["it was not run"])
+    return rows_of(cases, output, quick)
 
 
-def _key(folder: Path, quick: bool) -> str:
-    """Return a key that changes with the files of the case and its suite, the code and libraries."""
-    inner = [path for path in folder.rglob("*") if path.is_file() and "__pycache__" not in path.parts]
+def rows_of(cases: Iterable[Path], output: Path, quick: bool) -> list[dict[str, Any]]:
+    """Return the rows that runs of these cases have with today's code."""
+    files = (rows_file(case, quick, output) for case in cases)
+    return [row for file in files if file.exists() for row in json.loads(file.read_bytes())]
+
+
+def rows_file(case: Path, quick: bool, output: Path) -> Path:
+    """Return the file of a case's rows; it changes with the files of case and suite, code and libraries."""
+    inner = [path for path in case.rglob("*") if path.is_file() and "__pycache__" not in path.parts]
     parts = [f"{name} {version}" for name, version in sorted(code_of_plugins().items())]
-    shared = [*folder.parent.glob("*.py"), *folder.parent.glob("*/*_fem/*.py")]  # several cases import these
-    return digest(folder.name, str(quick), sources([*inner, *shared]), package("mpmfw"), *parts)
+    shared = [*case.parent.glob("*.py"), *case.parent.glob("*/*_fem/*.py")]  # several cases import these
+    key = digest(case.name, str(quick), sources([*inner, *shared]), package("mpmfw"), *parts)
+    return output / "runs" / f"{key}.json"
+
+
+def _is_finished(file: Path) -> bool:
+    return file.exists() and all(row["quantity"] != "case" for row in json.loads(file.read_bytes()))
 
 
 def _cost(folder: Path) -> float:
