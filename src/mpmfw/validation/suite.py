@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import re
@@ -171,7 +172,7 @@ def run_cases(
     (output / "runs").mkdir(parents=True, exist_ok=True)
     for case in waiting:
         files[case].unlink(missing_ok=True)
-    suite, code = cases[0].parent, 0
+    suite, code = cases[0].parent, int(pytest.ExitCode.INTERRUPTED)
     options = [
         *("-c", os.devnull, f"--rootdir={suite}", "-o", f"pythonpath={shlex.quote(str(suite))}"),
         *("-p", "no:cacheprovider", "-p", __name__, f"--results={output.resolve()}", *["--quick"] * quick),
@@ -179,7 +180,7 @@ def run_cases(
         *(f"--max-worker-restart={len(waiting)}", "--continue-on-collection-errors"),
         *("-q", "--tb=no", "-rN", "--disable-warnings", *map(str, waiting)),
     ]
-    with mock.patch.dict(os.environ, ONE_THREAD), interruptible():
+    with mock.patch.dict(os.environ, ONE_THREAD), interruptible(), contextlib.suppress(KeyboardInterrupt):
         code = pytest.main(options) if waiting else 0
     if code == pytest.ExitCode.INTERRUPTED:
         text = f"interrupted: {output / 'runs'} keeps finished cases; the same validation continues from them"
