@@ -10,6 +10,7 @@ from command_line import called
 from mpmfw.api import ContactStrategy, hookimpl
 from mpmfw.effects.verdict import SIDES_LATEST
 from mpmfw.errors import ResultsWarning, SceneError
+from mpmfw.runs.run import condensed
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene.toml_text import toml_text
 from scenes_for_tests import block, body_of, scene_of, with_changes
@@ -252,3 +253,10 @@ def test_a_block_flutters_at_the_limit_of_friction_and_not_far_from_it():
     tree = run(made)
     assert (tree["series"]["frictional_work"].values[-1] > 0.0).all()
     assert "flutter" not in str(tree.attrs.get("warnings", ""))
+
+
+def test_of_notes_that_differ_in_names_and_numbers_one_is_printed():
+    alike = [
+        f"{pair}: deep by {cells} cells, more than 0.15" for pair, cells in (("a-b", "1e-05"), ("d1-d2", 0.2))
+    ]
+    assert condensed([*alike, "suspect: else"]) == [f"{alike[0]} (1 more alike)", "suspect: else"]

@@ -91,7 +91,7 @@ class Flutter:
     def concerns(self) -> list[str]:
         return [
             f"{label}: the bodies flutter at the limit of friction at {self.found_at[label]:.4g} s: the "
-            f"normal force swings by {100.0 * self.spread[label]:.2g} %, and they slide although friction is "
+            f"normal force swings by {100.0 * self.spread[label]:.0f} %, and they slide although friction is "
             f"{share:.2g} of its limit; damping stops it"
             for label, share in self.found.items()
         ]

@@ -222,7 +222,7 @@ class Verdict:
             *(
                 f"{label}: the bodies penetrate by {cells:.2g} cells at time {self.deepest_at[label]:.4g} s, "
                 f"more than {DEEP:g}; try a stiffer contact, or smaller cells"
-                for label, cells in self.deepest.items()
+                for label, cells in sorted(self.deepest.items(), key=lambda item: -item[1])
                 if cells <= TOO_DEEP
             ),
             *(

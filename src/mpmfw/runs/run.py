@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import warnings
 from collections.abc import Callable, Iterator, Mapping
@@ -245,9 +246,17 @@ def run_on(checkpoints: Checkpoints, progress: Callable[[float, int], None] | No
         raise Interrupted(
             signals.waiting, f"interrupted after the last step: {writer.path or 'the run'} is complete"
         )
-    for concern in simulation.concerns():
+    for concern in condensed(simulation.concerns()):
         warnings.warn(concern, ResultsWarning, stacklevel=3)
     return writer
+
+
+def condensed(concerns: list[str]) -> list[str]:
+    """Return the first of concerns that differ in label and numbers alone, with the number of the others."""
+    alike: dict[str, list[str]] = {}
+    for text in concerns:
+        alike.setdefault(re.sub(r"^[\w-]+: |[\d.]+(e[+-]\d+)?", "", text), []).append(text)
+    return [first + (f" ({len(rest)} more alike)" if rest else "") for first, *rest in alike.values()]
 
 
 def moment(simulation: Simulation) -> str:
