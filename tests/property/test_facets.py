@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mpmfw.geometry.layout import neighbours_of, stars_of
-from mpmfw.geometry.solids import box_surface, sphere_surface
+from mpmfw.geometry.solid import box_surface, sphere_surface
 from mpmfw.kernels import Facets, closest_point, kernel, minimum_gap, signed_distance, squared_distance
 from mpmfw.kernels.facets import area_vector, project, write_gradients
 

@@ -6,7 +6,7 @@ import pytest
 import mpmfw
 from command_line import called
 from mpmfw.errors import SceneError
-from mpmfw.geometry.solids import box_surface
+from mpmfw.geometry.solid import box_surface
 from mpmfw.results.fields import LEVEL, carried_areas, pressed_bodies
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import DENSITY, ball_on_a_box, scene_of, solid, with_changes

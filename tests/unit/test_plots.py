@@ -11,7 +11,7 @@ import mpmfw
 from command_line import called
 from drop_for_tests import drop, drop_scene
 from mpmfw.errors import SceneError
-from mpmfw.geometry.solids import sphere_surface
+from mpmfw.geometry.solid import sphere_surface
 from mpmfw.plots.animation import movie as movie_of
 from mpmfw.plots.plane_cut import cut_lines
 from mpmfw.results.point_fields import point_field, point_fields

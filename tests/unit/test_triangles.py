@@ -6,8 +6,7 @@ import pytest
 from mpmfw.geometry.cut_cells import cut_cells
 from mpmfw.geometry.extrusion import Cylinder
 from mpmfw.geometry.layout import tributaries_of
-from mpmfw.geometry.solid import turning
-from mpmfw.geometry.solids import Ball, Box
+from mpmfw.geometry.solid import Ball, Box, turning
 
 SOLIDS = {
     "box": Box(lower=(-0.5, 0.1, 0.2), upper=(0.5, 2.1, 0.7)),

@@ -7,9 +7,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from mpmfw.contact.joining import joined, options_of_both
 from mpmfw.contact.rows import ContactRows, Detection, FrictionLaw
-from mpmfw.contact.strategy import ContactStrategy
+from mpmfw.contact.strategy import ContactStrategy, joined, options_of_both
 from mpmfw.errors import SceneError
 from mpmfw.kernels.contact import Records
 from mpmfw.plugin.hookspecs import hookimpl

@@ -13,7 +13,7 @@ from mpmfw.effects.side_rows import AXIS, PlaneSides, SideTable, list_rows, meet
 from mpmfw.errors import SceneError
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import FLAT, Acts, Setup
-from mpmfw.scene.sides import motion_of, side_labels
+from mpmfw.scene.bodies import motion_of, side_labels
 from mpmfw.state.fields import AnyArray, Field, FloatArray
 from mpmfw.state.history import IndexMap
 from mpmfw.state.structs import Body, Grid

@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import connected_components
 from mpmfw.errors import SceneError
 from mpmfw.plugin.load import LoadedFacets, SurfaceLoad
 from mpmfw.plugin.setup import FLAT, Acts, Setup
-from mpmfw.scene.sides import AXIS
+from mpmfw.scene.bodies import AXIS
 from mpmfw.state.fields import FloatArray, IntArray
 from mpmfw.state.structs import Body
 from mpmfw.units import TimeTable

@@ -7,10 +7,8 @@ from mpmfw.geometry.extrusion import Cylinder, Extrusion, Revolution, Torus
 from mpmfw.geometry.half_space import HalfSpace
 from mpmfw.geometry.layout import Layout
 from mpmfw.geometry.mesh_file import MeshFile
-from mpmfw.geometry.plane import PlaneGeometry
-from mpmfw.geometry.polygon import Polygon, Rectangle
-from mpmfw.geometry.solid import SolidGeometry
-from mpmfw.geometry.solids import Ball, Box
+from mpmfw.geometry.plane import PlaneGeometry, Polygon, Rectangle
+from mpmfw.geometry.solid import Ball, Box, SolidGeometry
 from mpmfw.geometry.surface_mesh import SurfaceMesh
 
 __all__ = [

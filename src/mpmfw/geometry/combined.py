@@ -14,10 +14,8 @@ from mpmfw.geometry.cut_cells import volume_of
 from mpmfw.geometry.disc import Disc, Ring
 from mpmfw.geometry.extrusion import Cylinder, Extrusion, Revolution, Torus
 from mpmfw.geometry.layout import FloatArray, IntArray, Layout, layout_of_quadrilaterals
-from mpmfw.geometry.plane import PlaneGeometry, loops_of, number_of_segments
-from mpmfw.geometry.polygon import Polygon, Rectangle, polygon_mesh
-from mpmfw.geometry.solid import SolidGeometry, Surfaces, joined
-from mpmfw.geometry.solids import Ball, Box
+from mpmfw.geometry.plane import PlaneGeometry, Polygon, Rectangle, loops_of, number_of_segments, polygon_mesh
+from mpmfw.geometry.solid import Ball, Box, SolidGeometry, Surfaces, joined
 from mpmfw.geometry.surface_checks import shells_of
 from mpmfw.geometry.surface_mesh import divided_shells
 

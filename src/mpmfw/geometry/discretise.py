@@ -26,8 +26,8 @@ from mpmfw.geometry.extrusion import Cylinder, Extrusion, Revolution, Torus
 from mpmfw.geometry.half_space import HalfSpace
 from mpmfw.geometry.layout import Layout, layout_of_boxes
 from mpmfw.geometry.mesh_file import MeshFile
-from mpmfw.geometry.polygon import Polygon, Rectangle
-from mpmfw.geometry.solids import Ball, Box
+from mpmfw.geometry.plane import Polygon, Rectangle
+from mpmfw.geometry.solid import Ball, Box
 from mpmfw.geometry.surface_mesh import SurfaceMesh
 from mpmfw.plugin.discovery import available, load, only_bundled
 

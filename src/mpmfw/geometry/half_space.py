@@ -9,8 +9,8 @@ from pydantic import Field, model_validator
 
 from mpmfw.geometry.base import BodyGeometry, LengthInCells
 from mpmfw.geometry.layout import FloatArray, IntArray, Layout
-from mpmfw.geometry.polygon import Rectangle
-from mpmfw.geometry.solids import box_surface
+from mpmfw.geometry.plane import Rectangle
+from mpmfw.geometry.solid import box_surface
 from mpmfw.units import Length, Number
 
 _VECTOR = Field(min_length=2, max_length=3)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mpmfw.scene.sides import AXIS, UPPER
+from mpmfw.scene.bodies import AXIS, UPPER
 from mpmfw.state.fields import AnyArray, Field, FloatArray
 from mpmfw.state.structs import Body, Pair, State
 

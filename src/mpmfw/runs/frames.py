@@ -13,7 +13,7 @@ from mpmfw.errors import PluginError, SimulationError
 from mpmfw.plugin.checks import described, naming
 from mpmfw.results import Frame, RunHeader, provenance
 from mpmfw.results.timeline import STATIC
-from mpmfw.scene.sides import side_labels
+from mpmfw.scene.bodies import side_labels
 from mpmfw.state.fields import PARTICLE_FIELDS, SURFACE_FIELDS, AnyArray, Field
 from mpmfw.state.structs import State
 from mpmfw.state.windows import update_pairs

@@ -20,7 +20,7 @@ from mpmfw.scene.options import NAMED
 #: Parts of the core that the numbers of a run depend on; the values of a scene are in its key themselves.
 _COUNTED = (
     "codes", "contact", "effects", "geometry", "kernels", "plugin", "runs", "state", "step",
-    "scene/bodies.py", "scene/scene.py", "scene/sides.py", "scene/tables.py",
+    "scene/bodies.py", "scene/scene.py", "scene/tables.py",
 )  # fmt: skip
 _LIBRARIES = ("numpy", "numba", "scipy", "shapely")
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from mpmfw.effects.settling import longest_settling
 from mpmfw.runs.limits import outputs_of, steps_of
-from mpmfw.scene.sides import motion_of
+from mpmfw.scene.bodies import motion_of
 from mpmfw.state.fields import STEP_STAGES, FloatArray
 from mpmfw.step.schemes import interpolate
 

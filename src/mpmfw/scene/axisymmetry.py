@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.scene.bodies import Body, RigidBody
+from mpmfw.scene.bodies import Body, RigidBody, rows_of
 from mpmfw.scene.problem import Path, Problem
 from mpmfw.scene.rigid import acts_along
-from mpmfw.scene.sides import rows_of
 from mpmfw.scene.tables import Gravity, Tables
 
 

@@ -11,11 +11,10 @@ import numpy as np
 from mpmfw.geometry import SurfaceMesh
 from mpmfw.plugin.discovery import REFERENCES, available
 from mpmfw.scene.axisymmetry import check_axisymmetry
-from mpmfw.scene.bodies import Body, RigidBody, Side
+from mpmfw.scene.bodies import AXIS, Body, RigidBody, Side, check_sides, rows_of
 from mpmfw.scene.options import NAMED
 from mpmfw.scene.problem import Path, Problem, one_form
 from mpmfw.scene.rigid import check_rigid, check_spin
-from mpmfw.scene.sides import AXIS, check_sides, rows_of
 from mpmfw.scene.tables import Gravity, Tables
 from mpmfw.scene.wording import unknown_name
 from mpmfw.units import problems_in_time, wrong_length
