@@ -15,8 +15,17 @@ from mpmfw.kernels import device, kernel, scratch
 from mpmfw.kernels.arithmetic import invert
 from mpmfw.kernels.types import Floats
 from mpmfw_material._isotropic import Moduli, pad_plane_strain
-from mpmfw_material._plastic import MODULUS, OPENED, SPACE, Flow, Plastic, pad
-from mpmfw_material._principal import compose, diagonalise, push_forward
+from mpmfw_material._plastic import (
+    MODULUS,
+    OPENED,
+    SPACE,
+    Flow,
+    Plastic,
+    compose,
+    diagonalise,
+    pad,
+    push_forward,
+)
 from mpmfw_material._return import closing_volume, norm_square, return_stiffened, wave_modulus
 
 #: Logarithm of the volume beyond which points no longer touch: what has opened so far opens no further.

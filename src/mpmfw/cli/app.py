@@ -14,12 +14,11 @@ import typer
 from typer import Argument, Option
 
 from mpmfw._version import __version__
-from mpmfw.cli.compare import compare
+from mpmfw.cli.compare import compare, stability
 from mpmfw.cli.explain import explain
 from mpmfw.cli.figures import animate, export, plot, report, view
 from mpmfw.cli.plugins import check, new, plugins, schema
 from mpmfw.cli.run import benchmark, resume, run, warm_up
-from mpmfw.cli.stability import stability
 from mpmfw.cli.study import choose, rank, study
 from mpmfw.cli.validate import validate
 from mpmfw.errors import Interrupted, MpmfwError, ResultsWarning, SceneError

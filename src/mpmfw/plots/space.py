@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from mpmfw.errors import SceneError
-from mpmfw.paraview.meshes import mesh_library
+from mpmfw.paraview.exporting import mesh_library
 from mpmfw.plots.bodies import Bodies, Box, Scales, colour_range, in_space, set_title
 from mpmfw.plots.style import in_brackets
 from mpmfw.results.point_fields import point_field, point_fields
