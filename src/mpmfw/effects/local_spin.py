@@ -288,8 +288,7 @@ class LocalSpin:
 
     def _correct(self, some: slice, grid: Grid, particles: Particles, held: FloatArray) -> None:
         for body, excess in zip(self.bodies[some], self.excess[some], strict=True):
-            first, last = grid.offset[body.field : body.field + 2].tolist()
-            points = body.particles
+            points, (first, last) = body.particles, grid.offset[body.field : body.field + 2].tolist()
             total = find_excess(
                 points.start, points.stop, particles, self.half_edges, first, last, grid, excess,
                 grid.spacing,

@@ -39,8 +39,7 @@ class Rows(Struct):
     start: Ints  #: (n + 1,) entries of row c are ``start[c]:start[c + 1]``
     dof: Ints  #: (m,) flat grid node
     weight: Floats  #: (m,) weight in B; the sum over a row is 0
-    #: (m, dim) c in the tangent plane: a force f acts along the normal by c·f, for its moment; (0, dim)
-    #: without
+    #: (m, dim) c in the tangent plane: a force f acts along the normal by c·f, for its moment, or (0, dim)
     couple: Floats
     tilt: Floats  #: (m, dim) by which a normal force of 1 acts along the facet; (0, dim) without
     #: (k, dim, dim + 1, dim) velocities of a rigid body's points by a unit impulse along each axis on one of
