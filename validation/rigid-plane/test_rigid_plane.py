@@ -135,11 +135,14 @@ def test_flat_converges(case, runs):
 TOP, LIMIT = 5.0, 0.3  #: angular velocity at the start [rad/s], coefficient of friction
 
 
-def topspin():
-    """Return the sphere with topspin on a level plane: friction turns 2/7 of ω R into velocity."""
+def topspin(aside=0.0):
+    """Return the sphere with topspin on a level plane: friction turns 2/7 of ω R into velocity.
+
+    It touches ``aside`` of a node [m], along x and z."""
     given = load_scene("rolling-sphere-no-slip-rigid").to_mapping()
     down = {"vector": [0.0, -10.0, 0.0]}
     given["bodies"]["sphere"]["angular_velocity"] = [0.0, 0.0, -TOP]
+    given["bodies"]["sphere"]["geometry"]["centre"] = [1.2 + aside, 2.4, aside]
     given["contact"] |= {"friction": LIMIT, "pairs": []}
     given["time"]["end"] = 1.2
     del given["reference"]
@@ -155,7 +158,11 @@ def rolls(tree):
     return {"slips": 100.0 * (fitted / (10.0 * LIMIT) - 1.0), "rolls": 100.0 * (rolling - 1.0)}
 
 
-@Runs("topspin", topspin, METHODS, [place(2), place(4)], set=SERIES_ONLY, when="full")
+amid = Place("R/h = 4, amid a cell", make={"aside": 0.2})
+spun = [place(2), place(4), amid]
+
+
+@Runs("topspin", topspin, METHODS, spun, set=SERIES_ONLY, when="full")
 def test_topspin(run):
     run.gates(
         rolls,

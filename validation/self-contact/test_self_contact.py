@@ -73,7 +73,9 @@ def ring(cells, joined=True, radius=0.5, thick=0.15, way=0.8):
     else:
         for name, middle, half in (("low", 270, 70), ("high", 90, 70), ("left", 180, 20), ("right", 0, 20)):
             bodies[name] = arc(middle - half, middle + half)
-        pairs = {"pairs": {f"{a}-{b}": {"method": "tied"} for a in ("low", "high") for b in ("left", "right")}}
+        pairs = {
+            "pairs": {f"{a}-{b}": {"method": "tied"} for a in ("low", "high") for b in ("left", "right")}
+        }
     bodies = {name: {"rotation": "lumped", **body} for name, body in bodies.items()}
     for name, sign in (("top", 1.0), ("bottom", -1.0)):
         pushes = {"motion": {"velocity": [0.0, -0.5 * sign * way / END]}}
