@@ -1,4 +1,4 @@
-"""Rigid bodies that meet: a disc runs into a row of discs; a stack, a card house and an arch at their limits."""
+"""Rigid bodies that meet: a disc runs into a row of discs; a stack, cards and an arch at their limits."""
 # cost: 70
 
 import numpy as np

@@ -46,8 +46,8 @@ def band(cell, drawn=False):
 
 
 def tension(tree, drawn=False):
-    """Return the error [%] of the tension of the band against (F + q l) e^(μ φ R / r) + q (e^(…) − 1) r² / μ R
-    + q l with r = R + t/2, the pull F, the drag q along the band, and straight ends of length l = 0.5 m."""
+    """Return the error [%] of the tension of the band against (F + q l) e + q (e − 1) r² / μ R + q l with e =
+    e^(μ φ R / r), r = R + t/2, the pull F, the drag q along the band, and straight ends of length l."""
     reaction = tree["series"]["side_reaction"].sel(side="band-left", axis="x").values
     middle, drag = RADIUS + 0.5 * THICK, 1e3 * THICK * DRAG * DRAWN if drawn else 0.0
     grows = np.exp(FRICTION * 0.5 * np.pi * RADIUS / middle)

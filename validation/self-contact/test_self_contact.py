@@ -32,7 +32,7 @@ def mirrored(outline):
 def arms(cells, joined=True, snap=None):
     """Return arms of so many ``cells`` across; not ``joined`` they are tied to a piece of the back.
 
-    A pressure ``snap`` [Pa] on the pads throws them together within 0.11 s; without it the pads are driven."""
+    A pressure ``snap`` [Pa] on the pads throws them together within 0.11 s; without it pads are driven."""
     half, speed = 0.5 * GAP * ARM, 0.5 * CLOSES / END
 
     def body(outline, *sides, **keys):
