@@ -9,7 +9,7 @@ import numpy as np
 
 from mpmfw.contact.law import ContactLaw, PairRecords
 from mpmfw.contact.rows import ContactRows
-from mpmfw.kernels.contact import add_records, match_rows, relative_motion
+from mpmfw.kernels.contact import add_records, match_rows
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import FloatArray
@@ -105,7 +105,7 @@ class ForceLaw(ContactLaw):
         """Note every row's motion in the step of ``dt`` [s]; rows become history."""
         rows = self.rows
         if "moved" in rows.own.member_names and rows.count:
-            relative_motion(rows, rows.count, grid.velocity, dt, rows.own.moved, grid.spacing)
+            rows.motion_of(grid.velocity, dt, rows.own.moved, grid.spacing)
         self.rows, self.old = self.old, rows
 
     def copy_history(self, other: ContactLaw, index_map: IndexMap) -> None:

@@ -82,7 +82,8 @@ class ContactLaw(ContactStrategy):
     #: Defaults of options, by name, where they differ from those of detection and law.
     defaults: ClassVar[dict[str, Any]] = {}
     #: What it needs of the rows: ``gap`` for a signed gap, ``steady gap`` for one that does not jump as rows
-    #: come and go, ``facets``, ``nodes`` for nodes against facets.
+    #: come and go, ``facets``, ``nodes`` for nodes against facets. A law of forces that reads entries of B
+    #: needs ``entries``: on surfaces they are not written for others.
     needs: ClassVar[frozenset[str]] = frozenset()
     #: Whether it gives forces, and not impulses.
     gives_forces: ClassVar[bool] = False

@@ -127,7 +127,13 @@ class ContactRows(Rows):
         """Write B v of the grid's present momentum into ``out`` (n, dim) [m/s]."""
         velocity = np.empty_like(grid.momentum)
         velocity_of_momentum(grid.mass, grid.momentum, velocity, grid.spacing)
-        relative_motion(self, self.count, velocity, 1.0, out, grid.spacing)
+        self.motion_of(velocity, 1.0, out, grid.spacing)
+
+    def motion_of(
+        self, velocity: FloatArray, scale: float, out: FloatArray, spacing: tuple[float, ...]
+    ) -> None:
+        """Write ``scale`` B v of the nodes' ``velocity`` (n_nodes, dim) into ``out`` (n, dim)."""
+        relative_motion(self, self.count, velocity, scale, out, spacing)
 
     def add_to(self, nodal: FloatArray, spacing: tuple[float, ...]) -> None:
         """Add Bᵀ f of ``force`` to forces or momenta ``nodal`` (n_nodes, dim)."""
@@ -135,9 +141,13 @@ class ContactRows(Rows):
 
     def couplings(self, stiffness: FloatArray, grid: Grid, out: FloatArray) -> float:
         """Write row sums of ``abs(B) M⁻¹ abs(B)ᵀ K`` into ``out`` (n,); return the largest."""
+        return couplings(self, self.count, stiffness, grid.mass, self.sum_of(grid), out)
+
+    def sum_of(self, grid: Grid) -> FloatArray:
+        """Return ``node_sum`` for the nodes of ``grid``."""
         if len(self.node_sum) != len(grid.mass):
             self.node_sum = np.zeros(len(grid.mass))
-        return couplings(self, self.count, stiffness, grid.mass, self.node_sum, out)
+        return self.node_sum
 
 
 class Detection(PlugIn):

@@ -41,13 +41,10 @@ def weigh_plain(
     h² of the surface node's body; in a body thinner than a cell, four times the heaviest node's mass. Where
     all have less than ``least`` [kg/m], the node has left its points."""
     for s in range(len(row) - 1):
-        lost, kept, heaviest, lightest = 0.0, 0.0, 0.0, math.inf
+        lost, kept, heaviest, lightest, largest = 0.0, 0.0, 0.0, math.inf, 0.0
         for k in entries(row, s):
-            if not node_mass[nodes[k]] >= lightest:
-                lightest = node_mass[nodes[k]]
-        if (
-            lightest > LIGHT * cell_mass[s]
-        ):  # no weight is more than 1: most nodes are inside of all that is light
+            lightest, largest = min(lightest, node_mass[nodes[k]]), max(largest, abs(weight[k]))
+        if lightest > LIGHT * cell_mass[s] * largest * largest and lightest >= least[s]:
             continue
         for k in entries(row, s):
             heaviest = max(heaviest, node_mass[nodes[k]])
@@ -55,15 +52,12 @@ def weigh_plain(
             weight[row[s] : row[s + 1]] = 0.0
             continue
         light = LIGHT * min(cell_mass[s], 4.0 * heaviest)
-        if lightest > light:
-            continue
-        for k in range(row[s], row[s + 1]):
-            if node_mass[nodes[k]] > light * weight[k] * weight[k]:
-                kept += weight[k]
-            else:
-                lost += weight[k]
+        for k in entries(row, s):
+            heavy = node_mass[nodes[k]] > light * weight[k] * weight[k]
+            kept += weight[k] if heavy else 0.0
+            lost += 0.0 if heavy else weight[k]
         if lost > 0.0 and kept > 0.0:
-            for k in range(row[s], row[s + 1]):
+            for k in entries(row, s):
                 heavy = node_mass[nodes[k]] > light * weight[k] * weight[k]
                 weight[k] = weight[k] / kept if heavy else 0.0
 

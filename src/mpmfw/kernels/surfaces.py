@@ -22,6 +22,13 @@ from mpmfw.kernels.facets import (
 from mpmfw.kernels.types import Faceted, Float, Floats, Ints
 
 
+#: Distance over the length of a facet below which a point lies on it.
+ROUNDING = 1e-14
+
+#: Cosine beyond which rounding cannot turn a facet's side.
+CLEAR = 1e-9
+
+
 class Facets(Struct):
     """Closed surfaces as facets. Kernels take any struct that has these members, whatever else it has."""
 
@@ -83,14 +90,32 @@ def node_normal(s: int, surface: Faceted, out: Floats, spacing: tuple[float, ...
 
 
 @device
+def side_of(
+    s: int, vector: Floats, most: Float, surface: Faceted, spacing: tuple[float, ...]
+) -> int:
+    """Return 1 where a ``vector`` has with all facets' normals at node s a cosine above ``most``, −1 where
+    all are below −``most``, else 0: then the sum of the normals, whose angles cost more, decides."""
+    area, square = scratch.vector(spacing), most * most * dot(vector, vector, spacing)
+    ahead, behind = True, True
+    for k in range(surface.star_first[s], surface.star_first[s + 1]):
+        area_of(surface.star[k], surface, area, spacing)
+        along, beyond = dot(vector, area, spacing), square * dot(area, area, spacing)
+        clear = along * along > beyond
+        ahead, behind = ahead and clear and along > 0.0, behind and clear and along < 0.0
+    return 1 if ahead else -1 if behind else 0
+
+
+@device
 def rim_normal(
-    m: int, share: Floats, surface: Faceted, normal: Floats, out: Floats, spacing: tuple[float, ...]
-) -> Float:
+    m: int, share: Floats, away: Floats, distance: Float, surface: Faceted, normal: Floats, out: Floats,
+    spacing: tuple[float, ...],
+) -> Float:  # fmt: skip
     """Pseudo-normal at the closest point on the rim of facet m, whose own unit ``normal`` is, into ``out``; a
     length of a facet there [m].
 
     It is the sum of the two normals where facets share the side, at the corner of a triangle that of the
-    node.
+    node. Where all facets round the corner lie on one side of ``away``, of the length ``distance`` [m], it is
+    that or its reverse: its sign alone matters.
     """
     dim = len(spacing)
     zeros, side = 0, 0
@@ -100,14 +125,20 @@ def rim_normal(
             side = a
     area_of(surface.neighbours[m, side], surface, out, spacing)
     size = math.sqrt(dot(out, out, spacing))
+    length = extent_of(size, spacing)
     if dim == 3 and zeros > 1:
         for a in range(dim):
             if share[a] != 0.0:
-                node_normal(surface.facets[m, a], surface, out, spacing)
+                corner = surface.facets[m, a]
+        sign = side_of(corner, away, CLEAR, surface, spacing) if distance >= ROUNDING * length else 0
+        for d in range(dim):
+            out[d] = sign * away[d]
+        if sign == 0:
+            node_normal(corner, surface, out, spacing)
     else:
         for d in range(dim):
             out[d] = normal[d] + out[d] / size
-    return extent_of(size, spacing)
+    return length
 
 
 @device
@@ -133,14 +164,15 @@ def signed_distance(
     if not at_rim(share, spacing):
         return gap
     pseudo, away = scratch.vector(spacing), scratch.vector(spacing)
-    length = rim_normal(m, share, surface, normal, pseudo, spacing)
     for d in range(dim):
         foot = 0.0
         for a in range(dim):
             foot += share[a] * corners[a, d]
         away[d] = x[d] - foot
-    distance, side = math.sqrt(dot(away, away, spacing)), dot(away, pseudo, spacing)
-    if distance < 1e-14 * length:
+    distance = math.sqrt(dot(away, away, spacing))
+    length = rim_normal(m, share, away, distance, surface, normal, pseudo, spacing)
+    side = dot(away, pseudo, spacing)
+    if distance < ROUNDING * length:
         norm = math.sqrt(dot(pseudo, pseudo, spacing))
         for d in range(dim):
             normal[d] = pseudo[d] / norm

@@ -5,6 +5,7 @@ from __future__ import annotations
 from mpmfw.contact.surfaces.outline import (
     Candidates,
     body_of,
+    clearly_opposes,
     distance_to,
     hidden,
     node_outward,
@@ -78,6 +79,7 @@ def equally_close(
         across = measure_across(other, other_normal, outline, spacing)
         if abs(g - gap) <= TIE * extent_of(max(own, across), spacing) and across > 0.0:
             alike = at_rim(share, spacing) and at_rim(other_share, spacing)
+            alike = alike or clearly_opposes(s, other, outline, spacing)
             if not alike and not looked:
                 node_outward(s, outline.body[outline.facets[m, 0]], outline, outward, spacing)
                 looked = True
@@ -126,19 +128,22 @@ def write_geometry(
 
 
 @device
-def write_motion(c: int, outline: Surface, rows: Rows, places: Places, spacing: tuple[float, ...]) -> None:
-    """B v Δt of row c over the last step, of the surface nodes' displacements."""
+def write_motion(
+    c: int, displacement: Floats, facets: Ints, rows: Rows, places: Places, out: Floats,
+    spacing: tuple[float, ...],
+) -> None:  # fmt: skip
+    """B v Δt of row c, of the surface nodes' ``displacement`` (n_s, dim) [m], into ``out`` (n, dim)."""
     dim = len(spacing)
     for d in range(dim):
-        rows.motion[c, d] = outline.displacement[places.slave[c], d]
+        out[c, d] = displacement[places.slave[c], d]
     for corner in range(dim):
-        p, along = outline.facets[places.facet[c], corner], 0.0
+        p, along = facets[places.facet[c], corner], 0.0
         for d in range(dim):
-            rows.motion[c, d] -= places.share[c, corner] * outline.displacement[p, d]
-            along += rows.normal[c, d] * outline.displacement[p, d]
+            out[c, d] -= places.share[c, corner] * displacement[p, d]
+            along += rows.normal[c, d] * displacement[p, d]
         if len(places.turn) > 0:
             for d in range(dim):
-                rows.motion[c, d] += places.turn[c, corner, d] * along
+                out[c, d] += places.turn[c, corner, d] * along
 
 
 @device
@@ -193,7 +198,9 @@ def has_weights(s: int, m: int, facets: Ints, table: Table) -> bool:
     for corner in range(-1, facets.shape[1]):
         p, has = s if corner < 0 else facets[m, corner], False
         for k in entries(table.row, p):
-            has = has or table.weight[k] != 0.0
+            if table.weight[k] != 0.0:
+                has = True
+                break
         if not has:
             return False
     return True
@@ -233,7 +240,8 @@ def assemble(
     A node counts with its tributary area, or with half of it where its body and the master are of the same
     ``rank`` (body,): each is then slave once. ``across``: only what lies across the normal is a row's area.
     Of two equally close facets both count where the gap is below ``ties`` [m]. ``place`` is scratch
-    (:func:`add_point`). A node that has left its points has no row: nothing would take the opposite force.
+    (:func:`add_point`); without nodes no entries are written. A node that has left its points has no row:
+    nothing would take the opposite force.
     """
     c, top, body, dim = 0, 0, outline.body, len(spacing)
     share, normal = scratch.vector(spacing), scratch.vector(spacing)
@@ -260,7 +268,8 @@ def assemble(
                     m = other
                     for d in range(dim):
                         share[d], normal[d] = other_share[d], other_normal[d]
-                if c >= len(rows.pair) or top + width_of(s, m, outline.facets, table.row) > len(rows.dof):
+                width = width_of(s, m, outline.facets, table.row) if len(place) > 0 else 0
+                if c >= len(rows.pair) or top + width > len(rows.dof):
                     return -1
                 p = pair_index(pair_of, body[s], master)
                 rows.pair[c], rows.identity[c], rows.gap[c] = p, s * n_bodies + master, g
@@ -272,14 +281,13 @@ def assemble(
                     rows.area[c] *= share_across(s, normal, outline, spacing)
                 places.slave[c], places.facet[c] = s, m
                 write_geometry(c, share, normal, outline, rows, places, spacing)
-                write_motion(c, outline, rows, places, spacing)
+                write_motion(
+                    c, outline.displacement, outline.facets, rows, places, rows.motion, spacing
+                )
                 rows.start[c] = top
-                top = add_point(s, 1.0, c, -1, top, table, place, rows, places, spacing)
-                for corner in range(dim):
-                    node = outline.facets[m, corner]
-                    top = add_point(
-                        node, -places.share[c, corner], c, corner, top, table, place, rows, places, spacing
-                    )
+                for corner in range(-1, dim if len(place) > 0 else -1):
+                    node, weight = (s, 1.0) if corner < 0 else (outline.facets[m, corner], -share[corner])
+                    top = add_point(node, weight, c, corner, top, table, place, rows, places, spacing)
                 c += 1
                 rows.start[c] = top
             j = following

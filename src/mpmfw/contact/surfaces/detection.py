@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 from mpmfw.contact.rows import ContactRows, Detection
 from mpmfw.contact.strategy import ranks_of, stiffness_ranks
 from mpmfw.contact.surfaces.assembly import Places, assemble
+from mpmfw.contact.surfaces.factors import NodeSums, bound_couplings, move_rows, spread_forces
 from mpmfw.contact.surfaces.near_facets import TravelLimit, VerletList
 from mpmfw.contact.surfaces.outline import Candidates
 from mpmfw.contact.surfaces.search import CROSSED, find_candidates
@@ -20,7 +21,7 @@ from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 from mpmfw.state.fields import Field as ArrayField
 from mpmfw.state.history import check_indices
-from mpmfw.state.structs import Grid, Particles, State, Stencil
+from mpmfw.state.structs import Grid, Particles, State, Stencil, Surface
 from mpmfw.state.surface import nodes_left, outer_facets
 from mpmfw.units import Length
 
@@ -128,12 +129,17 @@ class Surfaces(OnFacets):
     history = ("count",)
     #: Number of candidates in the last step.
     count = 0
+    #: Whether entries of B are written, and not its factors alone.
+    writes_entries = True
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
         self.surface_map = self.options.map
         self.adds_mass = self.options.interface_thickness > 0.0
         self.leaves_bodies_out = self.options.master is None and not self.adds_mass  # a master must be there
+
+    def configure(self, needs: frozenset[str], *, forces: bool) -> None:
+        self.writes_entries = not forces or "entries" in needs
 
     def parts(self) -> list[Any]:
         """Return the limit of travel, and the surface layer where it has a thickness."""
@@ -159,6 +165,7 @@ class Surfaces(OnFacets):
         self.force: FloatArray = setup.allocate(owner, FORCE)
         self.through = np.zeros(3)
         self.place = np.zeros(0, dtype=np.int64)
+        self.writes_entries |= setup.state.self_contact is not None  # both sides may share nodes
 
     def rank_bodies(self, setup: Setup, owner: str) -> IntArray:
         """Rank all alike in two passes; in one the stiffer is master, unless one is named. Of equally stiff
@@ -188,6 +195,8 @@ class Surfaces(OnFacets):
         tilts = getattr(self.options, "normal_variation", "hamad2017") == "hamad2017"  # eq. 7
         rows = SurfaceRows(dim, couples=friction, tilts=tilts, spins=friction and dim == 3, own=own)
         rows.n_bodies = len(self.state.bodies)
+        if not self.writes_entries:
+            rows.use_factors(self.surface)
         rows.limits = {"at/slave": self.surface.count, "at/facet": len(self.surface.facets)}
         return rows
 
@@ -207,7 +216,7 @@ class Surfaces(OnFacets):
             rows.have(0)
             return
         ties = self.law_range if closest else -np.inf
-        if len(self.place) < len(grid.mass):
+        if self.writes_entries and len(self.place) < len(grid.mass):
             self.place = np.zeros(len(grid.mass), dtype=np.int64)
         self.fill(
             rows,
@@ -278,6 +287,35 @@ class SurfaceRows(ContactRows):
 
     places: Places
     n_bodies: int  #: identity is that of the node times this and the other body's index
+    surface: Surface | None = None  #: by which forces and motions pass; None where B has entries
+
+    def use_factors(self, surface: Surface) -> None:
+        """Let forces and motions pass by the nodes of ``surface``, without entries of B."""
+        self.surface = surface
+        self.sums = NodeSums(vector=np.zeros_like(surface.position), number=np.zeros(surface.count))
+
+    def _factors(self) -> tuple[Any, ...]:
+        assert self.surface is not None
+        return self, self.count, self.surface.facets, self.places, self.sums, self.surface.table
+
+    def motion_of(
+        self, velocity: FloatArray, scale: float, out: FloatArray, spacing: tuple[float, ...]
+    ) -> None:
+        if self.surface is None:
+            super().motion_of(velocity, scale, out, spacing)
+        else:
+            move_rows(*self._factors(), velocity, scale, out, spacing)
+
+    def add_to(self, nodal: FloatArray, spacing: tuple[float, ...]) -> None:
+        if self.surface is None:
+            super().add_to(nodal, spacing)
+        else:
+            spread_forces(*self._factors(), nodal, spacing)
+
+    def couplings(self, stiffness: FloatArray, grid: Grid, out: FloatArray) -> float:
+        if self.surface is None:
+            return super().couplings(stiffness, grid, out)
+        return bound_couplings(*self._factors(), stiffness, grid.mass, self.sum_of(grid), out)
 
     def make_room(self, rows: int, entries: int) -> None:
         super().make_room(rows, entries)

@@ -20,7 +20,7 @@ from mpmfw.kernels.facets import (
     read_point,
     squared_distance,
 )
-from mpmfw.kernels.surfaces import add_normal, area_of, signed_distance
+from mpmfw.kernels.surfaces import add_normal, area_of, side_of, signed_distance
 from mpmfw.kernels.types import Float, Floats, Ints
 from mpmfw.state.structs import Surface
 
@@ -71,6 +71,9 @@ def hidden(m: int, body: int, outline: Surface) -> bool:
     return len(outline.covered) > 0 and outline.covered[m] >= 0 and outline.covered[m] != body
 
 
+#: What rounding leaves of lengths in cells and of cosines.
+ROUNDING = 1e-9
+
 #: Least cosine between a slave node's reversed normal and that of a facet that faces it: at the right angles
 #: of blocks neither rounding nor elastic lean must decide. The sides of a wedge of 2.3° face nothing.
 LEAST_COSINE = 0.02
@@ -101,6 +104,17 @@ def node_outward(s: int, other: int, outline: Surface, outward: Floats, spacing:
             add_normal(s, outline.star[k], outline, outward, spacing)
 
 
+@device
+def clearly_opposes(s: int, m: int, outline: Surface, spacing: tuple[float, ...]) -> bool:
+    """Return True if in space every facet round node s faces facet m: then so does the node's normal, whose
+    angles cost more."""
+    if len(spacing) == 2 or len(outline.covered) > 0:
+        return False
+    area = scratch.vector(spacing)
+    area_of(m, outline, area, spacing)
+    return side_of(s, area, LEAST_COSINE * (1.0 + ROUNDING), outline, spacing) < 0
+
+
 class Candidates(Struct):
     """Facets that every surface node may touch; until the search those of the last step."""
 
@@ -113,10 +127,6 @@ def clear(s: int, candidates: Candidates) -> None:
     """Empty the slots of node s."""
     for j in range(candidates.facet.shape[1]):
         candidates.facet[s, j], candidates.gap[s, j] = -1, np.inf
-
-
-#: What rounding leaves of lengths in cells and of cosines.
-ROUNDING = 1e-9
 
 
 @device
@@ -204,10 +214,14 @@ def reorient(
         if seams:
             distance_to(s, m, outline, share, normal, spacing)
             past = past_a_seam(s, m, share, normal, outline, spacing)
-        if not past and (not looked or seams):
+        if past or clearly_opposes(s, m, outline, spacing):
+            candidates.facet[s, j] = -1 if past else m
+            candidates.gap[s, j] = math.inf if past else gap
+            continue
+        if not looked or seams:
             node_outward(s, body_of(m, outline), outline, outward, spacing)
             looked = True
-        if not past and not opposes(outward, m, outline, spacing):
+        if not opposes(outward, m, outline, spacing):
             area_of(m, outline, area, spacing)
             if gap <= FLUSH * extent_of(length_of(area, spacing), spacing):
                 distance_to(s, m, outline, share, normal, spacing)

@@ -76,15 +76,13 @@ def keep_nearest(
 
 
 @device
-def nearest_listed(s: int, outline: Surface, near: NearFacets, spacing: tuple[float, ...]) -> int:
-    """Return the facet nearest to node s of those listed, or one that was when bodies had not moved."""
-    nearest, closest = math.inf, int(near.facet[near.first[s]])
+def first_guess(s: int, near: NearFacets) -> int:
+    """Return the facet whose box was nearest to node s when it was listed."""
+    closest = near.first[s]
     for k in range(near.first[s], near.first[s + 1]):
-        if near.away[k] * near.away[k] < nearest:
-            square = square_of(s, near.facet[k], outline, spacing)
-            if square < nearest:
-                nearest, closest = square, int(near.facet[k])
-    return closest
+        if near.away[k] < near.away[closest]:
+            closest = k
+    return int(near.facet[closest])
 
 
 @device
@@ -92,7 +90,7 @@ def search_node(
     s: int, radius: Float, outline: Surface, near: NearFacets, candidates: Candidates,
     spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
-    """Find the closest facets of node s; those of the last step, or the nearest, rule out most others."""
+    """Find the closest facets of node s; those of the last step, or a guess, rule out most others."""
     last, slots = scratch.integers(SLOTS), candidates.facet.shape[1]
     for j in range(slots):
         last[j] = candidates.facet[s, j]
@@ -100,7 +98,7 @@ def search_node(
     if near.first[s] == near.first[s + 1]:
         return
     if last[0] < 0:
-        last[0] = nearest_listed(s, outline, near, spacing)
+        last[0] = first_guess(s, near)
     for j in range(slots):
         if last[j] >= 0:
             keep_nearest(s, last[j], 0.0, radius, outline, candidates, spacing)
