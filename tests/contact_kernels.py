@@ -7,9 +7,9 @@ import numpy as np
 from mpmfw.contact.springs import SpringArrays, add_friction
 from mpmfw.contact.surfaces import search
 from mpmfw.contact.surfaces.assembly import assemble
-from mpmfw.contact.surfaces.detection import SurfaceRows
 from mpmfw.contact.surfaces.near_facets import VerletList
 from mpmfw.contact.surfaces.outline import Candidates
+from mpmfw.contact.surfaces.surface_rows import SurfaceRows
 from mpmfw.geometry.layout import neighbours_of, stars_of, tributaries_of
 from mpmfw.kernels.contact import Records, match_rows
 from mpmfw.kernels.contact import pair_table as pair_of_bodies

@@ -55,7 +55,8 @@ LEAST = Brings(
 )
 
 _SURFACES = "~surfaces " + " ".join(
-    f"~surfaces.{name}" for name in ("detection", "near_facets", "search", "assembly", "outline")
+    f"~surfaces.{name}"
+    for name in ("detection", "near_facets", "search", "assembly", "outline", "surface_rows")
 )
 _CONTACT = "contact_force friction_force contact_count frictional_work contact_energy damping_work"
 _ISOTROPIC = "material._isotropic"

@@ -10,7 +10,7 @@ import pytest
 import mpmfw
 from effects_table import CASES, LEAST, arrays_of, hooks_of
 from mpmfw.contact import springs
-from mpmfw.contact.surfaces import detection, near_facets
+from mpmfw.contact.surfaces import detection, near_facets, surface_rows
 from mpmfw.plugin.hooks import BoundHooks
 from mpmfw.runs.simulation import Simulation
 from mpmfw_contact import penalty
@@ -159,7 +159,8 @@ def test_diagnostics_are_called_at_outputs_alone():
 KERNELS = {
     penalty: ("set_springs", "spring_forces", "add_losses"),
     springs: ("add_friction",),
-    detection: ("assemble", "find_candidates", "bound_couplings", "spread_forces", "move_rows"),
+    detection: ("assemble", "find_candidates"),
+    surface_rows: ("bound_couplings", "spread_forces", "move_rows"),
     near_facets: ("near_boxes", "list_near", "measure_motion"),
 }
 

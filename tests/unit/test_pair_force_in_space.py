@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from mpmfw.contact.surfaces.assembly import assemble
-from mpmfw.contact.surfaces.detection import SurfaceRows
 from mpmfw.contact.surfaces.outline import Candidates
+from mpmfw.contact.surfaces.surface_rows import SurfaceRows
 from mpmfw.contact.surfaces.turning import write_spins
 from mpmfw.geometry.layout import neighbours_of, stars_of
 from mpmfw.kernels import kernel, signed_distance

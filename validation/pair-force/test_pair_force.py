@@ -6,8 +6,8 @@ import numpy as np
 
 from mpmfw.contact.springs import add_friction
 from mpmfw.contact.surfaces.assembly import assemble
-from mpmfw.contact.surfaces.detection import SurfaceRows
 from mpmfw.contact.surfaces.outline import Candidates
+from mpmfw.contact.surfaces.surface_rows import SurfaceRows
 from mpmfw.kernels import struct
 from mpmfw.kernels.contact import Records, pair_table
 from mpmfw.kernels.facets import project

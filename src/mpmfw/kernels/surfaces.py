@@ -21,7 +21,6 @@ from mpmfw.kernels.facets import (
 )
 from mpmfw.kernels.types import Faceted, Float, Floats, Ints
 
-
 #: Distance over the length of a facet below which a point lies on it.
 ROUNDING = 1e-14
 
@@ -90,9 +89,7 @@ def node_normal(s: int, surface: Faceted, out: Floats, spacing: tuple[float, ...
 
 
 @device
-def side_of(
-    s: int, vector: Floats, most: Float, surface: Faceted, spacing: tuple[float, ...]
-) -> int:
+def side_of(s: int, vector: Floats, most: Float, surface: Faceted, spacing: tuple[float, ...]) -> int:
     """Return 1 where a ``vector`` has with all facets' normals at node s a cosine above ``most``, −1 where
     all are below −``most``, else 0: then the sum of the normals, whose angles cost more, decides."""
     area, square = scratch.vector(spacing), most * most * dot(vector, vector, spacing)

@@ -281,9 +281,7 @@ def assemble(
                     rows.area[c] *= share_across(s, normal, outline, spacing)
                 places.slave[c], places.facet[c] = s, m
                 write_geometry(c, share, normal, outline, rows, places, spacing)
-                write_motion(
-                    c, outline.displacement, outline.facets, rows, places, rows.motion, spacing
-                )
+                write_motion(c, outline.displacement, outline.facets, rows, places, rows.motion, spacing)
                 rows.start[c] = top
                 for corner in range(-1, dim if len(place) > 0 else -1):
                     node, weight = (s, 1.0) if corner < 0 else (outline.facets[m, corner], -share[corner])

@@ -10,18 +10,18 @@ from pydantic import Field, model_validator
 
 from mpmfw.contact.rows import ContactRows, Detection
 from mpmfw.contact.strategy import ranks_of, stiffness_ranks
-from mpmfw.contact.surfaces.assembly import Places, assemble
-from mpmfw.contact.surfaces.factors import NodeSums, bound_couplings, move_rows, spread_forces
+from mpmfw.contact.surfaces.assembly import assemble
 from mpmfw.contact.surfaces.near_facets import TravelLimit, VerletList
 from mpmfw.contact.surfaces.outline import Candidates
 from mpmfw.contact.surfaces.search import CROSSED, find_candidates
+from mpmfw.contact.surfaces.surface_rows import SurfaceRows
 from mpmfw.errors import SceneError
 from mpmfw.plugin.base import OptionsModel
 from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import AnyArray, FloatArray, IntArray
 from mpmfw.state.fields import Field as ArrayField
 from mpmfw.state.history import check_indices
-from mpmfw.state.structs import Grid, Particles, State, Stencil, Surface
+from mpmfw.state.structs import Grid, Particles, State, Stencil
 from mpmfw.state.surface import nodes_left, outer_facets
 from mpmfw.units import Length
 
@@ -280,63 +280,3 @@ class Surfaces(OnFacets):
                 on_corner += (force * normal).sum(axis=1, keepdims=True) * at.lean[n, a]
             np.add.at(self.force, corners[:, a], on_corner)
         return {"force": self.force}
-
-
-class SurfaceRows(ContactRows):
-    """Rows with their places on the surfaces."""
-
-    places: Places
-    n_bodies: int  #: identity is that of the node times this and the other body's index
-    surface: Surface | None = None  #: by which forces and motions pass; None where B has entries
-
-    def use_factors(self, surface: Surface) -> None:
-        """Let forces and motions pass by the nodes of ``surface``, without entries of B."""
-        self.surface = surface
-        self.sums = NodeSums(vector=np.zeros_like(surface.position), number=np.zeros(surface.count))
-
-    def _factors(self) -> tuple[Any, ...]:
-        assert self.surface is not None
-        return self, self.count, self.surface.facets, self.places, self.sums, self.surface.table
-
-    def motion_of(
-        self, velocity: FloatArray, scale: float, out: FloatArray, spacing: tuple[float, ...]
-    ) -> None:
-        if self.surface is None:
-            super().motion_of(velocity, scale, out, spacing)
-        else:
-            move_rows(*self._factors(), velocity, scale, out, spacing)
-
-    def add_to(self, nodal: FloatArray, spacing: tuple[float, ...]) -> None:
-        if self.surface is None:
-            super().add_to(nodal, spacing)
-        else:
-            spread_forces(*self._factors(), nodal, spacing)
-
-    def couplings(self, stiffness: FloatArray, grid: Grid, out: FloatArray) -> float:
-        if self.surface is None:
-            return super().couplings(stiffness, grid, out)
-        return bound_couplings(*self._factors(), stiffness, grid.mass, self.sum_of(grid), out)
-
-    def make_room(self, rows: int, entries: int) -> None:
-        super().make_room(rows, entries)
-        dim = self.dim
-        self.places = Places(
-            slave=np.zeros(rows, dtype=np.int64),
-            facet=np.zeros(rows, dtype=np.int64),
-            share=np.zeros((rows, dim)),
-            turn=np.zeros((rows if len(self.couple) else 0, dim, dim)),
-            lean=np.zeros((rows if len(self.tilt) else 0, dim, dim)),
-        )
-
-    def of_rows(self) -> dict[str, AnyArray]:
-        """Return those, and the places as ``at/NAME``."""
-        return super().of_rows() | {f"at/{name}": array for name, array in self.places.members().items()}
-
-    def renumber(self, history: dict[str, AnyArray], own: ContactRows, index_map: Any) -> None:
-        """Renumber nodes, facets, and the identity that is made of node and body, too."""
-        super().renumber(history, own, index_map)
-        assert isinstance(own, SurfaceRows)
-        node, body = np.divmod(history["identity"], self.n_bodies)
-        history["identity"] = index_map.surface_node[node] * own.n_bodies + index_map.body[body]
-        history["at/slave"] = index_map.surface_node[history["at/slave"]]
-        history["at/facet"] = index_map.facet[history["at/facet"]]

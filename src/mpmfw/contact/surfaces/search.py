@@ -78,11 +78,8 @@ def keep_nearest(
 @device
 def first_guess(s: int, near: NearFacets) -> int:
     """Return the facet whose box was nearest to node s when it was listed."""
-    closest = near.first[s]
-    for k in range(near.first[s], near.first[s + 1]):
-        if near.away[k] < near.away[closest]:
-            closest = k
-    return int(near.facet[closest])
+    begin, end = near.first[s], near.first[s + 1]
+    return int(near.facet[begin + near.away[begin:end].argmin()])
 
 
 @device

@@ -35,7 +35,9 @@ def test_factors_agree_with_entries(monkeypatch, scene):
             nodal[:] = 0.0
             rows.add_to(nodal, grid.spacing)
             rows.motion_of(np.ascontiguousarray(velocity[: len(nodal), :dim]), 0.1, motion, grid.spacing)
-            largest = rows.couplings(np.where(stiffness[:n, 0] > 0.0, stiffness[:n, 1] ** 2, 0.0), grid, bound)
+            largest = rows.couplings(
+                np.where(stiffness[:n, 0] > 0.0, stiffness[:n, 1] ** 2, 0.0), grid, bound
+            )
         assert n > 10
         assert largest == bound.max() > 0.0
         results.append((nodal, motion, bound))
@@ -51,7 +53,9 @@ def test_factors_agree_with_entries(monkeypatch, scene):
 def test_a_corner_seen_without_angles_has_the_same_side(seed):
     """``CLEAR`` says when the facets' sides decide: never with 2, where the sum of the normals does."""
     rng = np.random.default_rng(seed)
-    position = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float) + rng.normal(0, 0.2, (4, 3))
+    position = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float) + rng.normal(
+        0, 0.2, (4, 3)
+    )
     facets = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
     first, star = stars_of(facets, 4)
     tetrahedron = Facets(

@@ -1,13 +1,17 @@
-"""B of rows on surfaces as a product: of surface nodes in rows, N_i(x_s) of grid nodes in surface nodes.
+"""Rows on surfaces, and their operator B as a product: of surface nodes in rows, and of grid nodes in surface
+nodes, N_i(x_s).
 
-Written out, a row has 60 entries in space, most of them those of its neighbours. Laws of forces need no entry:
+Written out, a row has 60 entries in space, most of them those of its neighbours. Laws of forces need none:
 their forces and motions pass by the surface nodes, each of which meets the grid once.
 """
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
+from mpmfw.contact.rows import ContactRows
 from mpmfw.contact.surfaces.assembly import Places, write_motion
 from mpmfw.kernels import Struct, device, kernel, scratch
 from mpmfw.kernels.arithmetic import add_scaled_row
@@ -15,6 +19,8 @@ from mpmfw.kernels.contact import Rows, acts
 from mpmfw.kernels.facets import dot, read_point
 from mpmfw.kernels.stencil import entries
 from mpmfw.kernels.types import Float, Floats, Ints, Table
+from mpmfw.state.fields import AnyArray, FloatArray
+from mpmfw.state.structs import Grid, Surface
 
 #: What a visited place has at least, so that it is not 0.
 TINY = float(np.finfo(np.float64).tiny)
@@ -97,7 +103,7 @@ def move_rows(
 
 @kernel
 def bound_couplings(
-    rows: Rows, count: int, facets: Ints, places: Places, sums: NodeSums, table: Table, stiffness: Floats,
+    count: int, facets: Ints, places: Places, sums: NodeSums, table: Table, stiffness: Floats,
     node_mass: Floats, node_sum: Floats, out: Floats,
 ) -> float:  # fmt: skip
     """Row sums of :func:`mpmfw.kernels.contact.couplings` with |b_ci| = Σ_s |b_cs| N_i(x_s), the same where
@@ -137,3 +143,67 @@ def bound_couplings(
                     node_sum[table.nodes[k]] = 0.0
                 load[s] = 0.0
     return largest
+
+
+class SurfaceRows(ContactRows):
+    """Rows with their places on the surfaces."""
+
+    places: Places
+    n_bodies: int  #: identity is that of the node times this and the other body's index
+    surface: Surface | None = None  #: by which forces and motions pass; None where B has entries
+
+    def use_factors(self, surface: Surface) -> None:
+        """Let forces and motions pass by the nodes of ``surface``, without entries of B."""
+        self.surface = surface
+        self.sums = NodeSums(vector=np.zeros_like(surface.position), number=np.zeros(surface.count))
+
+    def motion_of(
+        self, velocity: FloatArray, scale: float, out: FloatArray, spacing: tuple[float, ...]
+    ) -> None:
+        on = self.surface
+        if on is None:
+            super().motion_of(velocity, scale, out, spacing)
+        else:
+            move_rows(
+                self, self.count, on.facets, self.places, self.sums, on.table, velocity, scale, out, spacing
+            )
+
+    def add_to(self, nodal: FloatArray, spacing: tuple[float, ...]) -> None:
+        on = self.surface
+        if on is None:
+            super().add_to(nodal, spacing)
+        else:
+            spread_forces(self, self.count, on.facets, self.places, self.sums, on.table, nodal, spacing)
+
+    def couplings(self, stiffness: FloatArray, grid: Grid, out: FloatArray) -> float:
+        on = self.surface
+        if on is None:
+            return super().couplings(stiffness, grid, out)
+        return bound_couplings(
+            self.count, on.facets, self.places, self.sums, on.table, stiffness, grid.mass,
+            self.sum_of(grid), out,
+        )  # fmt: skip
+
+    def make_room(self, rows: int, entries: int) -> None:
+        super().make_room(rows, entries)
+        dim = self.dim
+        self.places = Places(
+            slave=np.zeros(rows, dtype=np.int64),
+            facet=np.zeros(rows, dtype=np.int64),
+            share=np.zeros((rows, dim)),
+            turn=np.zeros((rows if len(self.couple) else 0, dim, dim)),
+            lean=np.zeros((rows if len(self.tilt) else 0, dim, dim)),
+        )
+
+    def of_rows(self) -> dict[str, AnyArray]:
+        """Return those, and the places as ``at/NAME``."""
+        return super().of_rows() | {f"at/{name}": array for name, array in self.places.members().items()}
+
+    def renumber(self, history: dict[str, AnyArray], own: ContactRows, index_map: Any) -> None:
+        """Renumber nodes, facets, and the identity that is made of node and body, too."""
+        super().renumber(history, own, index_map)
+        assert isinstance(own, SurfaceRows)
+        node, body = np.divmod(history["identity"], self.n_bodies)
+        history["identity"] = index_map.surface_node[node] * own.n_bodies + index_map.body[body]
+        history["at/slave"] = index_map.surface_node[history["at/slave"]]
+        history["at/facet"] = index_map.facet[history["at/facet"]]
