@@ -361,11 +361,6 @@ def surface_mesh(folder: Path, key: str) -> Acts:
 PENALTY, BARDENHAGEN = "contact__penalty", "contact__bardenhagen"
 
 
-def _friction(law: str, option: str, first: Any, second: Any, /, **beside: Any) -> Acts:
-    scene = pair(contact__friction_law=law)
-    return values(scene, f"contact__{law}", {**beside, option: first}, {**beside, option: second})
-
-
 #: Options that a material must have beside its moduli.
 FLOW: dict[str, dict[str, float]] = {
     "j2": {"yield_stress": 1e2},
@@ -409,7 +404,7 @@ def _material(model: str, option: str) -> Acts:
 
 
 #: Plug-ins whose every option the conformance kit tries.
-ASKED_BY_THE_KIT = ("contact.", "shape.")
+ASKED_BY_THE_KIT = ("contact.", "friction.", "shape.")
 
 PLUGINS: dict[str, Acts] = {
     "load.drag.rate": values(body(loads={"air": AIR}), "loads__air__rate", 30.0, 40.0),
@@ -423,9 +418,6 @@ PLUGINS: dict[str, Acts] = {
     "load.point_force.force": values(
         body(loads={"push": {"model": "point_force", "at": [0, 0]}}), "loads__push__force", [1e4, 0], [0, 1e4]
     ),
-    "friction.stribeck.static_ratio": _friction("stribeck", "static_ratio", 1.2, 2.0, velocity=1.0),
-    "friction.stribeck.velocity": _friction("stribeck", "velocity", 1.0, 3.0),
-    "friction.mohr_coulomb.cohesion": _friction("mohr_coulomb", "cohesion", 1e3, 1e4),
     **{
         f"material.{model}.{option}": _material(model, option)
         for model in MODELS

