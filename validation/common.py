@@ -31,12 +31,13 @@ def elastic(density, young, poisson, model="linear_elastic", **further):
     return {"model": model, "density": density, "youngs_modulus": young, "poissons_ratio": poisson, **further}
 
 
-def rectangle(left, bottom, right, top, **body):
-    """Return a body that is a rectangle."""
-    return {"geometry": {"type": "rectangle", "lower": [left, bottom], "upper": [right, top]}, **body}
+def rectangle(left, bottom, right, top, angle=0.0, **body):
+    """Return a body that is a rectangle, turned about its middle by ``angle`` [rad]."""
+    shape = {"type": "rectangle", "lower": [left, bottom], "upper": [right, top]}
+    return {"geometry": {**shape, "angle": angle} if angle else shape, **body}
 
 
-def disc(x, y, radius, **body):
+def disc(x, y, radius=1.0, **body):
     """Return a body that is a disc."""
     return {"geometry": {"type": "disc", "centre": [x, y], "radius": radius}, **body}
 

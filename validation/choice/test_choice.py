@@ -4,8 +4,10 @@
 import itertools
 from typing import NamedTuple
 
+import common
 import numpy as np
 import pytest
+from common import disc, elastic, fixed, rectangle
 
 import mpmfw
 from mpmfw.studies.choosing import CONTACTS, SHAPES
@@ -29,46 +31,17 @@ class Question(NamedTuple):
         return f"{self.scene}: {self.measure} {named}".rstrip() + f" within {self.target:.0%}"
 
 
-def disc(x, y, radius=1.0, **keys):
-    """Return a disc."""
-    return body({"type": "disc", "centre": [x, y], "radius": radius}, **keys)
-
-
-def block(lower, upper, angle=0.0, **keys):
-    """Return a rectangle."""
-    return body({"type": "rectangle", "lower": lower, "upper": upper, "angle": angle}, **keys)
-
-
-def body(geometry, material="soft", **keys):
-    """Return a body with four points a cell."""
-    return {
-        "material": material,
-        "geometry": geometry,
-        "particles": {"layout": "fitted", "size": "0.5 cells"},
-        "velocity": [0.0, 0.0],
-        **keys,
-    }
-
-
 def scene(friction, end, bodies, **tables):
     """Return a scene of two materials, one four times as stiff as the other."""
-    stiffness = {"soft": 1.0e5, "stiff": 4.0e5}
-    return {
-        "grid": {"cell_size": CELL, "lower": [-6.0, -4.0], "upper": [6.0, 5.0]},
-        "time": {"end": end, "output_interval": end / 60},
-        "shape": {"method": "cpdi"},
-        "contact": {"method": "penalty", "friction": friction},
-        "materials": {
-            name: {"model": "neo_hookean", "density": 1000.0, "youngs_modulus": e, "poissons_ratio": 0.3}
-            for name, e in stiffness.items()
-        },
-        "bodies": bodies,
-        "output": {"particles": False, "surface": False},
-        **tables,
-    }
+    soft, stiff = (elastic(1000.0, young, 0.3, "neo_hookean") for young in (1.0e5, 4.0e5))
+    usual = {"particles": {"layout": "fitted", "size": "0.5 cells"}, "velocity": [0.0, 0.0]}
+    bodies = {name: {**usual, **body} for name, body in bodies.items()}
+    tables |= {"contact": {"friction": friction}, "materials": {"stiff": stiff}}
+    tables |= {"output": {"particles": False, "surface": False}}
+    return common.scene(CELL, [-6.0, -4.0], [6.0, 5.0], end, end / 60, soft, bodies, **tables)
 
 
-FLOOR = block([-4.03, -1.52], [4.03, 0.01], sides=[{"side": "bottom", "fixed": True}])
+FLOOR = rectangle(-4.03, -1.52, 4.03, 0.01, sides=fixed(bottom="xy"))
 
 #: Every scene with the body and the pair that its questions are about.
 SCENES = {
@@ -96,20 +69,20 @@ SCENES = {
     ),
     "a ring on a floor": (
         scene(0.2, 3.0, {
-            "ring": body(
-                {"type": "ring", "centre": [0.0, 1.06], "inner_radius": 0.5, "outer_radius": 1.0},
-                velocity=[0.0, -SPEED],
-            ),
+            "ring": {
+                "geometry": {"type": "ring", "centre": [0.0, 1.06], "inner_radius": 0.5, "outer_radius": 1.0},
+                "velocity": [0.0, -SPEED],
+            },
             "floor": FLOOR,
         }), "ring", "ring-floor",
     ),
     "a box flat on a floor": (
-        scene(0.0, 1.5, {"box": block([-1.0, 0.06], [1.0, 1.56], velocity=[0.0, -SPEED]), "floor": FLOOR}),
+        scene(0.0, 1.5, {"box": rectangle(-1.0, 0.06, 1.0, 1.56, velocity=[0.0, -SPEED]), "floor": FLOOR}),
         "box", "box-floor",
     ),
     "a box on its corner": (
         scene(0.3, 2.0, {
-            "box": block([-0.9, 0.43], [0.9, 2.03], 0.35, velocity=[0.0, -SPEED]), "floor": FLOOR,
+            "box": rectangle(-0.9, 0.43, 0.9, 2.03, 0.35, velocity=[0.0, -SPEED]), "floor": FLOOR,
         }), "box", "box-floor",
     ),
     "a row of discs": (
@@ -122,14 +95,14 @@ SCENES = {
     "a disc in a groove": (
         scene(0.2, 2.0, {
             "disc": disc(0.05, 1.46, velocity=[0.0, -SPEED]),
-            "left": block([-2.9, -1.0], [-0.4, 1.0], -0.785, sides=[{"side": "bottom", "fixed": True}]),
-            "right": block([0.4, -1.0], [2.9, 1.0], 0.785, sides=[{"side": "bottom", "fixed": True}]),
+            "left": rectangle(-2.9, -1.0, -0.4, 1.0, -0.785, sides=fixed(bottom="xy")),
+            "right": rectangle(0.4, -1.0, 2.9, 1.0, 0.785, sides=fixed(bottom="xy")),
         }), "disc", "disc-right",
     ),
     "a stack under its weight": (
         scene(0.3, 2.0, {
-            "upper": block([-0.8, 1.51], [0.8, 2.51]),
-            "lower": block([-1.2, 0.01], [1.2, 1.51], material="stiff"),
+            "upper": rectangle(-0.8, 1.51, 0.8, 2.51),
+            "lower": rectangle(-1.2, 0.01, 1.2, 1.51, material="stiff"),
             "floor": FLOOR,
         }, gravity={"vector": [0.0, -2.0]}), "upper", "upper-lower",
     ),
