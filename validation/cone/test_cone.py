@@ -2,6 +2,7 @@
 # cost: 100
 
 import numpy as np
+from common import elastic, fixed, polygon, rectangle, scene
 
 from mpmfw.validation import Place, Runs, full, methods, together
 
@@ -9,51 +10,27 @@ from mpmfw.validation import Place, Runs, full, methods, together
 SLOPE, RADIUS, COHESION = float(np.tan(np.radians(60.0))), 1.0, 1e4
 #: Depth at the end [m], speed [m/s], and width and depth of the soil [m].
 DEPTH, SPEED, FAR = RADIUS / SLOPE, 0.25, 4.0 * RADIUS
-SOIL = {
-    "model": "mohr_coulomb",
-    "density": 2000.0,
-    "youngs_modulus": 300.0 * COHESION,
-    "poissons_ratio": 0.3,
-    "cohesion": COHESION,
-    "friction_angle": "20 degree",
-}
+SOIL = elastic(2e3, 300.0 * COHESION, 0.3, "mohr_coulomb", cohesion=COHESION, friction_angle="20 degree")
 
 
-def scene(cells):
+def pushed(cells):
     """Return the cone over soil with so many ``cells`` in the print's radius at the end."""
     cell, rise = RADIUS / cells, 0.05 * DEPTH / SPEED
     end, top = DEPTH / SPEED + 0.5 * rise, 0.5 * FAR / SLOPE
     motion = {"velocity": [[0.0, 0.0, 0.0], [rise, 0.0, -SPEED], [end, 0.0, -SPEED]]}
-    return {
-        "grid": {
-            "cell_size": cell,
-            "lower": [0.0, -FAR - 2.0 * cell],
-            "upper": [FAR + 4.0 * cell, top + 4.0 * cell],
-            "axisymmetric": True,
-        },
-        "time": {"end": end, "output_interval": end / 100.0, "outputs": "nearest"},
-        "shape": {"method": "cpdi"},
-        "contact": {"method": "penalty"},
-        "materials": {"soil": SOIL},
-        "bodies": {
-            "soil": {
-                "material": "soil",
-                "geometry": {"type": "rectangle", "lower": [0.0, -FAR], "upper": [FAR, 0.0]},
-                "particles": {"size": "0.5 cells"},
-                "sides": [{"side": "bottom", "fixed": ["y"]}, {"side": "right", "fixed": ["x"]}],
-            },
-            "cone": {
-                "geometry": {"type": "polygon", "points": [[0.0, 0.0], [0.5 * FAR, top], [0.0, top]]},
-                "rigid": {"motion": motion},
-            },
-        },
-        "output": {"particles": False, "surface": False},
+    bodies = {
+        "soil": rectangle(0.0, -FAR, FAR, 0.0, sides=fixed(bottom="y", right="x")),
+        "cone": polygon([[0.0, 0.0], [0.5 * FAR, top], [0.0, top]], rigid={"motion": motion}),
     }
+    lower, upper = [0.0, -FAR - 2.0 * cell], [FAR + 4.0 * cell, top + 4.0 * cell]
+    more = {"grid": {"axisymmetric": True}, "time": {"outputs": "nearest"}}
+    more["output"] = {"particles": False, "surface": False}
+    return scene(cell, lower, upper, end, end / 100.0, SOIL, bodies, **more)
 
 
 indented = Runs(
     "indented",
-    scene=scene,
+    scene=pushed,
     methods=methods(),
     places=[
         Place("b/h = 5", make={"cells": 5}),
