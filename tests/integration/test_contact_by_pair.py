@@ -262,8 +262,12 @@ def test_a_run_is_restored_to_the_bit():
         ({"pairs": {"a-x": {"method": "tied"}}}, r"contact\.pairs\.a-x\.bodies\[1\]: .*no such body"),
         ({"pairs": {"a": {"method": "tied"}}}, r"contact\.pairs\.a: expected the names of two bodies"),
         ({"pairs": {"a-b": {}}}, r"contact\.pairs\.a-b: expected friction, a method"),
+        ({"pairs": {"a-b": {"method": "teid"}}}, r"contact\.pairs\.a-b\.method: .*did you mean 'tied'"),
+        ({"pairs": {"a-b": {"detection": "points", "law": "impulse"}}}, "'points' acts between all"),
         ({"pairs": {"a-b": {"method": "tied", "penalty": {}}}}, r"a-b\.penalty: has no effect"),
         ({"pairs": {"a-b": {"penalty": {}}}}, r"pairs\.a-b\.method: missing; expected method"),
+        ({"pairs": {"a-b": 3}}, r"contact\.pairs\.a-b: expected a table with friction, method, .* not 3"),
+        ({"pairs": "tied"}, r"contact\.pairs: expected tables \[contact\.pairs\.a-b\] of two bodies"),
         ({"pairs": [3]}, r"contact\.pairs\[0\]: expected a table with bodies, friction, method"),
         (
             {"pairs": {"a-b": {"friction": 0.1}, "b-a": {"method": "tied"}}},

@@ -146,6 +146,9 @@ def test_a_load_acts_on_a_region_of_a_files_surface(tmp_path, dim):
     [
         ({"fixed": True}, r"sides\[0\].within: expected a load"),
         ({"pressure": 1.0, "within": [[1.0, 0.0], [0.0, 1.0]]}, "first corner must be below the second"),
+        ({"pressure": 1.0, "within": [[1.0, 0.0, 0.0], [2.0, 1.0]]}, r"within: has 3 entries; expected 2"),
+        ({"traction": [1, 2, 3]}, r"traction: has 3 entries; expected 2"),
+        ({"pressure": 1, "traction": [1, 0]}, "has pressure and traction; expected exactly one of"),
         (
             {"pressure": 1.0, "within": [[3.0, 3.0], [4.0, 4.0]]},
             "no surface facet lies on the side top",
