@@ -256,6 +256,7 @@ def test_a_material_without_hoop_stress_is_refused():
         ({"shape__method": "ck"}, r"shape\.method: 'ck' has no form"),
         ({"sleep": {}}, r"sleep: does not go with"),
         ({"gravity": {"vector": [1.0, -9.0]}}, r"gravity: pulls across the axis"),
+        ({"gravity": {"table": [[0.0, 0.0, 0.0], [1.0, 0.5, 0.0]]}}, r"gravity: pulls across"),
         ({"bodies__solid__thickness": 0.5}, r"solid\.thickness"),
         ({"bodies__solid__angular_velocity": 1.0}, r"solid\.angular_velocity"),
         ({"bodies__solid__rotation": "spin"}, r"solid\.rotation"),

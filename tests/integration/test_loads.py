@@ -155,7 +155,7 @@ def test_a_load_acts_on_a_region_of_a_files_surface(tmp_path, dim):
         ),
     ],
 )
-def test_regions_without_sense_are_refused(side, message):
+def test_loads_on_a_side_without_sense_are_refused(side, message):
     with pytest.raises(SceneError, match=message):
         Simulation(block(bodies__solid__sides=[{"side": "top", "within": ROOF, **side}]))
 

@@ -125,7 +125,9 @@ def test_the_contact_force_is_the_momentum_that_gravity_does_not_give(newton_fol
     assert tangential == pytest.approx(0.286, rel=1e-2)  # it slips all the way
 
 
-@pytest.mark.parametrize("change", ["not finite", "fewer points", "text", "times fall"])
+@pytest.mark.parametrize(
+    "change", ["not finite", "fewer points", "text", "times fall", "times of two dimensions"]
+)
 def test_a_damaged_motion_is_refused(newton_folder, change):
     with np.load(newton_folder / "motion.npz") as file:
         arrays = dict(file)
@@ -133,6 +135,8 @@ def test_a_damaged_motion_is_refused(newton_folder, change):
         arrays["velocity"][3, 2, 0] = np.nan
     elif change == "fewer points":
         arrays["position"] = arrays["position"][:, :-1]
+    elif change == "times of two dimensions":
+        arrays["time"] = arrays["time"][:, None]
     elif change == "text":
         arrays["time"] = arrays["time"].astype(str)
     else:
@@ -147,7 +151,10 @@ def _edit(path, **changes):
     path.write_text(json.dumps(facts | changes))
 
 
-@pytest.mark.parametrize("facts", [{"steps": -1}, {"cpu_time": "1.0"}, {"wall_time": float("inf")}], ids=str)
+FACTS = [{"steps": -1}, {"steps": True}, {"cpu_time": -1.0}, {"cpu_time": "1"}, {"wall_time": float("inf")}]
+
+
+@pytest.mark.parametrize("facts", FACTS, ids=str)
 def test_facts_of_another_kind_are_refused(newton_folder, facts):
     _edit(newton_folder / ("cost.json" if "wall_time" in facts else "motion.json"), **facts)
     with pytest.raises(MpmfwError, match="Newton: its output is missing or damaged"):

@@ -129,6 +129,7 @@ def test_lengths_in_cells_follow_the_cell_size(cell):
         ("cell_size = 0.5", "cell_size = 5e-324", "4: grid.cell_size", "5e-324 is out of range"),
         ("lower = [0, 0]\nupper", "lower = [0, 'b']\nupper", "5: grid.lower[1]", "'b' is not a quantity"),
         ("segment = 0.2", 'segment = "0.5 cels"', "39: bodies.floor.segment", "cels"),
+        ("segment = 0.2", 'segment = "-1 cells"', "39: bodies.floor.segment", "is not a quantity"),
         ("end = 1\n", "", "8: time.end", "missing; expected a time in s"),
         ('output_interval = "10 ms"', "output_interval = 2", "10: time.output_interval", "time.end, which is 1 s"),  # noqa: E501
         ("end = 1\n", "end = 1\nstep = 1e-5\nsafety = 0.4\n", "11: time.safety", "has no effect with a fixed"),  # noqa: E501
@@ -139,8 +140,10 @@ def test_lengths_in_cells_follow_the_cell_size(cell):
         ("friction = 0.2", "[contact.penlty]\nstiffness = 1", "17: contact.penlty", "did you mean 'penalty'?"),  # noqa: E501
         ('"block", "floor"', '"block", "flor"', "20: contact.pairs[0].bodies[1]", "did you mean 'floor'?"),
         ('"block", "floor"', '"block", "block"', "20: contact.pairs[0].bodies", "not 'block' twice"),
+        ('"160 GPa"', '"160 m"', "26: materials.steel.bulk_modulus", "'160 m' is not convertible to Pa"),
         ('material = "steel"\ngeometry = { type = "disc"', 'material = "stel"\ngeometry = { type = "disc"',
          "30: bodies.block.material", "did you mean 'steel'?"),
+        ('type = "disc"', 'type = "disk"', "31: bodies.block.geometry.type", "did you mean 'disc'?"),
         ("velocity = [1, 0]", "velocity = [1, 0, 0]", "33: bodies.block.velocity", "because the grid is 2D"),
         ("fixed = true", "pressure = 1\nfixed = true", "41: bodies.floor.sides[0]", "has fixed and pressure"),
         ("fixed = true", "pressure = [[0, 0], [1, [2]]]", "43: bodies.floor.sides[0].pressure[1][1]", "modulus in Pa"),  # noqa: E501

@@ -50,6 +50,9 @@ quantity = "acceleration"
 @pytest.mark.parametrize(
     ("old", "new", "line", "message"),
     [
+        ("contact =", "contacts =", 4, "did you mean 'contact'"),
+        ('"none", ', '"non", ', 4, "did you mean 'none'"),
+        ("[0.2, 0.1]", "[0.2, -0.1]", 5, "must be greater than 0"),
         ("[0.2, 0.1]", "[0.2, 0.2]", 5, "0.2 is given twice"),
         ("cell_size =", '"bodies.blok.segment" =', 5, "did you mean 'block'"),
         ('quantity = "acceleration"', "", 7, "quantity: missing"),
@@ -59,6 +62,7 @@ quantity = "acceleration"
         ('"acceleration"', '"impulse"', 1, "kind = 'finest'"),
         ("[error]", "[cost]\nrepeats = 0\n[error]", 8, "must be at least 1"),
         ("[error]", "[set]\ncell_size = 0.3\n[error]", 8, "replaces it"),
+        ("[vary]", "[vary", 3, "not valid TOML"),
     ],
 )
 def test_a_mistake_is_one_message_with_its_line(tmp_path, old, new, line, message):

@@ -33,10 +33,13 @@ def test_quantities_become_si(kind, given, si):
         (units.Length, "2 s", "'2 s' is not convertible to m"),
         (units.Length, "2", "'2' has no unit"),
         (units.Length, "two metres", "is not a quantity"),
+        (units.Pressure, "3 m/s", "is not convertible to Pa"),
         (units.Length, float("nan"), "finite"),
         (units.Length, [1.0], "valid number"),
         (units.Length, True, "true is a boolean; expected a number or a string such as '1.5 m'"),
         (units.Density, "2.4 ton/m^3", "'ton' is ambiguous: tonne or short_ton?"),
+        (units.Density, "9 cwt/m^3", "'cwt' is ambiguous: short_hundredweight or long_hundredweight?"),
+        (units.Force, "1 ton_force", "'ton_force' is ambiguous: tf or short_ton_force?"),
         (units.AngularVelocity, "50 Hz", "Hz is ambiguous: turn/s or rad/s?"),
     ],
 )
