@@ -36,12 +36,14 @@ def listed(collection):
 
 
 def read(path):
-    """The grid of one file, and the time that the reader knows it by."""
-    reader = vtkXMLUnstructuredGridReader()
+    """The grid of one file, and the time that the reader knows it by; no reader may report an error."""
+    reader, errors = vtkXMLUnstructuredGridReader(), []
+    reader.AddObserver("ErrorEvent", lambda *event: errors.append(event))
     reader.SetFileName(str(path))
     reader.UpdateInformation()
     times = reader.GetOutputInformation(0).Get(Pipeline.TIME_STEPS())
     reader.Update()
+    assert not errors
     return reader.GetOutput(), times
 
 

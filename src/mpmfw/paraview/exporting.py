@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 import os
+import re
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -172,6 +173,9 @@ def _grid(points: FloatArray, kind: int, cells: IntArray, fields: xr.Dataset) ->
 #: Root attributes of a run that go into every file.
 _ABOUT = ("title", "scene", "contact", "shape", "status", "commit", "versions")
 
+#: Ranges that VTK stores beside an array; a NaN among them it cannot read.
+_RANGES = re.compile(rb'\s*<InformationKey name="L2_NORM_.*?</InformationKey>', re.DOTALL)
+
 
 def export(
     results: Results,
@@ -265,6 +269,7 @@ def _export(
             grid.field_data["TimeValue"] = np.array([times[index]])
             with replacement(folders[kind] / f"{index:05d}.vtu") as growing:
                 grid.save(growing)
+                growing.write_bytes(_RANGES.sub(b"", growing.read_bytes()))
         if progress is not None:
             progress(done + 1, len(frames))
     for folder, collection in zip(folders.values(), written, strict=False):
