@@ -28,6 +28,8 @@ from mpmfw.step.timestep import Clock, TimeStep
 if TYPE_CHECKING:
     from mpmfw.runs.sleeping import Sleep
 
+import_numba_without_scipy()
+
 #: Steps between two reports of progress.
 REPORT_EVERY = 50
 
@@ -69,7 +71,6 @@ class Simulation:
     ) -> None:
         if threads is not None and (type(threads) is not int or threads < 1):
             raise SceneError(f"threads: found {threads!r}; expected an integer of at least 1")
-        import_numba_without_scipy()
         setup = build(scene, contact, shape, loads)
         self._assemble(setup, Clock(), threads or setup.scene.threads)
 
