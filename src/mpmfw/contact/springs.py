@@ -155,10 +155,10 @@ class SpringLaw(ForceLaw):
 
     def list_pairs(self, state: State) -> None:
         """List also κ M / h of the pairs [Pa/m]."""
-        super().list_pairs(state)
         bodies = state.bodies
         softer = [min(bodies[p.first].p_wave_modulus, bodies[p.second].p_wave_modulus) for p in state.pairs]
         self.modulus: FloatArray = self.kappa * np.array(softer, dtype=float) / self.cell_size
+        super().list_pairs(state)
 
     def compliance(self) -> FloatArray | None:
         """Return h / (κ M), the overlap under a unit of pressure, of every pair [m/Pa]."""

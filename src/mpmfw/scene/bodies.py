@@ -207,7 +207,8 @@ def _meeting(body: Body, first: Side, second: Side, dim: int, end: float) -> str
     low, high = body.geometry.bounds[:, axis]
     times = np.union1d(np.linspace(0.0, end, 101), [*below.times, *above.times])
     times = times[(times >= 0.0) & (times <= end)]
-    approach = np.array([(below.at(time) - above.at(time))[axis] for time in times])
+    speeds = [np.interp(times, table.times, table.values[:, axis]) for table in (below, above)]
+    approach = speeds[0] - speeds[1]
     travelled = np.append(0.0, np.cumsum(0.5 * np.diff(times) * (approach[1:] + approach[:-1])))
     k = int((travelled >= high - low).argmax())
     if k == 0:

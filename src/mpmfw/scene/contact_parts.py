@@ -92,7 +92,8 @@ def without_effect(overrides: Iterable[tuple[str, Path]], table: Any) -> list[Pr
     if not isinstance(table, Mapping):
         return []
     named = [table.get(part) for part in PARTS]
-    alone = {name: part for part in PARTS for name in available(part) if name not in available("contact")}
+    whole = available("contact")
+    alone = {name: part for part in PARTS for name in available(part) if name not in whole}
     stands, problems = f'[contact."{table.get("method", "DETECTION+LAW")}"]', []
     for key, path in overrides:
         if len(path) > 1 and path[0] == "contact" and path[1] in alone and path[1] not in named:

@@ -174,7 +174,7 @@ class Surfaces(OnFacets):
         if master is not None and master not in [body.name for body in bodies]:
             names = ", ".join(body.name for body in bodies)
             raise SceneError(f"no body '{master}'; expected one of {names}", key=f"contact.{owner}.master")
-        soft = [body.name for body in setup.state.soft_bodies]
+        soft = [body.name for body in bodies if not body.rigid]
         if len(bodies) > 1 and soft == [master]:
             text = f"'{master}' touches rigid bodies alone, which are always master; leave it out"
             raise SceneError(text, key=f"contact.{owner}.master")
