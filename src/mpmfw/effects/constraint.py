@@ -34,12 +34,8 @@ MOMENT = Field("side_moment", ("side", "rotation"), "N m m-1",
                "moment of a prescribed side on the body about output.side_moment, mean over the interval",
                "series", output=True, mean=True)  # fmt: skip
 
-#: Largest number of passes over rows that share nodes; two sides may prescribe different velocities at their
-#: corner.
+#: Largest number of passes over the rows; one meets those of a single side.
 PASSES = 100
-
-#: Over-relaxation of rows of oblique sides, which share more nodes: it halves the passes in space.
-RELAXATION = 1.2
 
 #: Change of a side's velocity that ends the passes, as a share of the bodies' wave speed.
 AGREED = 1e-10
@@ -79,7 +75,6 @@ class Constraint:
         #: unit vectors along the body's own axes, (n_sides, dim, dim), one a row
         self.directions = np.array([setup.scene.bodies[body.name].geometry.axes for body in bodies])
         self.planes = _planes(setup, bodies, faces, self.degree, 2 if shape.staggered else 1)
-        self.relaxation = RELAXATION if len(self.planes.weight) else 1.0
         along = [axes @ normal for axes, (normal, _) in zip(self.directions, faces, strict=True)]
         own = [int(np.abs(each).argmax()) for each in along]
         signs = np.array([each[k] for each, k in zip(along, own, strict=True)])
@@ -162,8 +157,8 @@ class Constraint:
             self.listed = True
         velocity = 0.0 * self.velocity if self.at_rest else self.velocity
         self.passes = meet(
-            self.rows, self.table, self.directions, velocity, PASSES, self.agreed, self.relaxation, grid.mass,
-            grid.momentum, grid.spacing,
+            self.rows, self.table, self.directions, velocity, PASSES, self.agreed, grid.mass, grid.momentum,
+            grid.spacing,
         )  # fmt: skip
 
     def _fit(self, grid: Grid) -> None:
@@ -185,7 +180,10 @@ class Constraint:
             weights=np.zeros(rows * width),
             target=np.zeros(rows),
             side=np.zeros(rows, dtype=np.int64),
-            compliance=np.zeros(rows),
+            first=np.zeros(rows, dtype=np.int64),
+            factor=np.zeros((rows, width + 1)),
+            push=np.zeros_like(grid.momentum),
+            **{name: np.zeros((rows, grid.dim)) for name in ("missing", "divided", "search", "change")},
             c=np.zeros(longest),
             distance=np.zeros(longest),
             impulse=np.zeros_like(self.velocity),

@@ -11,7 +11,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.kernels import Struct, device, kernel
+from mpmfw.kernels import Struct, device, kernel, scratch
+from mpmfw.kernels.arithmetic import add_scaled_row
 from mpmfw.kernels.types import Float, Floats, Ints
 from mpmfw.state.fields import FloatArray
 
@@ -62,7 +63,13 @@ class SideTable(Struct):
     weights: Floats  #: A_rk, (n_entries,)
     target: Floats  #: (n_rows,)
     side: Ints  #: of each row, (n_rows,)
-    compliance: Floats  #: Σ A_rk² / m_k, (n_rows,)
+    first: Ints  #: first row of each row's column, (n_rows,)
+    factor: Floats  #: L of the rows of a column, (n_rows, most rows of a column): :func:`factor_column`
+    missing: Floats  #: V − A v along the directions, (n_rows, dim) [m/s]
+    divided: Floats  #: it, over A M⁻¹ Aᵀ of the columns [N s/m]
+    search: Floats  #: impulses of a pass, and their
+    change: Floats  #: change of A v, both (n_rows, dim)
+    push: Floats  #: change of the momentum by these impulses, (n_nodes, dim)
     c: Floats  #: weights of a column, as many as the longest has nodes
     distance: Floats  #: of its nodes from the side, outwards [cells]
     #: of each side on its body along its ``directions`` since it was set, (n_sides, dim) [N s/m]
@@ -246,10 +253,10 @@ def add_side(
         first = sides.column[s, START] + column // along * along * total + column % along
         stride, count, inside = along, total, True
         if sides.grids[0] == 2:
-            begin = first_of_grid(first, axis, sides.lower, node_position, spacing)
-            if begin < 0:
+            own = first_of_grid(first, axis, sides.lower, node_position, spacing)
+            if own < 0:
                 continue
-            first, stride, count = first + begin * along, 2 * along, (total - begin + 1) // 2
+            first, stride, count = first + own * along, 2 * along, (total - own + 1) // 2
         crossing = sides.place[s]
         for d in range(dim):
             if d != axis:
@@ -269,11 +276,34 @@ def add_side(
         )  # fmt: skip
         if heaviest > 0.0:
             light = LIGHT * min(sides.cell_mass[s], 4.0 * heaviest)
+            begin = rows
             rows = add_column(
                 rows, first, stride, high - low, inward, reach, oblique, sides.alone[s] == 1, light,
                 node_mass, table
             )  # fmt: skip
+            factor_column(begin, rows, node_mass, table)
     return rows
+
+
+@device
+def factor_column(begin: int, end: int, node_mass: Floats, table: SideTable) -> None:
+    """Set L of the rows of a column, A M⁻¹ Aᵀ = L Lᵀ (Cholesky)."""
+    row, nodes, weights, factor = table.row, table.nodes, table.weights, table.factor
+    for r in range(begin, end):
+        table.first[r] = begin
+        for q in range(begin, r + 1):
+            left = 0.0
+            for a in range(row[r], row[r + 1]):
+                for b in range(row[q], row[q + 1]):
+                    if nodes[a] == nodes[b]:
+                        left += weights[a] * weights[b] / node_mass[nodes[a]]
+            for k in range(q - begin):
+                left -= factor[r, k] * factor[q, k]
+            if q == r:
+                factor[r, r - begin] = np.sqrt(max(left, 0.0))
+            else:
+                pivot = factor[q, q - begin]
+                factor[r, q - begin] = left / pivot if pivot > 0.0 else 0.0
 
 
 @kernel
@@ -291,49 +321,113 @@ def list_rows(
     return rows
 
 
+@device
+def read_rows(
+    rows: int, table: SideTable, directions: Floats, velocity: Floats, node_mass: Floats, momentum: Floats,
+    out: Floats, spacing: tuple[float, ...],
+) -> None:  # fmt: skip
+    """out = A M⁻¹ p along the prescribed directions, 0 along others."""
+    dim, row, nodes = len(spacing), table.row, table.nodes
+    own = scratch.matrix((0.0,), spacing)
+    for r in range(rows):
+        s = table.side[r]
+        for d in range(dim):
+            own[0, d] = 0.0
+        for a in range(row[r], row[r + 1]):
+            add_scaled_row(own, 0, table.weights[a] / node_mass[nodes[a]], momentum, nodes[a], spacing)
+        for e in range(dim):
+            out[r, e] = 0.0
+            if velocity[s, e] == velocity[s, e]:
+                for d in range(dim):
+                    out[r, e] += own[0, d] * directions[s, e, d]
+
+
+@device
+def add_impulses(
+    rows: int, table: SideTable, directions: Floats, factor: float, momentum: Floats,
+    spacing: tuple[float, ...],
+) -> None:  # fmt: skip
+    """p += factor Aᵀ x, with x the ``search`` of the rows along the directions."""
+    own = scratch.matrix((0.0,), spacing)
+    for r in range(rows):
+        for d in range(len(spacing)):
+            own[0, d] = 0.0
+        for e in range(len(spacing)):
+            add_scaled_row(own, 0, factor * table.search[r, e], directions[table.side[r]], e, spacing)
+        for a in range(table.row[r], table.row[r + 1]):
+            add_scaled_row(momentum, table.nodes[a], table.weights[a], own, 0, spacing)
+
+
+@device
+def divide_by_columns(rows: int, table: SideTable, dim: int) -> None:
+    """Set ``divided`` to the ``missing`` of the rows over L Lᵀ of their columns."""
+    factor, first, x = table.factor, table.first, table.divided
+    for r in range(rows):
+        pivot = factor[r, r - first[r]]
+        for e in range(dim):
+            x[r, e] = table.missing[r, e]
+            for q in range(first[r], r):
+                x[r, e] -= factor[r, q - first[r]] * x[q, e]
+            x[r, e] = x[r, e] / pivot if pivot > 0.0 else 0.0
+    for r in range(rows - 1, -1, -1):
+        pivot = factor[r, r - first[r]]
+        for e in range(dim):
+            x[r, e] = x[r, e] / pivot if pivot > 0.0 else 0.0
+            for q in range(first[r], r):
+                x[q, e] -= factor[r, q - first[r]] * x[r, e]
+
+
 @kernel
 def meet(
     rows: int, table: SideTable, directions: Floats, velocity: Floats, passes: int, agreed: float,
-    relaxation: float, node_mass: Floats, node_momentum: Floats, spacing: tuple[float, ...],
+    node_mass: Floats, node_momentum: Floats, spacing: tuple[float, ...],
 ) -> int:  # fmt: skip
-    """Give each of the ``rows`` in turn the impulse that meets it, until the change at the sides is at most
-    ``agreed`` [m/s], in at most so many ``passes``; return the number of passes.
+    """Give the ``rows`` the impulses that meet them, until the sides miss at most ``agreed`` [m/s], in at
+    most so many ``passes``; return the number of passes.
 
-    (m v)_k += λ A_rk e with λ = (V − Σ A_rk v_k·e) / Σ (A_rk² / m_k), along each prescribed direction e of
-    the row's side, ``directions`` (n_sides, dim, dim), one a row. V is ``velocity`` (n_sides, dim) [m/s]; NaN
-    leaves a component free. It is the least change of the momentum, in the norm of the masses, that meets the
-    row, and together they end at the least that meets all (Kaczmarz 1937), sooner with some ``relaxation``
-    above 1 where rows share many nodes. So a velocity that is linear from
-    the side inwards keeps its gradient, an impulse acts where a traction on the side would, and no frequency
-    of the body rises: the step needs no new limit."""
-    dim = len(spacing)
-    row, nodes, weights, target, side = table.row, table.nodes, table.weights, table.target, table.side
-    compliance = table.compliance
+    p += Aᵀ λ with A M⁻¹ Aᵀ λ = V − A v, along each prescribed direction of the side, ``directions``
+    (n_sides, dim, dim), one a row. V is ``velocity`` (n_sides, dim) [m/s]; NaN leaves a component free. It is
+    the least change of the momentum, in the norm of the masses, that meets all rows. So a velocity that is
+    linear from the side inwards keeps its gradient, an impulse acts where a traction on the side would, and
+    no frequency of the body rises: the step needs no new limit. Columns of one side share no nodes, and are
+    solved at once. Where those of two sides share some, these solutions precondition conjugate gradients."""
+    dim, missing, search, change = len(spacing), table.missing, table.search, table.change
+    if len(table.applied) > 0:
+        table.applied[:rows, :] = 0.0
+    read_rows(rows, table, directions, velocity, node_mass, node_momentum, missing, spacing)
     for r in range(rows):
-        compliance[r] = 0.0
-        if len(table.applied) > 0:
-            table.applied[r, :] = 0.0
-        for a in range(row[r], row[r + 1]):
-            compliance[r] += weights[a] ** 2 / node_mass[nodes[a]]
+        for e in range(dim):
+            wanted = velocity[table.side[r], e]
+            missing[r, e] = (table.target[r] * wanted if wanted == wanted else 0.0) - missing[r, e]
+    previous = 0.0
     for count in range(passes):
-        largest = 0.0
+        largest, product, curvature = 0.0, 0.0, 0.0
+        divide_by_columns(rows, table, dim)
         for r in range(rows):
             for e in range(dim):
-                prescribed = velocity[side[r], e]
-                if prescribed == prescribed:
-                    missing = target[r] * prescribed
-                    for a in range(row[r], row[r + 1]):
-                        scale = weights[a] / node_mass[nodes[a]]
-                        for d in range(dim):
-                            missing -= scale * node_momentum[nodes[a], d] * directions[side[r], e, d]
-                    for a in range(row[r], row[r + 1]):
-                        impulse = relaxation * missing / compliance[r] * weights[a]
-                        for d in range(dim):
-                            node_momentum[nodes[a], d] += impulse * directions[side[r], e, d]
-                    table.impulse[side[r], e] += relaxation * missing / compliance[r] * target[r]
-                    if len(table.applied) > 0:
-                        table.applied[r, e] += relaxation * missing / compliance[r]
-                    largest = max(largest, target[r] * abs(missing))
-        if largest <= agreed:
-            return count + 1
+                largest = max(largest, table.target[r] * abs(missing[r, e]))
+                product += missing[r, e] * table.divided[r, e]
+        if largest <= agreed or product == 0.0:
+            return count
+        for r in range(rows):
+            for e in range(dim):
+                kept = product / previous * search[r, e] if count > 0 else 0.0
+                search[r, e] = table.divided[r, e] + kept
+            for a in range(table.row[r], table.row[r + 1]):
+                for d in range(dim):
+                    table.push[table.nodes[a], d] = 0.0
+        previous = product
+        add_impulses(rows, table, directions, 1.0, table.push, spacing)
+        read_rows(rows, table, directions, velocity, node_mass, table.push, change, spacing)
+        for r in range(rows):
+            for e in range(dim):
+                curvature += search[r, e] * change[r, e]
+        length = product / curvature
+        add_impulses(rows, table, directions, length, node_momentum, spacing)
+        for r in range(rows):
+            for e in range(dim):
+                missing[r, e] -= length * change[r, e]
+                table.impulse[table.side[r], e] += length * search[r, e] * table.target[r]
+                if len(table.applied) > 0:
+                    table.applied[r, e] += length * search[r, e]
     return passes
