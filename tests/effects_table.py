@@ -84,7 +84,7 @@ EFFECTS = {
     "affine moments": brings(arrays="particles/moment"),
     "gravity": brings("gravity", modules=".gravity"),
     "prescribed sides": brings(
-        "constraint", modules=".constraint .side_rows", series="side_reaction side_work"
+        "constraint", modules=".constraint .side_impulses .side_rows", series="side_reaction side_work"
     ),
     "settling": brings(modules=".settling"),
     "pressure": brings("pressure on solid top", modules=".side_loads"),

@@ -11,6 +11,7 @@ from interpreted import interpreted
 from mpmfw.api import SceneError
 from mpmfw.effects import constraint, side_loads, side_rows
 from mpmfw.effects.constraint import AGREED, PASSES
+from mpmfw.effects.side_impulses import meet
 from mpmfw.effects.side_rows import (
     QUADRATURE,
     TABULATED,
@@ -18,7 +19,6 @@ from mpmfw.effects.side_rows import (
     SideTable,
     factor_column,
     list_rows,
-    meet,
     tabulate,
 )  # fmt: skip
 from mpmfw.effects.surface import CRITICAL_MASS, EMPTY, LIGHT, weigh_by_mass, weigh_plain

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mpmfw.effects.series import cross
-from mpmfw.effects.side_rows import AXIS, PlaneSides, SideTable, list_rows, meet, tabulate
+from mpmfw.effects.side_impulses import meet
+from mpmfw.effects.side_rows import AXIS, PlaneSides, SideTable, list_rows, tabulate
 from mpmfw.errors import SceneError
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import FLAT, Acts, Setup

@@ -4,15 +4,14 @@ A column is a line of nodes along the axis to which the side's normal is nearest
 the velocity of the body is Σ c_k v_k, with the weights c_k of the boundary basis, and that is one condition,
 a row of A v = V. Rows of a second kind, v_k − 2 v_{k'} + v_{k''} = 0 with k' and k'' the two nodes next
 inwards, hold what has no motion of its own: the last node where next to nothing of the body reaches it, and
-beside an oblique side, which several nodes of a column reach, all of these. :func:`meet` brings the momentum
-to the rows."""
+beside an oblique side, which several nodes of a column reach, all of these.
+:func:`mpmfw.effects.side_impulses.meet` brings the momentum to the rows."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from mpmfw.kernels import Struct, device, kernel, scratch
-from mpmfw.kernels.arithmetic import add_scaled_row
+from mpmfw.kernels import Struct, device, kernel
 from mpmfw.kernels.types import Float, Floats, Ints
 from mpmfw.state.fields import FloatArray
 
@@ -319,115 +318,3 @@ def list_rows(
         for r in range(before, rows):
             table.side[r] = s
     return rows
-
-
-@device
-def read_rows(
-    rows: int, table: SideTable, directions: Floats, velocity: Floats, node_mass: Floats, momentum: Floats,
-    out: Floats, spacing: tuple[float, ...],
-) -> None:  # fmt: skip
-    """out = A M⁻¹ p along the prescribed directions, 0 along others."""
-    dim, row, nodes = len(spacing), table.row, table.nodes
-    own = scratch.matrix((0.0,), spacing)
-    for r in range(rows):
-        s = table.side[r]
-        for d in range(dim):
-            own[0, d] = 0.0
-        for a in range(row[r], row[r + 1]):
-            add_scaled_row(own, 0, table.weights[a] / node_mass[nodes[a]], momentum, nodes[a], spacing)
-        for e in range(dim):
-            out[r, e] = 0.0
-            if velocity[s, e] == velocity[s, e]:
-                for d in range(dim):
-                    out[r, e] += own[0, d] * directions[s, e, d]
-
-
-@device
-def add_impulses(
-    rows: int, table: SideTable, directions: Floats, factor: float, momentum: Floats,
-    spacing: tuple[float, ...],
-) -> None:  # fmt: skip
-    """p += factor Aᵀ x, with x the ``search`` of the rows along the directions."""
-    own = scratch.matrix((0.0,), spacing)
-    for r in range(rows):
-        for d in range(len(spacing)):
-            own[0, d] = 0.0
-        for e in range(len(spacing)):
-            add_scaled_row(own, 0, factor * table.search[r, e], directions[table.side[r]], e, spacing)
-        for a in range(table.row[r], table.row[r + 1]):
-            add_scaled_row(momentum, table.nodes[a], table.weights[a], own, 0, spacing)
-
-
-@device
-def divide_by_columns(rows: int, table: SideTable, dim: int) -> None:
-    """Set ``divided`` to the ``missing`` of the rows over L Lᵀ of their columns."""
-    factor, first, x = table.factor, table.first, table.divided
-    for r in range(rows):
-        pivot = factor[r, r - first[r]]
-        for e in range(dim):
-            x[r, e] = table.missing[r, e]
-            for q in range(first[r], r):
-                x[r, e] -= factor[r, q - first[r]] * x[q, e]
-            x[r, e] = x[r, e] / pivot if pivot > 0.0 else 0.0
-    for r in range(rows - 1, -1, -1):
-        pivot = factor[r, r - first[r]]
-        for e in range(dim):
-            x[r, e] = x[r, e] / pivot if pivot > 0.0 else 0.0
-            for q in range(first[r], r):
-                x[q, e] -= factor[r, q - first[r]] * x[r, e]
-
-
-@kernel
-def meet(
-    rows: int, table: SideTable, directions: Floats, velocity: Floats, passes: int, agreed: float,
-    node_mass: Floats, node_momentum: Floats, spacing: tuple[float, ...],
-) -> int:  # fmt: skip
-    """Give the ``rows`` the impulses that meet them, until the sides miss at most ``agreed`` [m/s], in at
-    most so many ``passes``; return the number of passes.
-
-    p += Aᵀ λ with A M⁻¹ Aᵀ λ = V − A v, along each prescribed direction of the side, ``directions``
-    (n_sides, dim, dim), one a row. V is ``velocity`` (n_sides, dim) [m/s]; NaN leaves a component free. It is
-    the least change of the momentum, in the norm of the masses, that meets all rows. So a velocity that is
-    linear from the side inwards keeps its gradient, an impulse acts where a traction on the side would, and
-    no frequency of the body rises: the step needs no new limit. Columns of one side share no nodes, and are
-    solved at once. Where those of two sides share some, these solutions precondition conjugate gradients."""
-    dim, missing, search, change = len(spacing), table.missing, table.search, table.change
-    if len(table.applied) > 0:
-        table.applied[:rows, :] = 0.0
-    read_rows(rows, table, directions, velocity, node_mass, node_momentum, missing, spacing)
-    for r in range(rows):
-        for e in range(dim):
-            wanted = velocity[table.side[r], e]
-            missing[r, e] = (table.target[r] * wanted if wanted == wanted else 0.0) - missing[r, e]
-    previous = 0.0
-    for count in range(passes):
-        largest, product, curvature = 0.0, 0.0, 0.0
-        divide_by_columns(rows, table, dim)
-        for r in range(rows):
-            for e in range(dim):
-                largest = max(largest, table.target[r] * abs(missing[r, e]))
-                product += missing[r, e] * table.divided[r, e]
-        if largest <= agreed or product == 0.0:
-            return count
-        for r in range(rows):
-            for e in range(dim):
-                kept = product / previous * search[r, e] if count > 0 else 0.0
-                search[r, e] = table.divided[r, e] + kept
-            for a in range(table.row[r], table.row[r + 1]):
-                for d in range(dim):
-                    table.push[table.nodes[a], d] = 0.0
-        previous = product
-        add_impulses(rows, table, directions, 1.0, table.push, spacing)
-        read_rows(rows, table, directions, velocity, node_mass, table.push, change, spacing)
-        for r in range(rows):
-            for e in range(dim):
-                curvature += search[r, e] * change[r, e]
-        length = product / curvature
-        add_impulses(rows, table, directions, length, node_momentum, spacing)
-        for r in range(rows):
-            for e in range(dim):
-                missing[r, e] -= length * change[r, e]
-                table.impulse[table.side[r], e] += length * search[r, e] * table.target[r]
-                if len(table.applied) > 0:
-                    table.applied[r, e] += length * search[r, e]
-    return passes
