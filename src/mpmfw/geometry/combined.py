@@ -130,6 +130,11 @@ class Solid(SolidGeometry):
         return np.array(mesh.vert_properties[:, :3]), np.array(mesh.tri_verts, dtype=np.int64)
 
 
+def _of_whole(name: str) -> Any:
+    """Return a property of this name, or a method, as that of the combined shape."""
+    return property(lambda combined: getattr(combined.whole, name))
+
+
 class Combined(BodyGeometry):
     """Base of unions and differences of ``parts``, all in the plane or all in space."""
 
@@ -158,38 +163,15 @@ class Combined(BodyGeometry):
             raise ValueError("nothing is left of the first part; expected others that leave some of it")
         return self
 
-    @property
-    def exact_volume(self) -> float:
-        return self.whole.exact_volume
-
-    @property
-    def centroid(self) -> FloatArray:
-        return self.whole.centroid
-
-    @property
-    def bounds(self) -> FloatArray:
-        return self.whole.bounds
-
-    @property
-    def width(self) -> float:
-        return self.whole.width
-
-    @property
-    def is_connected(self) -> bool:
-        return self.whole.is_connected
-
-    def surface_nodes(self, edge: float) -> float:
-        """Most nodes with sides up to ``edge`` [m]."""
-        return self.whole.surface_nodes(edge)
-
-    def surfaces(self, edge: float) -> tuple[tuple[FloatArray, IntArray], ...]:
-        return self.whole.surfaces(edge)
-
-    def lattice(self, size: float, offset: tuple[float, ...]) -> Layout:
-        return self.whole.lattice(size, offset)
-
-    def fitted(self, size: float) -> Layout:
-        return self.whole.fitted(size)
+    exact_volume: ClassVar[Any] = _of_whole("exact_volume")
+    centroid: ClassVar[Any] = _of_whole("centroid")
+    bounds: ClassVar[Any] = _of_whole("bounds")
+    width: ClassVar[Any] = _of_whole("width")
+    is_connected: ClassVar[Any] = _of_whole("is_connected")
+    surface_nodes: ClassVar[Any] = _of_whole("surface_nodes")
+    surfaces: ClassVar[Any] = _of_whole("surfaces")
+    lattice: ClassVar[Any] = _of_whole("lattice")
+    fitted: ClassVar[Any] = _of_whole("fitted")
 
 
 _SHAPES = Disc | Ring | Rectangle | Polygon | Box | Ball | Cylinder | Torus | Extrusion | Revolution
