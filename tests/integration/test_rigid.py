@@ -10,7 +10,7 @@ from test_restart import stop_and_go_on
 
 import mpmfw
 from mpmfw.contact import rigid_nodes, strategy
-from mpmfw.effects import rigid, rigid_kinematics
+from mpmfw.effects import rigid_kinematics, rigid_motion
 from mpmfw.errors import SceneError, SimulationError
 from mpmfw.results.analysis import fitted_acceleration
 from mpmfw.results.references import reference_of
@@ -201,7 +201,7 @@ def test_a_free_top_keeps_energy_and_angular_momentum_over_a_hundred_turns():
         bodies._turn(100 * 2.0 * np.pi / 20.0 / 3_000)
     assert bodies.kinetic_energy == pytest.approx(energy, rel=1e-11)
     assert np.abs(bodies.moment - moment).max() < 1e-11 * np.abs(moment).max()
-    assert rigid.ITERATIONS > 20  # five are used
+    assert rigid_motion.ITERATIONS > 20  # five are used
 
 
 @settings(max_examples=20, deadline=None)
@@ -359,7 +359,7 @@ def test_no_body_has_an_inertia_beyond_the_sum_of_the_others():
 
 def test_what_counts_as_a_plate_without_thickness():
     """A share that rounding of the inertia may make, and far below that of a sheet of a hundredth."""
-    assert 1e-14 < rigid.FLAT < 1e-3 * 0.01**2
+    assert 1e-14 < rigid_motion.FLAT < 1e-3 * 0.01**2
 
 
 @pytest.mark.parametrize(

@@ -307,4 +307,4 @@ def test_points_of_a_body_that_cannot_turn_show_its_mass_alone():
     bodies = Simulation(flight(own)).state.rigid
     weight = bodies.weights_at(0, np.array([[0.4, 0.2]]))
     assert (3.0 * weight**2).sum() == pytest.approx(1.0006, rel=1e-6)
-    assert rigid.FAR > 10.0
+    assert rigid_motion.FAR > 10.0
