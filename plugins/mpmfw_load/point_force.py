@@ -31,7 +31,7 @@ class PointForce(BodyLoad):
     """A force at a point of one body, with the exact moment, spread over material points within 1.5 cells.
 
     Their shares w_p are linear in the distance within a kernel (moving least squares): Σ w_p = 1 and Σ w_p
-    x_p = x at the start.
+    x_p = x at the start. On a rigid body the place may lie anywhere.
     """
 
     name = "point_force"
@@ -53,6 +53,10 @@ class PointForce(BodyLoad):
                 key=f"loads.{self.title}.bodies",
             )
         (body,) = self.bodies
+        if body.rigid:
+            rigid = setup.state.rigid
+            (self.shares,) = rigid.weights_at(rigid.bodies.index(body), np.array([self.options.at]))
+            return
         try:
             position = setup.state.particles.position[body.particles]
             self.shares = shares_near(position, np.array(self.options.at), setup.cell_size)

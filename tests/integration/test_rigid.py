@@ -374,8 +374,11 @@ def test_what_counts_as_a_plate_without_thickness():
             "'block' touches rigid bodies alone, which are always master",
         ),
         (
-            {"loads": {"air": {"model": "drag", "bodies": ["disc"], "rate": 1.0}}},
-            "'disc' is rigid, and has no",
+            {
+                "bodies": drop({"geometry": DISC, "rigid": True})["bodies"],
+                "loads": {"air": {"model": "drag", "bodies": ["disc"], "rate": 1.0}},
+            },
+            "'disc' is rigid, and does not move by forces",
         ),
     ],
 )

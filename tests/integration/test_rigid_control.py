@@ -5,7 +5,8 @@ import pytest
 from test_rigid import drop, series_of
 
 import mpmfw
-from mpmfw.effects import reaction, rigid
+from mpmfw.api.load import SurfaceLoad
+from mpmfw.effects import reaction, rigid_motion
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import with_changes
 
@@ -64,6 +65,63 @@ def test_a_force_moves_what_is_not_held(held, scheme):
     assert series["external_work"].values == pytest.approx(energy - energy[0], abs=1e-9 * energy[0])
 
 
+class Blast(SurfaceLoad):
+    """A traction on all of a surface, whatever its normal."""
+
+    name = "blast"
+
+    def traction(self, facets, time):  # noqa: ARG002
+        return np.tile([30.0, 40.0], (len(facets.area), 1))
+
+
+@pytest.mark.parametrize("method", ["penalty", "lcp"])
+@pytest.mark.parametrize(
+    ("load", "force", "torque"),
+    [
+        ({"model": "point_force", "at": [0.4, 0.0], "force": [30.0, 40.0]}, [30.0, 40.0], 8.0 + 3.0),
+        ({"model": "body_force", "force": [30.0, 40.0]}, [30.0 * 0.08, 40.0 * 0.08], 0.0),
+        ({"model": "blast"}, [30.0 * 1.2, 40.0 * 1.2], 0.0),
+    ],
+)  # fmt: skip
+def test_loads_move_a_free_rigid_body_that_they_name(announce, load, force, torque, method):
+    """And one that they do not name stays; its mass is 80 kg, its circumference 1.2 m."""
+    announce("load", "blast", f"{__name__}:Blast")
+    scene = flight({"rigid": {}}, contact__method=method, loads={"push": {"bodies": ["disc"], **load}})
+    series = series_of(scene)
+    assert series["linear_momentum"].values[-1, 1] == pytest.approx(0.1 * np.array(force), rel=1e-9)
+    assert series["angular_momentum"].values[-1, 1, 0] == pytest.approx(
+        0.1 * torque, rel=5e-3, abs=1e-9
+    )  # it turns by 0.04 rad
+    gained = series["kinetic_energy"].values[-1, 1]
+    assert series["external_work"].values[-1] == pytest.approx(gained, rel=1e-2)
+    del scene["loads"]["push"]["bodies"]
+    if load["model"] != "point_force":
+        assert not series_of(scene)["linear_momentum"].values[:, 1].any()
+
+
+def test_a_point_force_holds_a_rigid_body_on_a_rigid_floor():
+    """Contact takes it as it moves the whole body; the plank sank by 0.19 cells where it saw the points."""
+    press = {"model": "point_force", "bodies": ["plank"], "at": [0.8, 0.2], "force": [2e3, -1e4]}
+    floor = {"geometry": box([-1.0, -0.3], [2.0, 0.0]), "rigid": True}
+    scene = drop(floor, "lcp", loads={"press": press})
+    scene["bodies"]["plank"] = {"geometry": box([0.0, 0.0], [1.0, 0.2]), "rigid": {"density": 1e3}}
+    scene["bodies"]["block"]["geometry"] = box([2.4, -1.3], [2.8, -1.0])
+    series = series_of(scene)
+    assert np.abs(series["mean_velocity"].values[-1, 2]).max() < 1e-9
+    assert series["reaction"].values[-1, 2] == pytest.approx([-2e3, 1e4], rel=1e-6)
+    assert series["min_gap"].min() > -1e-5 * 0.1
+
+
+def test_drag_brakes_a_rigid_body_and_its_spin():
+    own = {"rigid": {}, "velocity": [1.0, 0.0], "angular_velocity": 3.0}
+    series = series_of(flight(own, loads={"air": {"model": "drag", "bodies": ["disc"], "rate": 4.0}}))
+    for name in ("linear_momentum", "angular_momentum"):
+        values = series[name].values[:, 1, 0]
+        assert values[-1] / values[0] == pytest.approx(np.exp(-0.4), rel=2e-3)
+    energy = series["kinetic_energy"].values[:, 1]
+    assert series["external_work"].values == pytest.approx(energy - energy[0], abs=1e-9 * energy[0])
+
+
 def test_forces_and_what_holds_do_the_work_that_the_verdict_counts():
     """Of a sledge that is lifted, and goes on at its speed against gravity."""
     own = {"rigid": {"force": [0.0, 300.0], "held": ["x"]}, "velocity": [2.0, 0.0]}
@@ -118,7 +176,7 @@ def test_in_space_a_body_that_turns_about_two_axes_keeps_their_momentum_and_its_
             simulation.step(1e-3)
             spins.append(bodies.angular_velocity[0])
         energies.append(bodies.kinetic_energy[0])
-        moment = rigid.vector_of(bodies.moment)[0]
+        moment = rigid_motion.vector_of(bodies.moment)[0]
         assert moment[1:] == pytest.approx(inertia[1:] * [4.0, 1.0], rel=1e-9)
         assert np.ptp(np.array(spins)[:, 2]) > 0.01
     assert np.abs(np.array(spins)[:, 0]).max() < 1e-12

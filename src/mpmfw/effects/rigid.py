@@ -20,7 +20,7 @@ from mpmfw.errors import SceneError
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Setup
 from mpmfw.state.fields import FloatArray
-from mpmfw.state.structs import Body, Grid, Stencil
+from mpmfw.state.structs import Body, Grid, Particles, Stencil
 
 
 class RigidBodies(RigidMotion):
@@ -47,6 +47,8 @@ class RigidBodies(RigidMotion):
         self.row = corners * np.arange(1, len(self.place) + 1)
         self.nodes = (corners * self.owner[:, None] + np.arange(corners)).ravel()
         self.moves = not self.prescribed.all() or any(np.any(t.values) for each in self.motion for t in each)
+        loaded = any(body.rigid for load in setup.named["loads"].values() for body in load.bodies)
+        self.projects = self.holds or loaded  #: forces to a rigid motion, before contact reads the momenta
         self.table: Stencil | None = None
         self.moved = False  #: in this step
         self.while_settling(None)
@@ -87,6 +89,24 @@ class RigidBodies(RigidMotion):
         if not self.moves:
             return 0.0
         return max(float(np.linalg.norm(self.surface_velocity(body), axis=1).max()) for body in self.bodies)
+
+    def particles_of(self, body: Body) -> Particles:
+        """Return the points of mass of a free body as material points, for loads: they bear no stress."""
+        k, count, dim = self.bodies.index(body), self.dim + 1, self.dim
+        tensor, volume = np.zeros((count, dim, dim)), np.full(count, self.volume[k] / count)
+        return Particles(
+            position=self.centre[k] + self.arms[k],
+            velocity=self.point_velocity[k],
+            mass=np.full(count, self.mass[k] / count),
+            initial_volume=volume,
+            volume=volume,
+            deformation_gradient=tensor + np.eye(dim),
+            velocity_gradient=tensor + self.spin[k],
+            stress=tensor,
+            affine=None,
+            moment=None,
+            first=np.array([0, count]),
+        )
 
     def own(self, nodal: FloatArray) -> FloatArray:
         """Entries of the points of mass in an array of nodes, as (n, dim + 1, dim)."""
@@ -138,7 +158,7 @@ class RigidBodies(RigidMotion):
     def after_momentum_update(self, grid: Grid) -> None:
         """Take back what forces have done to what is prescribed or held."""
         own = self.own(grid.momentum)
-        if self.holds:
+        if self.projects:
             self._project(grid)
         np.copyto(own, -self.point_velocity, where=self.prescribed[:, None, None])
 
@@ -154,7 +174,7 @@ class RigidBodies(RigidMotion):
         own, free = self.own(grid.momentum), self.free
         before = own.copy()
         self._read_motion(own)
-        if self.holds:
+        if self.projects:
             self._write_momentum(grid)
             self.work += float(np.vdot((own - before)[free], self.point_velocity[free]))
 

@@ -67,6 +67,7 @@ class RigidMotion:
         #: whether part of a free body's motion is held
         self.holds = bool(self.held.any() or self.held_spin.any() or self.held_axes.any())
         self.mass = np.zeros(count)  #: (n,) [kg/m]; 0 where the motion is prescribed
+        self.volume = np.zeros(count)  #: (n,) of free bodies, times the thickness [m^dim]
         self.spread = np.zeros((count, dim))  #: (n, dim) Σ m x_k² along the body's own axes
         self.radii = np.zeros((count, dim))  #: of gyration, which the points of mass have [m]
         self.offset = np.zeros((count, dim))  #: (n, dim) of the centroid, in the body's own axes [m]
@@ -94,6 +95,7 @@ class RigidMotion:
             self.offset[k] = centroid - self.centre[k]
         elif not body.prescribed:
             thickness = 2.0 * np.pi * centroid[0] if self.state.grid.axisymmetric else body.thickness
+            self.volume[k] = volume * thickness
             self.mass[k], own = mass_of(model, volume, second, thickness)
             spread, self.turn[k] = np.linalg.eigh(own)
             flat = spread < FLAT * spread.max()

@@ -108,7 +108,8 @@ class BodyLoad(Load):
     def forces(self, particles: Particles, own: slice, time: float) -> FloatArray:
         """Return the force on each of a body's points ``own``, (n, dim) [N], at a ``time`` [s].
 
-        ``particles`` are all points at the beginning of the step; they may not be changed."""
+        ``particles`` are all points at the beginning of the step; they may not be changed. Those of a free
+        rigid body are dim + 1 points with its mass and inertia."""
         raise NotImplementedError
 
     @hookimpl
@@ -116,16 +117,25 @@ class BodyLoad(Load):
         """f_i += Σ φ_ip f_p: sum and power are those of the points."""
         self._impulses = []
         for body in self.bodies:
-            own = body.particles
+            points = state.rigid.particles_of(body) if body.rigid else state.particles
+            own = slice(0, points.count) if body.rigid else body.particles
             shape = (own.stop - own.start, state.grid.dim)
-            force = self.checked(self.forces(state.particles, own, state.time), shape, state)
-            add_point_forces(own.start, phi, force, grid.force)
-            self._impulses.append((own, dt * force))
+            force = self.checked(self.forces(points, own, state.time), shape, state)
+            if body.rigid:
+                state.rigid.own(grid.force)[state.rigid.bodies.index(body)] += force
+            else:
+                add_point_forces(own.start, phi, force, grid.force)
+            self._impulses.append((body, points.velocity, dt * force))
 
     @hookimpl
     def end_step(self, state: State) -> None:
-        for own, impulse in self._impulses:
-            self.work += float(np.vdot(impulse, state.particles.velocity[own]))
+        """Count the works; on a rigid body those on the mean of the motions before and after the step."""
+        for body, begin, impulse in self._impulses:
+            if body.rigid:
+                velocity = 0.5 * (begin + state.rigid.particles_of(body).velocity)
+            else:
+                velocity = state.particles.velocity[body.particles]
+            self.work += float(np.vdot(impulse, velocity))
 
 
 class LoadedFacets:

@@ -198,7 +198,9 @@ def _named(
             _check_dimensions(scene, plugin, f"{group}.{name}")
             plugin.title = name
             acted_on = bodies if group == "outputs" else soft
-            plugin.bodies = tuple(b for b in acted_on if table.bodies is None or b.name in table.bodies)
+            if table.bodies is not None:
+                acted_on = tuple(b for b in bodies if b.name in table.bodies)
+            plugin.bodies = acted_on
             made[group][name] = plugin
     for name, given in loads.items():
         given.title, given.bodies = name, soft

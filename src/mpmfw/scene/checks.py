@@ -179,11 +179,14 @@ def _named(
         for index, body in enumerate(named):
             if body not in scene.bodies:
                 yield unknown_name((*path, "bodies", index), body, list(scene.bodies), "no such body: ")
-            elif path[0] != "outputs" and isinstance(scene.bodies[body], RigidBody):
-                text = f"'{body}' is rigid, and has no material points to act on; expected bodies that deform"
-                yield Problem((*path, "bodies", index), text)
             elif body in named[:index]:
                 yield Problem((*path, "bodies", index), f"names '{body}' twice")
+            elif path[0] != "outputs" and isinstance(model := scene.bodies[body], RigidBody):
+                text = "has no material points to act on; expected bodies that deform"
+                if path[0] == "loads":
+                    text = "does not move by forces; expected one with a density, or mass and inertia"
+                if path[0] == "boundaries" or model.prescribed:
+                    yield Problem((*path, "bodies", index), f"'{body}' is rigid, and {text}")
         judge = getattr(plugins.get(path), "problems", None)
         if path in options and judge is not None:
             for key, message in judge(options[path], scene.grid.dim):
