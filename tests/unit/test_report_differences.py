@@ -8,7 +8,7 @@ import xarray as xr
 
 from mpmfw.plots import scene
 from mpmfw.report import COLUMNS, shown, table, write_report
-from mpmfw.report.differences import differences
+from mpmfw.report.page import differences
 
 SCENE = "[grid]\ncell_size = 0.1\n[bodies.floor]\n[bodies.block]\n[bodies.stone]\n"
 BODIES, PAIRS = ["floor", "block", "stone"], ["floor-block", "floor-stone"]
