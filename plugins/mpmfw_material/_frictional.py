@@ -171,6 +171,11 @@ class Frictional(Plastic):
         raise NotImplementedError
 
     @property
+    def dilates(self) -> bool:
+        """Whether ψ is above 0."""
+        return bool(self.options.dilation_angle > 0.0)
+
+    @property
     def elasticity(self) -> tuple[float, float, tuple[float, float]]:
         """Return K' = (1 − n) K, G and (m, p₀) of :mod:`mpmfw_material._return`; K, G and m = 0 if n is 0."""
         n, reference = self.options.pressure_exponent, self.options.reference_pressure
@@ -202,9 +207,16 @@ class Frictional(Plastic):
         """Return 2 / ω of the stiffest point [s], if moduli grow with pressure."""
         if not len(self.modulus):
             return None
-        least = self.bulk_modulus + 4.0 / 3.0 * self.shear_modulus
-        ratio = max(least, *(float(self.modulus[own].max()) for own in self.slices)) / least
-        return 2.0 / (self.bulk_frequency * math.sqrt(ratio)), f"bulk under pressure ({self.name})"
+        frequency = self.bulk_frequency * math.sqrt(self.stiffest() / super().stiffest())
+        return 2.0 / frequency, f"bulk under pressure ({self.name})"
+
+    def stiffest(self) -> float:
+        least = super().stiffest()
+        return (
+            max(least, *(float(self.modulus[own].max()) for own in self.slices))
+            if len(self.modulus)
+            else least
+        )
 
     def set_stress(self, own: slice, stress: FloatArray) -> bool:
         """Take the elastic strain of the stress, and so the plastic metric: ½ ln b_e of b_e = C_p⁻¹."""

@@ -14,7 +14,7 @@ from mpmfw.effects.averaged_volume import average_pressure, average_volume
 from mpmfw.runs.simulation import Simulation
 from mpmfw.state.windows import make_grid, set_windows
 from mpmfw_testing.bench import points_at_rest
-from scenes_for_tests import body_of, disc, scene_of, two_blocks, with_changes
+from scenes_for_tests import body_of, disc, scene_of, solid, two_blocks, with_changes
 
 AVERAGED = {"bodies__solid__volumetric": "averaged"}
 STIFF = {"model": "neo_hookean", "density": 1000.0, "youngs_modulus": 1e6, "poissons_ratio": 0.499}
@@ -44,7 +44,9 @@ def test_means_keep_volume_and_work_and_leave_a_common_motion(seed: int, dim: in
     for c in set(cell.tolist()):
         assert np.ptp(averaged[cell == c]) < 1e-13
     points.volume *= averaged
-    average_pressure(0, n, points, points.volume, 0, len(first), cell, second, first, spacing)
+    excess = np.zeros(n)
+    average_pressure(0, n, points, points.volume, 0, len(first), cell, second, first, spacing, excess, 0.5)
+    assert np.bincount(cell, points.volume * excess) == pytest.approx(0.0, abs=1e-9)
     mean = np.trace(points.stress, axis1=1, axis2=2) / dim
     work = volume @ (pressure * np.trace(after, axis1=1, axis2=2))
     assert volume @ (mean * rate) == pytest.approx(work, abs=max(1e-5, 10.0 * dt) * n * np.abs(volume).max())
@@ -162,3 +164,21 @@ def test_bodies_that_share_nodes_are_averaged_both(volumetric: str) -> None:
     simulation = Simulation(two_blocks("none", materials__soft=STIFF, **how))
     simulation.advance(60)
     assert np.isfinite(simulation.state.particles.position).all()
+
+
+@pytest.mark.parametrize("damping", [{}, {"damping": {"bulk": 0.05, "shear": 0.05}}], ids=["", "damped"])
+def test_pressures_in_a_cell_stay_together_where_flow_dilates(damping: dict[str, Any]) -> None:
+    """Sand between rough plates; else they differ by half of the mean pressure."""
+    sand = {"model": "mohr_coulomb", "density": 2e3, "friction_angle": 0.6, "dilation_angle": 0.6}
+    sand |= {"youngs_modulus": 1e7, "poissons_ratio": 0.3, **damping}
+    sides = [{"side": "bottom", "fixed": True}, {"side": "top", "velocity": [0.0, -1.0]}]
+    sides += [{"side": side, "pressure": 1e5} for side in ("left", "right")]
+    begins = {"table": [[0.0, 1e5, 1e5], [2.0, 1e5, 1e5]], "top": 1.0}
+    body = solid([0.0, 0.0], [1.0, 1.0], 0.125, sides=sides, initial_stress=begins)
+    scene = scene_of({"solid": body}, 0.25, [-0.5, -0.5], [2.0, 2.0], end=0.3)
+    simulation = Simulation({**scene, "materials": {"soft": sand}, "shape": {"method": "cpdi"}})
+    while simulation.state.time < 0.15:
+        simulation.advance(1)
+    excess, stress = simulation.state.arrays["averaged_volume/excess"], simulation.state.particles.stress
+    pressure = -np.trace(stress, axis1=1, axis2=2).mean() / 2.0
+    assert 0.0 < np.abs(excess).max() * simulation.state.bodies[0].p_wave_modulus < 0.1 * pressure

@@ -9,7 +9,10 @@ with the change of volume in the step, j = det(1 + Δt L), and the sums over a b
 replaces L, so that F, the stress, the energy and the ledger are of one deformation: F-bar (de Souza Neto et
 al. 1996), by increments, so that nothing jumps where a point enters another cell. The pressure is averaged
 alike: Σ V p̄ tr L = Σ V p tr L̄, so that the internal forces do the work that the points store. A mean raises
-no frequency."""
+no frequency.
+
+Where flow changes the volume, points that shear more dilate more than their cell. Their pressures would drift
+apart, and with them the strength of soils. So tr L̄ gets (p̄ − p) / (M Δt) more, which is zero in a mean."""
 
 from __future__ import annotations
 
@@ -23,11 +26,13 @@ from mpmfw.kernels.stencil import read_window
 from mpmfw.kernels.types import Float, Floats, Ints, Nodes, Points
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Acts, Setup
-from mpmfw.state.fields import FloatArray
+from mpmfw.state.fields import Field, FloatArray
 from mpmfw.state.structs import Body, Grid, Particles
 
 #: Halley's steps from 1 + (x − 1)/n towards the root of x: exact to 1e-15 for x between 0.7 and 1.4.
 ROOT_STEPS = 2
+
+EXCESS = Field("excess", ("particle",), "1", "change of volume by which a point's pressure becomes the mean")
 
 
 @device
@@ -106,11 +111,12 @@ def average_volume(
 @kernel
 def average_pressure(
     first: int, last: int, points: Points, volume: Floats, first_node: int, last_node: int, cell: Ints,
-    sums: Floats, total: Floats, spacing: tuple[float, ...],
+    sums: Floats, total: Floats, spacing: tuple[float, ...], excess: Floats, softness: float,
 ) -> None:  # fmt: skip
     """σ += (p̄ − p) 1 of a body's points, p = tr σ / dim.
 
-    ``sums`` and ``total`` (N,) become the volume of its points in each cell, and the mean of tr σ.
+    ``sums`` and ``total`` (N,) become the volume of its points in each cell, and the mean of tr σ; ``excess``
+    (n,), unless it is empty, p̄ − p times a ``softness`` [1/Pa].
     """
     dim, stress = len(spacing), points.stress
     for i in unsigned(first_node, last_node):
@@ -121,9 +127,21 @@ def average_pressure(
     for i in unsigned(first_node, last_node):
         total[i] /= sums[i]
     for p in unsigned(first, last):
-        excess = (total[np.uint64(cell[p])] - trace(stress, p, spacing)) * (1.0 / dim)
+        more = (total[np.uint64(cell[p])] - trace(stress, p, spacing)) * (1.0 / dim)
         for d in range(dim):
-            stress[p, d, d] += excess
+            stress[p, d, d] += more
+        if len(excess) > 0:
+            excess[p] = softness * more
+
+
+@kernel
+def equalise_pressure(
+    first: int, last: int, gradient: Floats, excess: Floats, dt: float, spacing: tuple[float, ...]
+) -> None:
+    """Add the ``excess`` (n,) of a body's points to Δt tr L."""
+    for p in unsigned(first, last):
+        for d in range(len(spacing)):
+            gradient[p, d, d] += excess[p] / (dt * len(spacing))
 
 
 @device
@@ -141,19 +159,27 @@ def _volumes(particles: Particles, grid: Grid) -> FloatArray:
 
 
 class AveragedVolume:
-    """The means of every body in ``bodies``; ``apart``: each has separate nodes."""
+    """The means of every body; ``apart``: each has separate nodes."""
 
     name = "averaged_volume"
 
-    def __init__(self, bodies: list[Body], *, apart: bool) -> None:
-        self.bodies, self.apart = bodies, apart
-        self.frame = -1
+    def __init__(self, setup: Setup, *, apart: bool) -> None:
+        self.bodies, self.apart = setup.averaged_bodies, apart
+        self.frame, self.none = -1, np.empty(0)
+        self.materials = {body.index: setup.material_of(body) for body in self.bodies}
+        damping = {name: table.damping for name, table in setup.scene.materials.items()}
+        self.delay = {
+            body.index: max(each.times) if (each := damping[setup.scene.bodies[body.name].material]) else 0.0
+            for body in self.bodies
+        }  #: of the viscous stress [s]
+        self.dilating = [body for body in self.bodies if self.materials[body.index].dilates]
+        self.excess = setup.allocate(self.name, EXCESS) if self.dilating else self.none
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
         """Return the means of bodies that may lock, or whose scene requests them."""
-        averaged = setup.averaged_bodies
-        return Acts(", ".join(body.name for body in averaged), [cls(averaged, apart=setup.field_per_body)])
+        names = ", ".join(body.name for body in setup.averaged_bodies)
+        return Acts(names, [cls(setup, apart=setup.field_per_body)] if names else [])
 
     @hookimpl
     def after_velocity_gradient(self, particles: Particles, grid: Grid, dt: float) -> None:
@@ -161,7 +187,7 @@ class AveragedVolume:
             self.frame, self.grid = grid.frame, grid
             self.cell, self.change = np.zeros(particles.count, dtype=np.int64), np.zeros(particles.count)
             self.before, self.after = np.zeros((2, len(grid.mass)))
-        volume = _volumes(particles, grid)
+        volume, self.dt = _volumes(particles, grid), dt
         self._each(
             particles,
             lambda body: average_volume(
@@ -169,19 +195,28 @@ class AveragedVolume:
                 self.change, self.before, self.after, grid.spacing, grid.tensor_spacing,
             ),
         )  # fmt: skip
+        for body in self.dilating:
+            own = body.particles
+            equalise_pressure(
+                own.start, own.stop, particles.velocity_gradient, self.excess, dt, grid.tensor_spacing
+            )
 
     @hookimpl
     def update_stress(self, particles: Particles) -> None:
         """Average the pressure, that of damping included."""
         grid = self.grid
         volume = _volumes(particles, grid)
-        self._each(
-            particles,
-            lambda body: average_pressure(
+
+        def average(body: Body) -> None:
+            material = self.materials[body.index]
+            modulus = material.stiffest() * (1.0 + self.delay[body.index] / self.dt)
+            average_pressure(
                 body.particles.start, body.particles.stop, particles, volume, grid.offset[body.field],
                 grid.offset[body.field + 1], self.cell, self.after, self.before, grid.tensor_spacing,
-            ),
-        )  # fmt: skip
+                self.excess if material.dilates else self.none, 1.0 / modulus,
+            )  # fmt: skip
+
+        self._each(particles, average)
 
     def _each(self, particles: Particles, average: Callable[[Body], None]) -> None:
         """Average body by body; threads share bodies that have separate nodes."""

@@ -39,7 +39,7 @@ class InitialStress:
         p = setup.state.particles
         wanted = {body.name: _stress(setup, body) for body in self.bodies}
         for body in self.bodies:
-            material: Any = setup.materials[setup.scene.bodies[body.name].material]
+            material: Any = setup.material_of(body)
             if not material.set_stress(body.particles, wanted[body.name]):
                 raise SceneError(
                     f"{described(material)} cannot begin with a stress at F = 1; expected a soil, such as "

@@ -107,6 +107,15 @@ class Material(PlugIn):
         """Shear modulus G [Pa] at small strain."""
         raise NotImplementedError
 
+    @property
+    def dilates(self) -> bool:
+        """Whether its flow changes the volume; pressures in a cell are then brought to their mean."""
+        return False
+
+    def stiffest(self) -> float:
+        """Return the largest modulus of plane waves at present [Pa]."""
+        return self.bulk_modulus + 4.0 / 3.0 * self.shear_modulus
+
     def energy_density(self, deformation_gradient: FloatArray) -> FloatArray:
         """Stored energy per reference volume W(F), (n,) [J/m^3]."""
         raise NotImplementedError

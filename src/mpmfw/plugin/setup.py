@@ -133,13 +133,18 @@ class Setup:
             if how[body.index] == "averaged" or (how[body.index] == "auto" and self._locks(body))
         ]
 
+    def material_of(self, body: Body) -> Material:
+        """Return the material of a body that has points."""
+        return self.materials[self.scene.bodies[body.name].material]
+
     def _locks(self, body: Body) -> bool:
         """Return True if points of the body keep their volume. With B-splines bodies do not lock, and a mean
         would make them too soft."""
         if self.scene.bodies[body.name].self_contact:
             return False  # averages of cells would join its parts
-        isochoric = self.materials[self.scene.bodies[body.name].material].isochoric
-        keeps_volume = isochoric or body.bulk_modulus > INCOMPRESSIBLE * body.shear_modulus
+        keeps_volume = (
+            self.material_of(body).isochoric or body.bulk_modulus > INCOMPRESSIBLE * body.shear_modulus
+        )
         return keeps_volume and self.shape_function.boundary_degree == 1
 
     @property
