@@ -49,7 +49,7 @@ def sand(kind, cells, damping=None):
 
 
 #: Why the load of sand with weight is too high.
-SLOW = "it comes down to the exact load with the cells, slowly; most of it is unexplained"
+SLOW = "it comes down to the exact load with the cells, slowly: the strip bears as one 2 to 4 cells wider"
 DAMPED = {"critical": 0.05, "frequency": 20.0}
 sands = Runs(
     "sand",
