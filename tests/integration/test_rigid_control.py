@@ -191,6 +191,17 @@ def test_a_torque_that_keeps_a_spin_does_the_work_that_the_body_gains():
     assert series["external_work"].values == pytest.approx(energy - energy[0], abs=1e-3 * energy[0])
 
 
+def test_a_body_with_a_held_axis_turns_as_before_beside_one_that_is_free():
+    turns, scene = [], in_space({"angular_velocity": [0.0, 5.0, 3.0]}, held=["rotation-x"])[0]
+    top = {"geometry": box([1.5, 1.5, 1.5], [1.8, 1.7, 1.6]), "rigid": {"density": 1e3}}
+    for others in ({}, {"top": {**top, "angular_velocity": [1.0, 2.0, 3.0]}}):
+        simulation = Simulation({**scene, "bodies": {**scene["bodies"], **others}})
+        for _ in range(5):
+            simulation.step(1e-3)
+        turns.append(simulation.state.rigid.turn[0])
+    np.testing.assert_array_equal(*turns)
+
+
 @pytest.mark.parametrize("least", [0.0, 1e-12])
 def test_a_rod_is_refused_where_a_rotation_is_held(least):
     rod = {"mass": 1.0, "inertia": [least, 1.0, 1.0]}

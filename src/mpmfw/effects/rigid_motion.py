@@ -193,10 +193,10 @@ class RigidMotion:
         turned = np.einsum("nda,nae->nde", rotations(dt * self.spin), self.turn)
         if free.any() and self.dim == 3:
             turn, sums = self.turn[free], self.sums[free]
-            begin = middle = in_axes(moment, np.swapaxes(turn, 1, 2))
+            first = middle = in_axes(moment, np.swapaxes(turn, 1, 2))
             for _ in range(ITERATIONS):
                 by = rotations(dt * middle / sums)
-                last, middle = middle, 0.5 * (begin + in_axes(begin, np.swapaxes(by, 1, 2)))
+                last, middle = middle, 0.5 * (first + in_axes(first, np.swapaxes(by, 1, 2)))
                 if np.abs(middle - last).max() <= 1e-15 * np.abs(middle).max():
                     break
             turned[free] = np.einsum("nda,nae->nde", turn, by)
