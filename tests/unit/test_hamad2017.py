@@ -4,9 +4,12 @@ import numpy as np
 import pytest
 
 from contact_kernels import find, flat, join, no_records, pair_table, rows_of, star
+from contact_scenes import impact
 from mpmfw.contact.springs import add_friction
+from mpmfw.errors import SceneError
 from mpmfw.kernels import struct
 from mpmfw.kernels.contact import match_rows
+from mpmfw.runs.simulation import Simulation
 from mpmfw_contact.hamad2017 import add_literal_friction, linear_springs
 
 K, MU = 1e4, 0.3
@@ -108,3 +111,8 @@ def test_a_node_above_the_end_of_two_segments_shares_what_it_carried():
     assert (found.facet[0] >= 0).sum() == 2
     assert before == pytest.approx(K * 5e-5)
     assert tip.tangential[0, :2] == pytest.approx(0.5 * before)
+
+
+def test_a_layer_thicker_than_a_cell_is_refused():
+    with pytest.raises(SceneError, match=r"interface_thickness: 0.2 m is thicker than a cell"):
+        Simulation(impact(gap=0.5, speed=0.0, slide=0.0), contact="hamad2017(interface_thickness=0.2)")

@@ -154,6 +154,9 @@ class Surfaces(OnFacets):
 
     def prepare(self, setup: Setup, owner: str) -> None:
         super().prepare(setup, owner)
+        if (thickness := self.options.interface_thickness) > setup.cell_size:
+            text = f"{thickness:g} m is thicker than a cell; expected at most grid.cell_size, "
+            raise SceneError(f"{text}{setup.cell_size:g} m", key=f"contact.{owner}.interface_thickness")
         others = len(setup.bodies) - (setup.state.self_contact is None)
         slots = 8 if self.every_facet else min(max(others, 1), 3)
         axes, text = ("surface_node", "slot"), "candidates of surface nodes"
