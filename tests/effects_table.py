@@ -60,7 +60,7 @@ _SURFACES = "~surfaces " + " ".join(
 )
 _CONTACT = "contact_force friction_force contact_count frictional_work contact_energy damping_work"
 _ISOTROPIC = "material._isotropic"
-_SOIL = " material._frictional material._principal material._return"
+_SOIL = " material._frictional material._return"
 EFFECTS = {
     **{
         name: brings(name, modules=f"shape.{name} shape._tables")
@@ -129,7 +129,7 @@ EFFECTS = {
     "ledger of contact": brings(series="contact_work contact_residual inertia_work"),
     "rigid bodies": brings(
         "rigid",
-        modules=".rigid .rigid_kinematics .reaction .contact_moment",
+        modules=".rigid .rigid_motion .rigid_kinematics .reaction .contact_moment",
         series="reaction reaction_moment reaction_work",
     ),
     "reaction": brings("reaction"),
