@@ -2,11 +2,18 @@
 
 numba takes a ``NamedTuple`` as well, but works out its type and unpacks every array anew at each call: 5 µs
 for 15 arrays, a few percent of a small scene's step. A struct keeps addresses and shapes of its arrays in a
-row of numbers, which compiled code reads at once: 0.5 µs, whatever their number.
+row of numbers, which compiled code reads at once: 0.3 µs, whatever their number.
+
+numba's dispatch looks up the type of an argument by its class alone, in C, if it is a buffer; of another
+object it fails first, which takes longer than all else. A struct is therefore an empty structure of ctypes,
+and its class has one numba type.
 """
 
 from __future__ import annotations
 
+import copyreg
+import ctypes
+import functools
 import inspect
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
@@ -40,13 +47,15 @@ class StructType(_Type):  # type: ignore[misc]
 _struct_types: dict[tuple[Any, ...], StructType] = {}
 
 
-class Struct:
+class Struct(ctypes.Structure):
     """Base of classes whose annotated attributes are arrays that kernels take in one argument.
 
     A subclass annotates them, or names in ``member_names`` those that kernels see; classes derived from it
     may add what Python alone sees. Arrays are read and written in place; :meth:`set` replaces some.
     ``members`` are the arrays by name.
     """
+
+    _fields_: ClassVar[list[Any]] = []
 
     #: Names of the annotated attributes, in their order.
     member_names: ClassVar[tuple[str, ...]] = ()
@@ -71,6 +80,7 @@ class Struct:
         self.__dict__.update(
             kernel_arrays=tuple(arrays), _numba_type_=kind, _numbers=numbers, _address=numbers.ctypes.data
         )
+        self.__class__ = _class_with(self._written, kind)
         return self
 
     def __setattr__(self, name: str, value: Any) -> None:
@@ -79,6 +89,15 @@ class Struct:
         super().__setattr__(name, value)
         if new and hasattr(self, "kernel_arrays"):  # not while the object is being made
             self.set()
+
+    @property
+    def _written(self) -> type[Self]:
+        """The class as it is written, without a numba type."""
+        return next(each for each in type(self).__mro__ if "_of_type" not in vars(each))
+
+    def __reduce__(self) -> Any:
+        """As any object, of the class as it is written."""
+        return copyreg.__newobj__, (self._written,), self.__getstate__()  # type: ignore[attr-defined]
 
     def __getstate__(self) -> dict[str, Any]:
         """Without the addresses, which mean nothing in a copy."""
@@ -99,6 +118,12 @@ class Struct:
         return dict(zip(self.member_names, self.kernel_arrays, strict=True))
 
 
+@functools.cache  # for good: numba knows a class by its address
+def _class_with(written: type[Struct], kind: StructType) -> type[Any]:
+    """A class whose structs are all of one numba type."""
+    return type(written.__name__, (written,), {"_of_type": kind, "__module__": written.__module__})
+
+
 def _struct_type(names: tuple[str, ...], arrays: list[Any]) -> StructType:
     """The type of a struct; numba takes 40 µs a member to work it out, so that it is kept."""
     key = (names, *[(type(a), a.dtype, a.ndim, a.flags.num) for a in arrays])
@@ -109,8 +134,19 @@ def _struct_type(names: tuple[str, ...], arrays: list[Any]) -> StructType:
 
 def struct(**members: Any) -> Struct:
     """Return a struct of arrays by names that are known at run time alone."""
-    kind: type[Struct] = type("Members", (Struct,), {"member_names": tuple(members)})
-    return kind(**members)
+    return _members(tuple(members))(**members)
+
+
+@functools.cache
+def _members(names: tuple[str, ...]) -> type[Struct]:
+    """A class with members of these names."""
+    return type("Members", (Struct,), {"member_names": names})
+
+
+@_extending.typeof_impl.register(Struct)  # type: ignore[untyped-decorator]
+def _type_of(value: Struct, context: Any) -> StructType:  # noqa: ARG001
+    """The type of a struct of a class that numba meets first."""
+    return value._numba_type_
 
 
 @_extending.register_model(StructType)
