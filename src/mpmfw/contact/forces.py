@@ -72,11 +72,11 @@ class ForceLaw(ContactLaw):
         self.find_rows(grid, phi, particles)
         self.omega_squared, self.law_step = 0.0, math.inf
         if rows.count:
-            match_rows(rows, rows.count, old, old.count)
+            least_gap = match_rows(rows, rows.count, old, old.count)
             stiffness = self.stiffness(rows, old)
             self.omega_squared = rows.couplings(stiffness, grid, stiffness)
             self.law_step = self.longest_step(rows, grid)
-            if not rows.gap[: rows.count].min() <= 0.0:
+            if not least_gap <= 0.0:
                 # The step in which they touch must not be longer than the next: with the square of the depth
                 # that it leaves grows the energy that nothing paid for
                 self.omega_squared = max(self.omega_squared, self.estimate_frequency(self.bulk_frequency))

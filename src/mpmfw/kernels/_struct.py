@@ -11,7 +11,6 @@ and its class has one numba type.
 
 from __future__ import annotations
 
-import copyreg
 import ctypes
 import functools
 import inspect
@@ -97,7 +96,7 @@ class Struct(ctypes.Structure):
 
     def __reduce__(self) -> Any:
         """As any object, of the class as it is written."""
-        return copyreg.__newobj__, (self._written,), self.__getstate__()  # type: ignore[attr-defined]
+        return _empty, (self._written,), self.__getstate__()
 
     def __getstate__(self) -> dict[str, Any]:
         """Without the addresses, which mean nothing in a copy."""
@@ -116,6 +115,11 @@ class Struct(ctypes.Structure):
     def members(self) -> dict[str, Any]:
         """Return the arrays that kernels see, by name."""
         return dict(zip(self.member_names, self.kernel_arrays, strict=True))
+
+
+def _empty(written: type[Struct]) -> Struct:
+    """A struct without arrays, to be given its state."""
+    return written.__new__(written)
 
 
 @functools.cache  # for good: numba knows a class by its address

@@ -75,13 +75,16 @@ def acts(c: int, rows: Rows) -> bool:
 
 
 @kernel
-def match_rows(rows: Rows, count: int, old: Rows, old_count: int) -> None:
-    """Index of the first row of the last step with the same identity, −1 without one; both ascend."""
-    o = 0
+def match_rows(rows: Rows, count: int, old: Rows, old_count: int) -> float:
+    """Write the index of the first row of the last step with the same identity, −1 without one; both ascend.
+    Return the least gap [m]."""
+    o, least = 0, math.inf
     for c in range(count):
+        least = min(least, rows.gap[c])
         while o < old_count and old.identity[o] < rows.identity[c]:
             o += 1
         rows.previous[c] = o if o < old_count and old.identity[o] == rows.identity[c] else -1
+    return least
 
 
 @device

@@ -1,0 +1,60 @@
+"""Structs of arrays as arguments of kernels: numba finds the type by the class."""
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+
+from mpmfw.kernels import Struct, kernel, struct
+from mpmfw.kernels.types import Floats
+
+
+class Pair(Struct):
+    """Two arrays."""
+
+    first: Floats
+    second: Floats
+
+
+@kernel
+def total(pair):
+    """The sum of both arrays."""
+    return pair.first.sum() + pair.second.sum()
+
+
+LAYOUTS = {
+    "contiguous": np.arange(4.0),
+    "strided": np.arange(8.0)[::2],
+    "integers": np.arange(4),
+    "rows": np.arange(8.0).reshape(4, 2),
+}
+
+
+def test_each_layout_has_its_own_type_and_class():
+    pairs = [Pair(first=each, second=np.ones(2)) for each in LAYOUTS.values()]
+    for _ in range(2):  # compiled, and found
+        assert [total(pair) for pair in pairs] == [8.0, 14.0, 8.0, 30.0]
+    assert len({type(pair) for pair in pairs}) == len(LAYOUTS)
+    assert all(isinstance(pair, Pair) and type(pair).__name__ == "Pair" for pair in pairs)
+
+
+def test_an_array_of_another_layout_changes_the_type():
+    pair = Pair(first=LAYOUTS["contiguous"], second=np.ones(2))
+    sums = (8.0, 14.0, 8.0, 30.0, 8.0)
+    for each, value in zip((*LAYOUTS.values(), LAYOUTS["contiguous"]), sums, strict=True):
+        pair.first = each
+        assert total(pair) == value
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda pair: pickle.loads(pickle.dumps(pair))])
+def test_a_copy_has_its_own_arrays(copied):
+    pair = Pair(first=LAYOUTS["rows"].copy(), second=np.ones(2))
+    other = copied(pair)
+    pair.first[:] = 0.0
+    assert (total(pair), total(other)) == (2.0, 30.0)
+
+
+def test_structs_of_names_known_at_run_time():
+    for first in LAYOUTS.values():
+        assert total(struct(first=first, second=np.zeros(1))) == first.sum()
