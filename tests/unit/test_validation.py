@@ -2,6 +2,7 @@
 
 import csv
 import math
+import os
 from pathlib import Path
 
 import pytest
@@ -97,6 +98,14 @@ def test_total(case, runs):
         case.gate("total", 10.0 * total(same), method=method)
 """
 
+#: Asks for a method that another case has.
+OTHER = """
+from mpmfw.validation import Runs, methods
+
+@Runs("runs", "rolling-cylinder-slip", methods(["lcp"]), by=lambda scene: scene)
+def test_it(run): run.gate("strong", float(run.method.matches("bardenhagen, *")))
+"""
+
 
 @pytest.fixture
 def suite(tmp_path):
@@ -159,7 +168,8 @@ def test_gates_bind_the_recommended_methods_alone(tmp_path):
 
 @pytest.mark.usefixtures("here")
 def test_runs_at_places(suite, tmp_path):
-    rows = results(suite(a=RUNS), tmp_path)
+    rows = results(suite(a=RUNS, b=OTHER), tmp_path)
+    assert "'bardenhagen, *' fits no name of the full version" in rows.pop()["note"]
     found = {(row["method"], row["quantity"]): row for row in rows}
     verdicts = {key: row["verdict"] for key, row in found.items()}
     assert verdicts["penalty, cpdi", "size, coarse"] == "RED"
@@ -222,6 +232,13 @@ def test_a_case_whose_process_is_killed_is_red_and_alone_runs_again(suite, tmp_p
     with (tmp_path / "out" / "validation.csv").open() as file:
         rows = [(row["case"], row["quantity"]) for row in csv.DictReader(file)]
     assert rows == [("a", "late"), ("a", "more"), ("b", "late"), ("b", "more")]
+
+
+@pytest.mark.parametrize(("text", "status"), [(GREEN + RED, 1), (GREEN + NINE, 0), (FIVE, 1)])
+def test_pytest_alone_tells_whether_gates_are_red(suite, text, status):
+    folder = suite(a=text)
+    plugin = ["-p", "mpmfw.validation.suite", "-p", "no:cacheprovider", "-o", f"pythonpath={folder}"]
+    assert MAIN(["-q", "-n0", "-c", os.devnull, f"--rootdir={folder}", *plugin, str(folder / "a")]) == status
 
 
 @pytest.mark.usefixtures("here")
