@@ -73,12 +73,8 @@ def test_band(run):
     run.gate(f"tension of the band, error, {run.place.at}", value, 0.0, 3.0, "%")
 
 
-WAY, SHEET, CURVED, FREE = (
-    1.0,
-    0.1,
-    5.0,
-    0.5,
-)  #: of the sheet, its thickness, the die's radius, the free end [m]
+#: Of the sheet, its thickness, the die's radius, the free end [m].
+WAY, SHEET, CURVED, FREE = 1.0, 0.1, 5.0, 0.5
 BENT = 1e6 / (1.0 - 0.3**2) * SHEET**3 / 12.0 / (CURVED + 0.5 * SHEET)  #: moment on the die, E' I / R [N]
 
 
