@@ -21,6 +21,12 @@ def compare(contact, shape, vary=None, **arguments):
     return mpmfw.compare(SLIDING, contact, shape, vary, repeats=1, jobs=1, **arguments)
 
 
+def test_methods_are_by_default_those_of_the_scene():
+    data = compare(None, None, {"contact.friction": [0.1, 0.2]})
+    assert (data.contact.item(), data["shape"].item()) == ("penalty", "cpdi")
+    assert (data.status == "ok").all()
+
+
 class Choosy(ContactStrategy):
     """Does not go with linear functions, and breaks with others."""
 

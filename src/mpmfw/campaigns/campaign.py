@@ -26,7 +26,7 @@ from mpmfw.results.concatenation import concatenate_runs
 from mpmfw.results.references import RingsReference, RollingReference, declared
 from mpmfw.results.replacing import check_replaceable, replace_dataset
 from mpmfw.scene import Scene, load_scene
-from mpmfw.scene.requested import check_compared
+from mpmfw.scene.requested import check_compared, methods_of
 from mpmfw.scene.sources import plain
 from mpmfw.scene.specification import written
 
@@ -146,8 +146,8 @@ def dataset_of(runs: GridRuns, *, fields: bool = True) -> xr.Dataset:
 
 def compare(
     scene: Any,
-    contact: Sequence[Any],
-    shape: Sequence[Any],
+    contact: Sequence[Any] | None = None,
+    shape: Sequence[Any] | None = None,
     vary: Mapping[str, Sequence[Any]] | None = None,
     *,
     code: Sequence[Any] = (),
@@ -163,8 +163,9 @@ def compare(
     scene
         A file, the name of a shipped scene, or a mapping.
     contact, shape
-        Methods, each once: names with or without options, such as ``"penalty(kappa=2)"``, ``"module:Class"``,
-        strategy objects or their classes. Options beside a name override those of the scene.
+        Methods, each once, by default the scene's: names with or without options, such as
+        ``"penalty(kappa=2)"``, ``"module:Class"``, strategy objects or their classes. Options beside a name
+        override those of the scene.
     vary
         Scene keys and their values, such as ``{"grid.cell_size": [0.4, 0.2]}``; the key's last part names the
         dimension.
@@ -193,9 +194,11 @@ def compare(
     SceneError
         The request as a whole is wrong, no combination can run, or the output is a file of another kind.
     """
+    own = methods_of(load_scene(scene, set=set or {})) if contact is None or shape is None else {}
     methods = {
-        "contact": _checked("contact", contact, "contact"), "shape": _checked("shape", shape, "shape"),
-    }  # fmt: skip
+        "contact": own["contact"] if contact is None else _checked("contact", contact, "contact"),
+        "shape": own["shape"] if shape is None else _checked("shape", shape, "shape"),
+    }
     varied = dict(vary or {})
     check_compared(scene, methods, set or {}, varied)
     codes = codes_of(code)

@@ -49,7 +49,7 @@ def compare(
     interrupted continues from the folder FILE.runs.
     """
     from mpmfw.scene import load_scene
-    from mpmfw.scene.requested import check_compared
+    from mpmfw.scene.requested import check_compared, methods_of
 
     contacts, shapes = args.names(contact, "contact"), args.names(shape, "shape")
     codes = args.names(code, "code")
@@ -58,10 +58,9 @@ def compare(
     path = args.result_path(output, loaded, "compare", force, report=report)
     if report is not None:
         args.new_path(report, force)
-    # A single body needs no contact; the dimension is there all the same
-    contacts = contacts or [loaded.contact.method if loaded.contact else "none"]
-    shapes = shapes or [loaded.shape.method]
-    check_compared(loaded, {"contact": contacts, "shape": shapes}, shared, varied)
+    own = methods_of(loaded)
+    chosen: dict[str, Any] = {"contact": contacts or own["contact"], "shape": shapes or own["shape"]}
+    check_compared(loaded, chosen, shared, varied)
     if records is not None:
         records.mkdir(parents=True, exist_ok=True)
         args.new_path(records / "record.json", force=True)
@@ -75,10 +74,9 @@ def compare(
         "output": path,
     }
     with campaign_progress() as reports:
-        methods: dict[str, Any] = {"contact": contacts, "shape": shapes, "code": codes or ()}
         if report is not None:
             reports["progress"] = _first_page(reports["progress"], path, report)
-        dataset = run_all(loaded, vary=varied, **methods, **running, **reports)
+        dataset = run_all(loaded, vary=varied, code=codes or (), **chosen, **running, **reports)
     alone = form is not Format.text
     if alone:
         write_rows(table(dataset), form)

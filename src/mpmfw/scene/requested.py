@@ -13,10 +13,17 @@ from mpmfw.scene.loading import load_scene
 from mpmfw.scene.options import CORE_KEYS
 from mpmfw.scene.override import parse_path
 from mpmfw.scene.problem import Path
+from mpmfw.scene.scene import Scene
 from mpmfw.scene.specification import parse_specification
 
 #: Tables in which options of each kind of plug-in stand.
 _TABLES: dict[Kind, str] = {"contact": "contact", "shape": "shape", "friction": "contact"}
+
+
+def methods_of(scene: Scene) -> dict[str, list[str]]:
+    """Return the contact of a scene, ``none`` of a single body's, and its shape function."""
+    contact = scene.contact.method if scene.contact else "none"
+    return {"contact": [contact], "shape": [scene.shape.method]}
 
 
 def check_compared(
