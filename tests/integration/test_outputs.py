@@ -162,3 +162,14 @@ def test_material_points_are_stored_in_single_precision_and_the_rest_in_double()
     exact = simulation.state.particles.position[simulation.state.bodies[0].particles]
     np.testing.assert_array_equal(points["position"][-1], exact.astype(np.float32))
     assert {str(array.dtype) for array in tree["series"].data_vars.values()} == {"float64"}
+
+
+@pytest.mark.parametrize(("shift", "precise"), [(0.0, np.float32), (5.8e6, np.float64)])
+def test_positions_far_from_the_origin_keep_the_precision_of_the_run(shift, precise):
+    scene = block(time__end=1e-3, time__output_interval=1e-3, shape__method="cpdi2")
+    for place in (scene["grid"], scene["bodies"]["solid"]["geometry"]):
+        place |= {end: [shift + x for x in place[end]] for end in ("lower", "upper")}
+    points = mpmfw.run(scene)["particles/solid"].ds
+    assert points["position"].dtype == points["corners"].dtype == precise
+    assert points["stress"].dtype == np.float32
+    assert len(np.unique(points["position"].isel(time=0, axis=1))) == 8

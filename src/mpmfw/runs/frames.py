@@ -36,8 +36,12 @@ class Recorder:
         core = PARTICLE_FIELDS if state.surface is None else (*PARTICLE_FIELDS, *SURFACE_FIELDS)
         recorded = [field for field in (*core, *declared) if field.output and field.group in groups]
         self.fields = {(field.group, field.name): field for field in recorded}
+        rounding = np.finfo(np.float32).eps * max(map(abs, (*scene.grid.lower, *scene.grid.upper)))
+        far = rounding > 1e-3 * scene.grid.cell_size  # from the origin
         for key, field in self.fields.items():
-            if field.group == "particles" and np.dtype(field.dtype) == np.float64 and key not in STATIC:
+            if field.group != "particles" or key in STATIC or (far and field.unit == "m"):
+                continue
+            if np.dtype(field.dtype) == np.float64:
                 self.fields[key] = dataclasses.replace(field, dtype="f4")
         self._particle_interval = scene.output.particle_interval
         self._output_interval = scene.time.output_interval
