@@ -176,7 +176,7 @@ def run_cases(
     options = [
         *("-c", os.devnull, f"--rootdir={suite}", "-o", f"pythonpath={shlex.quote(str(suite))}"),
         *("-p", "no:cacheprovider", "-p", __name__, f"--results={output.resolve()}", *["--quick"] * quick),
-        *("-n", str(jobs or cores()), "--dist=loadfile", "--no-loadscope-reorder"),
+        *("-n", str(min(jobs or cores(), len(waiting))), "--dist=loadfile", "--no-loadscope-reorder"),
         *(f"--max-worker-restart={len(waiting)}", "--continue-on-collection-errors"),
         *("-q", "--tb=no", "-rN", "--disable-warnings", *map(str, waiting)),
     ]
