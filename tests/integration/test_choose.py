@@ -9,11 +9,14 @@ import pytest
 
 import mpmfw
 from command_line import called
+from mpmfw.campaigns.measures import measure_of
 from mpmfw.errors import SceneError
-from mpmfw.plugin.measure import Measured
+from mpmfw.plugin.measure import About, Measured
+from mpmfw.scene import load_scene
 from mpmfw.scene.toml_text import toml_text
 from mpmfw.studies.conclusion import advice, method_rows
 from mpmfw.studies.ladder import Ladder
+from scenes_for_tests import scene_of, solid
 from studies_for_tests import SLIDING
 
 pytestmark = pytest.mark.filterwarnings("default::mpmfw.errors.ResultsWarning")
@@ -96,6 +99,14 @@ def test_what_a_measure_reads_is_recorded(measure, store):
     found = mpmfw.choose(scene(), "99 %", measure=measure, finest=0.2, store=store, **methods)
     assert found.attrs["error_against"].startswith("the limit at cells of size zero that ")
     assert np.isfinite(found["error"]).all()
+
+
+@pytest.mark.parametrize(("measure", "expected"), [("front", 0.51), ("rear", 0.11)])
+def test_a_body_ends_at_its_faces(measure, expected):
+    body = solid([0.1, 0.1], [0.5, 0.5], 0.05, velocity=[1.0, 0.0])
+    free = load_scene(scene_of({"solid": body}, 0.1, [-0.3, -0.3], [1.0, 1.0], end=0.01))
+    found = measure_of(measure).of(mpmfw.run(free), free, About(axis="x"))
+    assert found.values == pytest.approx([expected], rel=1e-6)
 
 
 def test_without_a_value_nothing_is_what_errors_are_against(store):

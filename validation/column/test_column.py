@@ -7,8 +7,8 @@ from common import elastic, fixed, rectangle, scene
 from mpmfw.validation import CLASSICAL, Place, Runs, known_red, methods, together
 
 WIDTH, GRAVITY = 0.1, 9.81
-#: Height of sand at the toe, over the width: 5 mm.
-TOE = 0.05
+#: Height of sand at the toe [cells]: that of one row of points.
+TOE = 0.5
 #: φ [°] whose shear on a plane, arctan sin φ with ψ = 0, is an angle of repose of 31°.
 ANGLE = 36.9
 #: Viscosity of grains of 0.5 mm [Pa s]: Δμ d √(p ρ_s) / I₀, p = ρ g W / 4 (Jop, Forterre & Pouliquen 2006).
@@ -40,16 +40,18 @@ def column(aspect, cells):
     )
 
 
-def deposit(tree, aspect):
+def deposit(tree, aspect, cells):
     """Return the error [%] of the run-out at the ``toe``, and the ``volume`` that the sand has gained [%].
 
-    The toe is where sand of its first volume, in bins of WIDTH / 10 from the wall on, is TOE WIDTH high."""
+    The toe is where sand of its first volume, in bins of WIDTH / 10 from the wall on, is TOE cells high: the
+    farthest that a deposit of so many ``cells`` in the WIDTH resolves."""
     points = tree["particles/sand"].to_dataset()
     place = points["position"].values[-1]
     bins = np.arange(0.0, 12.0, 0.1)
     depth = np.histogram(place[:, 0] / WIDTH, bins)[0] * aspect / len(place) / 0.1
-    k = int(np.argmax(depth < TOE))
-    toe = bins[k] - 0.05 + 0.1 * (depth[k - 1] - TOE) / (depth[k - 1] - depth[k])
+    least = TOE / cells
+    k = int(np.argmax(depth < least))
+    toe = bins[k] - 0.05 + 0.1 * (depth[k - 1] - least) / (depth[k - 1] - depth[k])
     return {
         "toe": 100.0 * float((toe - 1.0) / run_out(aspect) - 1.0),
         "volume": 100.0 * float(np.linalg.det(points["deformation_gradient"].values[-1]).mean() - 1.0),
@@ -78,7 +80,7 @@ def test_column(run):
         deposit,
         ("run-out at the toe, error, {at}", "toe", 0.0, 10.0, "%"),
         ("gain of volume, {at}", "volume", 0.0, 6.5, "%"),
-        aspect=run.place.make["aspect"],
+        **run.place.make,
     )
 
 
@@ -87,6 +89,6 @@ def test_convergence(case, runs):
     found = {(run.place.make["aspect"], run.place.make["cells"]): run for run in runs}
     for (aspect, cells), run in found.items():
         if finer := found.get((aspect, 2 * cells)):
-            one, other = (each.of(deposit, "toe", aspect=aspect) for each in (run, finer))
+            one, other = (each.of(deposit, "toe", **each.place.make) for each in (run, finer))
             quantity = f"run-out at the toe, change by half the cell, a = {aspect}, W/h = {cells}"
             case.gate(quantity, other - one, 0.0, 5.0, "%", method=METHOD, binds=True)

@@ -227,6 +227,25 @@ def change_of_momentum(run: xr.DataTree, scene: Scene, about: About) -> float:  
     return momentum_change(run, scene)
 
 
+def _end_of(run: xr.DataTree, scene: Scene, about: About, side: float) -> float:
+    """Return the farthest coordinate of a body's domains, ahead (``side`` 1) or behind (−1)."""
+    last = run[f"particles/{about.body}"].to_dataset().isel(time=-1).sel(axis=about.axis)
+    half = 0.5 * float(scene.bodies[str(about.body)].particles.size) * abs(last["deformation_gradient"])
+    return side * float((side * last["position"] + half.sum("axis2")).max())
+
+
+@measure("front", "m", "number", ("body", "axis"), particles=True)
+def front(run: xr.DataTree, scene: Scene, about: About) -> float:
+    """Largest coordinate of a body along an axis at the end, such as a run-out or an outer radius."""
+    return _end_of(run, scene, about, 1.0)
+
+
+@measure("rear", "m", "number", ("body", "axis"), particles=True)
+def rear(run: xr.DataTree, scene: Scene, about: About) -> float:
+    """Least coordinate of a body along an axis at the end, such as an inner radius."""
+    return _end_of(run, scene, about, -1.0)
+
+
 # -- curves
 
 
