@@ -72,7 +72,7 @@ def test_a_renamed_template_has_nothing_of_the_old_name_in_its_code(kind, tmp_pa
 @pytest.mark.parametrize(
     ("kind", "name", "said"),
     [
-        ("laod", "wind", "no plug-in of the kind 'laod' can be written; did you mean 'load'?"),
+        ("laod", "wind", "there is no template of the kind 'laod'; did you mean 'load'?"),
         ("load", "Wind", "Wind: expected a name of small letters"),
         ("load", "class", "class: expected a name of small letters"),
         ("load", "drag", "drag: a load of this name is installed already"),

@@ -39,7 +39,7 @@ def write_package(kind: str, name: str, folder: Path) -> Path:
         No such kind, no such name, a plug-in of the name is installed, or the folder exists.
     """
     if kind not in TEMPLATES:
-        raise SceneError(f"no plug-in of the kind '{kind}' can be written; {did_you_mean(kind, TEMPLATES)}")
+        raise SceneError(f"there is no template of the kind '{kind}'; {did_you_mean(kind, TEMPLATES)}")
     if not _NAME.fullmatch(name) or keyword.iskeyword(name):
         raise SceneError(f"{name}: expected a name of small letters, digits and '_', such as soft_wall")
     if name in available("law" if kind == "contact" else kind):  # type: ignore[arg-type]
