@@ -134,16 +134,6 @@ def average_pressure(
             excess[p] = softness * more
 
 
-@kernel
-def equalise_pressure(
-    first: int, last: int, gradient: Floats, excess: Floats, dt: float, spacing: tuple[float, ...]
-) -> None:
-    """Add the ``excess`` (n,) of a body's points to Δt tr L."""
-    for p in unsigned(first, last):
-        for d in range(len(spacing)):
-            gradient[p, d, d] += excess[p] / (dt * len(spacing))
-
-
 @device
 def trace(stress: Floats, p: int, spacing: tuple[float, ...]) -> Float:
     """Return tr σ of a point."""
@@ -196,10 +186,9 @@ class AveragedVolume:
             ),
         )  # fmt: skip
         for body in self.dilating:
-            own = body.particles
-            equalise_pressure(
-                own.start, own.stop, particles.velocity_gradient, self.excess, dt, grid.tensor_spacing
-            )
+            own, dim = body.particles, len(grid.tensor_spacing)
+            more = (self.excess[own] / (dt * dim))[:, None, None]
+            particles.velocity_gradient[own] += more * np.eye(dim)
 
     @hookimpl
     def update_stress(self, particles: Particles) -> None:
