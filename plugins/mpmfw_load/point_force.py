@@ -54,8 +54,9 @@ class PointForce(BodyLoad):
             )
         (body,) = self.bodies
         if body.rigid:
-            rigid = setup.state.rigid
-            (self.shares,) = rigid.weights_at(rigid.bodies.index(body), np.array([self.options.at]))
+            points = setup.state.rigid.particles_of(body).position
+            basis = np.column_stack([np.ones(len(points)), points])
+            self.shares = np.linalg.solve(basis.T, [1.0, *self.options.at])
             return
         try:
             position = setup.state.particles.position[body.particles]

@@ -44,8 +44,8 @@ def closing_volume(
 ) -> Float:
     """Return the part of the ``opened`` volume (a logarithm) that closes before there is pressure.
 
-    It closes at the tr ε at which shear leaves no mean stress, v² − v^(−2 m) = K' J₂ / (G p₀²): Newton's
-    method from above."""
+    It closes at the tr ε at which shear leaves no mean stress, v² = v^(−2 m) + K' J₂ / (G p₀²): Newton's
+    method on the logarithm of that, a convex function of ln v, from below."""
     if opened == 0.0:
         return 0.0
     (power, reference), free = stiffening, 0.0
@@ -53,11 +53,12 @@ def closing_volume(
     if power > 0.0:
         square = strain[0] ** 2 + strain[1] ** 2 + strain[2] ** 2 - volumetric**2 / 3.0
         part = 2.0 * bulk * shear * max(square, 0.0) / reference**2
-        v = math.sqrt(1.0 + part)
+        log_v = 0.0
         for _ in range(8):
-            other = v ** (-2.0 * power)
-            v -= (v * v - other - part) / (2.0 * v + 2.0 * power * other / v)
-        free = reference * (1.0 - v ** (-power)) / bulk
+            less = math.expm1(-2.0 * power * log_v)
+            slope = 2.0 + 2.0 * power * (1.0 + less) / (1.0 + less + part)
+            log_v += (math.log1p(less + part) - 2.0 * log_v) / slope
+        free = -reference * math.expm1(-power * log_v) / bulk
     return min(opened, max(free - volumetric, 0.0))
 
 

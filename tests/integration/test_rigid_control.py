@@ -122,6 +122,22 @@ def test_drag_brakes_a_rigid_body_and_its_spin():
     assert series["external_work"].values == pytest.approx(energy - energy[0], abs=1e-9 * energy[0])
 
 
+@pytest.mark.parametrize(
+    ("load", "power"),
+    [
+        ({"model": "drag", "rate": 4.0}, -4.0 * 80.0 * (0.4**2 + 0.2**2) / 12.0 * 3.0**2),
+        ({"model": "point_force", "at": [0.2, 0.2], "force": [-20.0, 0.0]}, 20.0 * 0.1 * 3.0),
+    ],
+)
+def test_what_holds_a_spin_takes_the_power_of_the_moment_of_loads(load, power):
+    """c I ω² of drag, and T ω of a force for a short time."""
+    own = {"rigid": {"held": ["rotation", "x"]}, "angular_velocity": 3.0}
+    simulation = Simulation(flight(own, loads={"push": {"bodies": ["disc"], **load}}, time__end=0.02))
+    simulation.run()
+    assert simulation.setup.named["loads"]["push"].work == pytest.approx(0.02 * power, rel=5e-3)
+    assert simulation.state.rigid.work == pytest.approx(-0.02 * power, rel=5e-3)
+
+
 def test_forces_and_what_holds_do_the_work_that_the_verdict_counts():
     """Of a sledge that is lifted, and goes on at its speed against gravity."""
     own = {"rigid": {"force": [0.0, 300.0], "held": ["x"]}, "velocity": [2.0, 0.0]}

@@ -310,6 +310,17 @@ def test_a_cut_off_at_zero_keeps_all_that_opened_with_shear(model, more):
     assert more or pressure == pytest.approx(0.002 * point.material.bulk_modulus, rel=1e-9)
 
 
+@pytest.mark.parametrize("exponent", [0.1, 0.5, 0.9499])
+def test_shear_swells_what_has_opened_without_pressure(exponent):
+    """The elastic part closes as far as shear alone swells it, however small or large."""
+    own = {"pressure_exponent": exponent, "reference_pressure": 1e4, "tension": 0.0, "cohesion": 1e9}
+    for shear in np.geomspace(1e-6, 3e-3, 30):
+        point = Point(MohrCoulomb(**{**SAND, "youngs_modulus": 1e7, **own}))
+        point.opened[:] = 1.0
+        assert np.trace(point.stress(deformation([shear, -shear, 0.0]))) == pytest.approx(0.0, abs=1e-6)
+        assert point.opened[0] < 1.0
+
+
 def excess(material, tau):
     """Yield function of a stress over the moduli; at most round-off is admissible."""
     friction, _, cohesion = material.surface()

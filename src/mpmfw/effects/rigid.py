@@ -91,12 +91,13 @@ class RigidBodies(RigidMotion):
         return max(float(np.linalg.norm(self.surface_velocity(body), axis=1).max()) for body in self.bodies)
 
     def particles_of(self, body: Body) -> Particles:
-        """Return the points of mass of a free body as material points, for loads: they bear no stress."""
+        """Return dim + 1 material points with mass and inertia of a free body, for loads; they bear no stress."""
         k, count, dim = self.bodies.index(body), self.dim + 1, self.dim
         tensor, volume = np.zeros((count, dim, dim)), np.full(count, self.volume[k] / count)
+        arms = self.arms[k] / self.far[k]
         return Particles(
-            position=self.centre[k] + self.arms[k],
-            velocity=self.point_velocity[k],
+            position=self.centre[k] + arms,
+            velocity=self.velocity[k] + arms @ self.spin[k].T,
             mass=np.full(count, self.mass[k] / count),
             initial_volume=volume,
             volume=volume,
@@ -107,6 +108,11 @@ class RigidBodies(RigidMotion):
             moment=None,
             first=np.array([0, count]),
         )
+
+    def add_forces(self, body: Body, force: FloatArray, nodal: FloatArray) -> None:
+        """Add the ``force`` (dim + 1, dim) on a body's :meth:`particles_of` to that of nodes, with its moment."""
+        k, mean = self.bodies.index(body), force.mean(axis=0)
+        self.own(nodal)[k] += mean + (force - mean) / self.far[k]
 
     def own(self, nodal: FloatArray) -> FloatArray:
         """Entries of the points of mass in an array of nodes, as (n, dim + 1, dim)."""

@@ -62,6 +62,7 @@ class RigidMotion:
         self.held_spin = np.array(["rotation" in each for each in held])[:, None, None]
         #: axes (n, 3) about which alone bodies in space do not turn
         self.held_axes = np.array([[f"rotation-{name}" in each for name in "xyz"] for each in held])
+        self.far = np.where(self.held_spin[:, 0, 0], FAR, 1.0)  #: (n,)
         self.work = 0.0  #: of what holds them, on free bodies [J/m]
         self.turned = 0.0  #: of it that of this step's torques, which keep spins as bodies turn
         #: whether part of a free body's motion is held
@@ -102,7 +103,7 @@ class RigidMotion:
             self.spread[k] = np.where(flat, 0.0, spread)
             shape = np.diag(self.turn[k].T @ second @ self.turn[k]) / volume
             squares = np.where(flat, shape, self.spread[k] / self.mass[k])  # a flat one's are of its shape
-            self.radii[k] = np.sqrt(squares) * (FAR if self.held_spin[k] else 1.0)
+            self.radii[k] = np.sqrt(squares) * self.far[k]
 
     @property
     def centroid(self) -> FloatArray:

@@ -122,7 +122,7 @@ class BodyLoad(Load):
             shape = (own.stop - own.start, state.grid.dim)
             force = self.checked(self.forces(points, own, state.time), shape, state)
             if body.rigid:
-                state.rigid.own(grid.force)[state.rigid.bodies.index(body)] += force
+                state.rigid.add_forces(body, force, grid.force)
             else:
                 add_point_forces(own.start, phi, force, grid.force)
             self._impulses.append((body, points.velocity, dt * force))
