@@ -91,7 +91,7 @@ class RigidBodies(RigidMotion):
         return max(float(np.linalg.norm(self.surface_velocity(body), axis=1).max()) for body in self.bodies)
 
     def particles_of(self, body: Body) -> Particles:
-        """Return dim + 1 material points with mass and inertia of a free body, for loads; they bear no stress."""
+        """Return dim + 1 points with mass and inertia of a free body, for loads; they bear no stress."""
         k, count, dim = self.bodies.index(body), self.dim + 1, self.dim
         tensor, volume = np.zeros((count, dim, dim)), np.full(count, self.volume[k] / count)
         arms = self.arms[k] / self.far[k]
@@ -110,7 +110,7 @@ class RigidBodies(RigidMotion):
         )
 
     def add_forces(self, body: Body, force: FloatArray, nodal: FloatArray) -> None:
-        """Add the ``force`` (dim + 1, dim) on a body's :meth:`particles_of` to that of nodes, with its moment."""
+        """Add the ``force`` (dim + 1, dim) on :meth:`particles_of`, with its moment, to that of nodes."""
         k, mean = self.bodies.index(body), force.mean(axis=0)
         self.own(nodal)[k] += mean + (force - mean) / self.far[k]
 
