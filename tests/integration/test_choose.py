@@ -104,9 +104,15 @@ def test_what_a_measure_reads_is_recorded(measure, store):
 @pytest.mark.parametrize(("measure", "expected"), [("front", 0.51), ("rear", 0.11)])
 def test_a_body_ends_at_its_faces(measure, expected):
     body = solid([0.1, 0.1], [0.5, 0.5], 0.05, velocity=[1.0, 0.0])
-    free = load_scene(scene_of({"solid": body}, 0.1, [-0.3, -0.3], [1.0, 1.0], end=0.01))
-    found = measure_of(measure).of(mpmfw.run(free), free, About(axis="x"))
+    tool = {"geometry": {**body["geometry"], "lower": [-0.2, -0.2], "upper": [0.0, 0.0]}}
+    tool["rigid"] = {"motion": {"velocity": [-2.0, 0.0]}}
+    free = scene_of({"tool": tool, "solid": body}, 0.1, [-0.3, -0.3], [1.0, 1.0], end=0.01)
+    free = load_scene({**free, "contact": {"method": "penalty"}})
+    run = mpmfw.run(free)
+    found = measure_of(measure).of(run, free, About(axis="x"))
     assert found.values == pytest.approx([expected], rel=1e-6)
+    with pytest.raises(SceneError, match=r"error\.body: 'tool' is rigid, and has no material points"):
+        measure_of(measure).of(run, free, About("tool", axis="x"))
 
 
 def test_without_a_value_nothing_is_what_errors_are_against(store):

@@ -2,13 +2,14 @@
 
 import math
 import warnings
+from types import SimpleNamespace
 
 import pytest
 
 import mpmfw
 from command_line import called
 from mpmfw.api import ContactStrategy, hookimpl
-from mpmfw.effects.verdict import SIDES_LATEST
+from mpmfw.effects.verdict import SIDES_LATEST, Verdict
 from mpmfw.errors import ResultsWarning, SceneError
 from mpmfw.runs.run import condensed
 from mpmfw.runs.simulation import Simulation
@@ -260,3 +261,9 @@ def test_of_notes_that_differ_in_names_and_numbers_one_is_printed():
         f"{pair}: deep by {cells} cells, more than 0.15" for pair, cells in (("a-b", "1e-05"), ("d1-d2", 0.2))
     ]
     assert condensed([*alike, "suspect: else"]) == [f"{alike[0]} (1 more alike)", "suspect: else"]
+
+
+def test_of_penetrations_the_deepest_is_printed():
+    depths = {"a-b": 0.2, "c-d": 0.3}
+    verdict = SimpleNamespace(reasons=[], deepest=depths, deepest_at=depths, closed={})
+    assert condensed(Verdict.concerns(verdict))[0].startswith("c-d: the bodies penetrate by 0.3 cells")

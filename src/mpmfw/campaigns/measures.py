@@ -133,6 +133,8 @@ def inferred(measure: Measure, run: xr.DataTree, scene: Scene, about: About) -> 
         size = still if force is None else abs(force.sum("time"))
     elif "body" in keys or "axis" in keys:
         centre = series["centre_of_mass"]
+        if measure.particles:
+            centre = centre.sel(body=[name for name, body in scene.bodies.items() if body.particles])
         size, dim = abs(centre - centre.isel(time=0)).max("time"), "body"
     else:
         return about
@@ -229,8 +231,12 @@ def change_of_momentum(run: xr.DataTree, scene: Scene, about: About) -> float:  
 
 def _end_of(run: xr.DataTree, scene: Scene, about: About, side: float) -> float:
     """Return the farthest coordinate of a body's domains, ahead (``side`` 1) or behind (−1)."""
+    points = scene.bodies[str(about.body)].particles
+    if points is None:
+        text = f"'{about.body}' is rigid, and has no material points; expected a body that deforms"
+        raise SceneError(text, key="error.body")
     last = run[f"particles/{about.body}"].to_dataset().isel(time=-1).sel(axis=about.axis)
-    half = 0.5 * float(scene.bodies[str(about.body)].particles.size) * abs(last["deformation_gradient"])
+    half = 0.5 * float(points.size) * abs(last["deformation_gradient"])
     return side * float((side * last["position"] + half.sum("axis2")).max())
 
 
