@@ -155,6 +155,31 @@ def test_bound_wrappers_do_what_pluggy_does(catches, fails):
     assert outcome(ours=True) == outcome(ours=False)
 
 
+def test_hooks_of_other_versions_may_be_optional():
+    """And a plug-in's properties are not looked at, which may fail before the run."""
+
+    class Later:
+        @property
+        def step(self):
+            raise RuntimeError("not before the run")
+
+        @hookimpl(optionalhook=True)
+        def after_the_run(self, anything): ...
+
+    registry = Registry()
+    registry.register(Later(), "later")
+    assert not any(registry.implementations.values())
+
+
+def test_a_wrapper_of_the_old_kind_is_refused_by_any_name():
+    @hookimpl(hookwrapper=True, specname="stable_timestep")
+    def limit():
+        yield
+
+    with pytest.raises(SceneError, match=r"limit .* expected @hookimpl above it, of a wrapper"):
+        bound(plugin("old", limit=limit))
+
+
 @pytest.fixture
 def now(monkeypatch):
     """Wall and CPU seconds that the test sets."""

@@ -77,12 +77,13 @@ def implemented(plugin: Any) -> dict[tuple[str, str], tuple[tuple[str, ...], boo
     marks: Any = {name: manager.parse_hookimpl_opts(plugin, name) for name in dir(plugin)}
     found = {}
     for name, mark in marks.items():
-        if name in HOOKS and inspect.isroutine(getattr(plugin, name)) and (not mark or mark["hookwrapper"]):
+        unmarked = not mark and name in HOOKS and inspect.isroutine(getattr(plugin, name))
+        if unmarked or (mark and mark["hookwrapper"]):
             raise SceneError(
                 f"{described(plugin)}: {name} has the name of a hook; expected @hookimpl above it, of a "
                 "wrapper @hookimpl(wrapper=True), or another name"
             )
-        if mark:
+        if mark and (mark["specname"] or name) in HOOKS:  # else optional, and of another version
             impl = pluggy.HookImpl(plugin, "", getattr(plugin, name), mark)
             order = impl.trylast - impl.tryfirst
             found[name, mark["specname"] or name] = (impl.argnames, impl.wrapper, order)
