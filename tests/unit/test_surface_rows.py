@@ -7,6 +7,7 @@ from interpreted import interpreted
 from mpmfw.contact.surfaces.detection import Surfaces
 from mpmfw.geometry.layout import neighbours_of, stars_of
 from mpmfw.kernels import Facets, signed_distance
+from mpmfw.kernels.contact import relative_motion
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import ball_on_a_box, two_blocks
 
@@ -47,6 +48,23 @@ def test_factors_agree_with_entries(monkeypatch, scene):
     assert len(entries.tilt) > 0 or scene is not SCENES["tilts"]
     for one, other in zip(*results, strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9 * np.abs(other).max())
+
+
+def test_what_went_wrong_in_a_row_is_not_lost():
+    """Forces that are NaN, and entries of B, which a law has read without a need for them."""
+    simulation = Simulation(SCENES["plane"])
+    simulation.advance(2)
+    rows, grid = simulation.contact.last_rows, simulation.state.grid
+    motion, nodal = np.zeros((rows.count, 2)), np.zeros_like(grid.force)
+    relative_motion(rows, rows.count, grid.velocity, 1.0, motion, grid.spacing)
+    assert np.isnan(motion).all()
+    rows.force[: rows.count] = 0.0
+    rows.force[0, 0] = np.nan
+    rows.add_to(nodal, grid.spacing)
+    assert np.isnan(nodal).any()
+    detection = simulation.contact.detection
+    detection.configure(frozenset({"entries"}), forces=True)
+    assert detection.writes_entries
 
 
 @pytest.mark.parametrize("seed", range(20))

@@ -240,8 +240,8 @@ def assemble(
     A node counts with its tributary area, or with half of it where its body and the master are of the same
     ``rank`` (body,): each is then slave once. ``across``: only what lies across the normal is a row's area.
     Of two equally close facets both count where the gap is below ``ties`` [m]. ``place`` is scratch
-    (:func:`add_point`); without nodes no entries are written. A node that has left its points has no row:
-    nothing would take the opposite force.
+    (:func:`add_point`); without nodes a row has one entry, which is not written. A node that has left its
+    points has no row: nothing would take the opposite force.
     """
     c, top, body, dim = 0, 0, outline.body, len(spacing)
     share, normal = scratch.vector(spacing), scratch.vector(spacing)
@@ -268,7 +268,7 @@ def assemble(
                     m = other
                     for d in range(dim):
                         share[d], normal[d] = other_share[d], other_normal[d]
-                width = width_of(s, m, outline.facets, table.row) if len(place) > 0 else 0
+                width = width_of(s, m, outline.facets, table.row) if len(place) > 0 else 1
                 if c >= len(rows.pair) or top + width > len(rows.dof):
                     return -1
                 p = pair_index(pair_of, body[s], master)
@@ -283,6 +283,8 @@ def assemble(
                 write_geometry(c, share, normal, outline, rows, places, spacing)
                 write_motion(c, outline.displacement, outline.facets, rows, places, rows.motion, spacing)
                 rows.start[c] = top
+                if len(place) == 0:
+                    top += 1
                 for corner in range(-1, dim if len(place) > 0 else -1):
                     node, weight = (s, 1.0) if corner < 0 else (outline.facets[m, corner], -share[corner])
                     top = add_point(node, weight, c, corner, top, table, place, rows, places, spacing)

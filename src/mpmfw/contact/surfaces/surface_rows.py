@@ -69,7 +69,7 @@ def spread_forces(
             s, _ = node_of(c, a, facets, places)
             for d in range(dim):
                 own[0, d], sums.vector[s, d] = sums.vector[s, d], 0.0
-            if dot(own[0], own[0], spacing) > 0.0:
+            if dot(own[0], own[0], spacing) != 0.0:  # NaN must not be lost
                 for k in entries(table.row, s):
                     add_scaled_row(node_force, table.nodes[k], table.weight[k], own, 0, spacing)
 
@@ -153,8 +153,10 @@ class SurfaceRows(ContactRows):
     surface: Surface | None = None  #: by which forces and motions pass; None where B has entries
 
     def use_factors(self, surface: Surface) -> None:
-        """Let forces and motions pass by the nodes of ``surface``, without entries of B."""
+        """Let forces and motions pass by the nodes of ``surface``; entries of B are NaN, one a row, so that
+        what reads them nevertheless cannot go on."""
         self.surface = surface
+        self.weight[:] = np.nan
         self.sums = NodeSums(vector=np.zeros_like(surface.position), number=np.zeros(surface.count))
 
     def motion_of(
@@ -187,6 +189,8 @@ class SurfaceRows(ContactRows):
     def make_room(self, rows: int, entries: int) -> None:
         super().make_room(rows, entries)
         dim = self.dim
+        if self.surface is not None:
+            self.weight[:] = np.nan
         self.places = Places(
             slave=np.zeros(rows, dtype=np.int64),
             facet=np.zeros(rows, dtype=np.int64),
