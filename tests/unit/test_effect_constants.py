@@ -89,7 +89,10 @@ def side_table(rows, entries, dim=2):
         applied=np.zeros((0, dim)),
         factor=np.zeros((rows, 5)),
         push=np.zeros((40, dim)),
-        **{name: np.zeros((rows, dim)) for name in ("missing", "divided", "search", "change")},
+        **{
+            name: np.zeros((rows, dim))
+            for name in ("missing", "divided", "answer", "search", "change", "step")
+        },
         **whole,
         **real,
     )
@@ -248,6 +251,24 @@ def test_sides_that_share_nodes_are_met_together(monkeypatch):
     assert miss < 1e-7
     assert passes_and_miss(monkeypatch, PASSES=2)[1] > 1e-3
     assert passes_and_miss(monkeypatch, PASSES=PASSES, AGREED=1e-3)[1] > 1e-5
+
+
+@pytest.mark.parametrize("place", [0.0, 0.03])
+def test_sides_that_contradict_one_another_meet_in_between(place):
+    """Of two bodies in one velocity field, whose nodes both sides read."""
+    bodies = {
+        name: solid([lower, -0.5], [lower + 1.0, 0.5], 0.125, sides=[{"side": side, "velocity": ["free", v]}])
+        for name, lower, side, v in (("a", place - 1.0, "right", 1.0), ("b", place, "left", 0.0))
+    }
+    made = scene_of(bodies, 0.25, [-2.0] * 2, [2.0] * 2, end=0.02, contact={"method": "none"})
+    simulation = Simulation(made)
+    simulation.advance(1)
+    grid, sides = simulation.state.grid, simulation.registry.plugins["constraint"]
+    assert 0.1 < np.abs(grid.velocity[grid.mass > 0.0]).max() < 1.0
+    assert sides.passes < PASSES // 5
+    given = sides.table.impulse.sum(axis=0)
+    np.testing.assert_allclose(given, grid.momentum.sum(axis=0), atol=1e-9 * given[1])
+    assert np.abs(sides.table.impulse).max() <= 2.0 * given[1]
 
 
 def test_one_pass_meets_an_oblique_side():

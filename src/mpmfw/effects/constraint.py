@@ -184,7 +184,10 @@ class Constraint:
             first=np.zeros(rows, dtype=np.int64),
             factor=np.zeros((rows, width + 1)),
             push=np.zeros_like(grid.momentum),
-            **{name: np.zeros((rows, grid.dim)) for name in ("missing", "divided", "search", "change")},
+            **{
+                name: np.zeros((rows, grid.dim))
+                for name in ("missing", "divided", "answer", "search", "change", "step")
+            },
             c=np.zeros(longest),
             distance=np.zeros(longest),
             impulse=np.zeros_like(self.velocity),

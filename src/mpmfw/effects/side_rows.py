@@ -66,8 +66,10 @@ class SideTable(Struct):
     factor: Floats  #: L of the rows of a column, (n_rows, most rows of a column): :func:`factor_column`
     missing: Floats  #: V − A v along the directions, (n_rows, dim) [m/s]
     divided: Floats  #: it, over A M⁻¹ Aᵀ of the columns [N s/m]
-    search: Floats  #: impulses of a pass, and their
-    change: Floats  #: change of A v, both (n_rows, dim)
+    answer: Floats  #: change of A v by these impulses
+    search: Floats  #: impulses of a pass, their
+    change: Floats  #: change of A v, and this over A M⁻¹ Aᵀ of the columns,
+    step: Floats  #: all (n_rows, dim)
     push: Floats  #: change of the momentum by these impulses, (n_nodes, dim)
     c: Floats  #: weights of a column, as many as the longest has nodes
     distance: Floats  #: of its nodes from the side, outwards [cells]
