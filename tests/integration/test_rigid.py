@@ -197,6 +197,9 @@ def test_a_free_top_keeps_energy_and_angular_momentum_over_a_hundred_turns():
     bodies = Simulation(scene).state.rigid
     assert bodies.spread[0] == pytest.approx(1000.0 * 0.03 / 12.0 * np.array([0.2, 0.3, 0.5]) ** 2)
     energy, moment = bodies.kinetic_energy.copy(), bodies.moment.copy()
+    begin, rate = bodies.turn[0].copy(), bodies.spin[0] @ bodies.turn[0]
+    bodies._turn(1e-6)
+    assert bodies.turn[0] - begin == pytest.approx(1e-6 * rate, abs=1e-9)
     for _ in range(3_000):
         bodies._turn(100 * 2.0 * np.pi / 20.0 / 3_000)
     assert bodies.kinetic_energy == pytest.approx(energy, rel=1e-11)
