@@ -99,6 +99,13 @@ def test_loads_move_a_free_rigid_body_that_they_name(announce, load, force, torq
         assert not series_of(scene)["linear_momentum"].values[:, 1].any()
 
 
+def test_a_force_by_volume_on_a_rigid_body_is_of_its_thickness():
+    scene = flight({"rigid": {}, "thickness": 0.5}, loads={"push": {"model": "body_force", "bodies": ["disc"]}})
+    scene["loads"]["push"]["force"] = [30.0, 0.0]
+    momentum = series_of(scene)["linear_momentum"].values[-1, 1, 0]
+    assert momentum == pytest.approx(0.1 * 30.0 * 0.08 * 0.5)
+
+
 def test_a_point_force_holds_a_rigid_body_on_a_rigid_floor():
     """Contact takes it as it moves the whole body; the plank sank by 0.19 cells where it saw the points."""
     press = {"model": "point_force", "bodies": ["plank"], "at": [0.8, 0.2], "force": [2e3, -1e4]}
