@@ -314,6 +314,12 @@ def test_cases_run_one_by_one_make_one_table_of_todays_code(suite, tmp_path):
     assert rows_of(find_cases(folder), tmp_path / "out", quick=False) == []
 
 
+@pytest.mark.usefixtures("here")
+def test_a_case_that_changes_while_it_runs_is_not_lost(suite, tmp_path):
+    changes = GREEN + "\n\ndef test_own(case): (case.folder / 'more').touch()\n"
+    assert "1 hold, 0 red" in validate(suite(a=changes), tmp_path)
+
+
 LEAVES = """
 import os
 import numpy as np
