@@ -100,8 +100,8 @@ def test_loads_move_a_free_rigid_body_that_they_name(announce, load, force, torq
 
 
 def test_a_force_by_volume_on_a_rigid_body_is_of_its_thickness():
-    scene = flight({"rigid": {}, "thickness": 0.5}, loads={"push": {"model": "body_force", "bodies": ["disc"]}})
-    scene["loads"]["push"]["force"] = [30.0, 0.0]
+    push = {"model": "body_force", "bodies": ["disc"], "force": [30.0, 0.0]}
+    scene = flight({"rigid": {}, "thickness": 0.5}, loads={"push": push})
     momentum = series_of(scene)["linear_momentum"].values[-1, 1, 0]
     assert momentum == pytest.approx(0.1 * 30.0 * 0.08 * 0.5)
 
