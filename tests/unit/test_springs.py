@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -9,9 +11,10 @@ from hypothesis import strategies as st
 
 import mpmfw
 from contact_scenes import impact, wave_speed
+from interpreted import interpreted
 from mpmfw.runs.simulation import Simulation
 from mpmfw_contact import _springs
-from mpmfw_contact._springs import NOISE, WEAK, changed_spring, new_rest
+from mpmfw_contact._springs import NOISE, WEAK, changed_spring, new_rest, set_springs
 
 CELL = 0.1  # m
 shares = st.floats(WEAK, 1.0)
@@ -65,6 +68,30 @@ def test_a_node_that_comes_in_by_the_face_has_all_of_its_force():
     depth = -rows.gap[loaded]
     assert depth.min() > 0.015 * CELL
     assert (rows.own.rest[loaded] == 0.0).all()
+
+
+@pytest.mark.parametrize(
+    ("gap", "moved", "expected"),
+    [
+        (-0.03, -0.01, -0.005),  # by motion alone
+        (-0.05, -0.01, -0.025),  # points have come: the depth is that of the motion
+        (-0.01, -0.01, 0.0),  # points have left: less deep than the motion says, as none pulls bodies apart
+    ],
+)
+def test_springs_of_mean_gaps_go_deeper_by_motion_alone(gap, moved, expected):
+    zeros = {"area": np.ones(1), "tributary_area": np.ones(1), "motion": np.zeros((1, 2))}
+    row = {"identity": np.zeros(1, int), "pair": np.zeros(1, int), "previous": np.zeros(1, int)}
+    normal = np.array([[0.6, 0.8]])
+    own, old_own = (
+        SimpleNamespace(
+            effective_area=np.ones(1), rest=np.full(1, -0.005), k=np.ones(1), limit_k=np.ones(1),
+            moved=moved * normal,
+        )
+        for _ in range(2)
+    )  # fmt: skip
+    rows, old = (SimpleNamespace(gap=np.full(1, g), normal=normal, **row, **zeros) for g in (gap, -0.02))
+    interpreted(set_springs)(rows, 1, own, old, 1, old_own, np.ones(1), 1.0, 1.0, 1.0, False, True)
+    assert own.rest[0] == pytest.approx(expected, abs=1e-15)
 
 
 def test_the_step_of_the_first_touch_is_no_longer_than_that_of_equal_bodies_in_contact():
