@@ -2,6 +2,9 @@
 
 import copy
 import pickle
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from threading import Barrier
 
 import numpy as np
 import pytest
@@ -58,3 +61,21 @@ def test_a_copy_has_its_own_arrays(copied):
 def test_structs_of_names_known_at_run_time():
     for first in LAYOUTS.values():
         assert total(struct(first=first, second=np.zeros(1))) == first.sum()
+
+
+def test_threads_make_one_class():
+    """numba knows a class by its address: of two the lesser used would be freed, and its address taken."""
+    interval, barrier = sys.getswitchinterval(), Barrier(4)
+
+    def make(written):
+        barrier.wait()
+        return type(written(first=np.zeros(1)))
+
+    sys.setswitchinterval(1e-6)
+    try:
+        with ThreadPoolExecutor(4) as pool:
+            for _ in range(300):
+                written = type("Made", (Struct,), {"member_names": ("first",)})
+                assert len(set(pool.map(make, [written] * 4))) == 1
+    finally:
+        sys.setswitchinterval(interval)

@@ -122,10 +122,16 @@ def _empty(written: type[Struct]) -> Struct:
     return written.__new__(written)
 
 
-@functools.cache  # for good: numba knows a class by its address
+#: For good, as numba knows a class by its address: none that threads make twice may be used and freed.
+_classes: dict[tuple[type[Struct], StructType], type[Any]] = {}
+
+
 def _class_with(written: type[Struct], kind: StructType) -> type[Any]:
     """A class whose structs are all of one numba type."""
-    return type(written.__name__, (written,), {"_of_type": kind, "__module__": written.__module__})
+    if (written, kind) not in _classes:
+        made = type(written.__name__, (written,), {"_of_type": kind, "__module__": written.__module__})
+        _classes.setdefault((written, kind), made)
+    return _classes[written, kind]
 
 
 def _struct_type(names: tuple[str, ...], arrays: list[Any]) -> StructType:
