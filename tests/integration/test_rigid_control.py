@@ -121,11 +121,14 @@ def test_a_point_force_holds_a_rigid_body_on_a_rigid_floor():
 
 def test_drag_brakes_a_rigid_body_and_its_spin():
     own = {"rigid": {}, "velocity": [1.0, 0.0], "angular_velocity": 3.0}
-    series = series_of(flight(own, loads={"air": {"model": "drag", "bodies": ["disc"], "rate": 4.0}}))
+    scene = flight(own, loads={"air": {"model": "drag", "bodies": ["disc"], "rate": 4.0}})
+    series, simulation = series_of(scene), Simulation(scene)
+    simulation.run()
     for name in ("linear_momentum", "angular_momentum"):
         values = series[name].values[:, 1, 0]
         assert values[-1] / values[0] == pytest.approx(np.exp(-0.4), rel=2e-3)
     energy = series["kinetic_energy"].values[:, 1]
+    assert simulation.setup.named["loads"]["air"].work == pytest.approx(energy[-1] - energy[0], rel=1e-4)
     assert series["external_work"].values == pytest.approx(energy - energy[0], abs=1e-9 * energy[0])
 
 

@@ -230,14 +230,15 @@ def change_of_momentum(run: xr.DataTree, scene: Scene, about: About) -> float:  
 
 
 def _end_of(run: xr.DataTree, scene: Scene, about: About, side: float) -> float:
-    """Return the farthest coordinate of a body's domains, ahead (``side`` 1) or behind (−1)."""
+    """Return the coordinate of a body's farthest point, ahead (``side`` 1) or behind (−1), and half its size.
+
+    F of what flows is no longer the shape of its domains."""
     points = scene.bodies[str(about.body)].particles
     if points is None:
         text = f"'{about.body}' is rigid, and has no material points; expected a body that deforms"
         raise SceneError(text, key="error.body")
-    last = run[f"particles/{about.body}"].to_dataset().isel(time=-1).sel(axis=about.axis)
-    half = 0.5 * float(points.size) * abs(last["deformation_gradient"])
-    return side * float((side * last["position"] + half.sum("axis2")).max())
+    place = run[f"particles/{about.body}"]["position"].isel(time=-1).sel(axis=about.axis)
+    return side * (float((side * place).max()) + 0.5 * float(points.size))
 
 
 @measure("front", "m", "number", ("body", "axis"), particles=True)
