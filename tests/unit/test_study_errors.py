@@ -110,7 +110,13 @@ def seen_run():
         },
         coords={"time": time, "body": ["block", "plane"], "axis": ["x", "y"], "pair": PAIRS},
     )
-    return xr.DataTree.from_dict({"/series": series})
+    points = {
+        f"/particles/{body}": xr.Dataset(
+            {"position": (("time", "axis"), way[:, k])}, coords={"axis": ["x", "y"]}
+        )
+        for k, body in enumerate(NAMES["body"])
+    }
+    return xr.DataTree.from_dict({"/series": series, **points})
 
 
 PAIRS = ["block-plane", "block-third"]

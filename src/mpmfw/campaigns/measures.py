@@ -134,7 +134,9 @@ def inferred(measure: Measure, run: xr.DataTree, scene: Scene, about: About) -> 
     elif "body" in keys or "axis" in keys:
         centre = series["centre_of_mass"]
         if measure.particles:
-            centre = centre.sel(body=[name for name, body in scene.bodies.items() if body.particles])
+            centre = centre.sel(
+                body=[one for one in centre["body"].values if scene.bodies[str(one)].particles]
+            )
         size, dim = abs(centre - centre.isel(time=0)).max("time"), "body"
     else:
         return about
