@@ -172,7 +172,7 @@ class Frictional(Plastic):
 
     @property
     def dilates(self) -> bool:
-        """Whether ψ is above 0."""
+        """Return True if ψ is above 0."""
         return bool(self.options.dilation_angle > 0.0)
 
     @property
@@ -211,12 +211,8 @@ class Frictional(Plastic):
         return 2.0 / frequency, f"bulk under pressure ({self.name})"
 
     def stiffest(self) -> float:
-        least = super().stiffest()
-        return (
-            max(least, *(float(self.modulus[own].max()) for own in self.slices))
-            if len(self.modulus)
-            else least
-        )
+        own = self.slices if len(self.modulus) else []
+        return max([super().stiffest(), *(float(self.modulus[each].max()) for each in own)])
 
     def set_stress(self, own: slice, stress: FloatArray) -> bool:
         """Take the elastic strain of the stress, and so the plastic metric: ½ ln b_e of b_e = C_p⁻¹."""

@@ -1,5 +1,5 @@
-"""What a graphics card would give: the four kernels of a step without contact, quadratic B-splines in the
-plane, one thread a point, float64, with mpmfw's arrays. It is no part of mpmfw.
+"""Measure a step on a graphics card: four kernels without contact, quadratic B-splines in the plane, one
+thread a point, float64, with mpmfw's arrays. mpmfw does not use them.
 
     python tests/benchmarks/gpu.py [--counts 17600,100000,1000000]
 
@@ -130,7 +130,7 @@ def measure(count, per=4, steps=200):
         cuda.synchronize()
         least = min(least, (time.perf_counter() - begin) / (steps // 5))
     after = (own[6][:, None] * v.copy_to_host()).sum(0)
-    assert np.allclose(before, after, atol=1e-9 * n), (before, after)
+    assert np.allclose(before, after, atol=1e-12 * n), (before, after)
     return n, 1e9 * least / n, 1e6 * least
 
 

@@ -234,7 +234,7 @@ def change_of_momentum(run: xr.DataTree, scene: Scene, about: About) -> float:  
 def _end_of(run: xr.DataTree, scene: Scene, about: About, side: float) -> float:
     """Return the coordinate of a body's farthest point, ahead (``side`` 1) or behind (−1), and half its size.
 
-    F of what flows is no longer the shape of its domains."""
+    In a body that has flowed F does not describe the shape of its domains."""
     points = scene.bodies[str(about.body)].particles
     if points is None:
         text = f"'{about.body}' is rigid, and has no material points; expected a body that deforms"

@@ -109,7 +109,7 @@ class Material(PlugIn):
 
     @property
     def dilates(self) -> bool:
-        """Whether its flow changes the volume; pressures in a cell are then brought to their mean."""
+        """Return True if flow increases the volume; pressures in a cell are then brought to their mean."""
         return False
 
     def stiffest(self) -> float:
