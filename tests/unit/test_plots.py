@@ -267,3 +267,14 @@ def test_a_plane_past_a_body_has_no_outline_of_it(tree):
     """The ball ends at z = -5 mm."""
     panel, _ = mpmfw.plots.field(tree, "velocity_z", plane=("z", -0.4)).axes
     assert len(panel.lines) == len(shapes_in(panel)) == 1
+
+
+def test_labels_of_bars_do_not_lie_on_each_other(folder):
+    """Options make a label of several lines, which is higher than a bar."""
+    compared = xr.open_dataset(folder / "c.nc")
+    long = "bardenhagen(criterion=position, normal=master)"
+    figure = mpmfw.plots.cost_bars(compared.assign_coords(contact=[long, "penalty"]))
+    figure.canvas.draw()
+    boxes = [label.get_window_extent() for label in figure.axes[0].get_yticklabels()]
+    assert len(boxes) == 4
+    assert not any(a.overlaps(b) for k, a in enumerate(boxes) for b in boxes[:k])

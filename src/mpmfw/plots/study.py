@@ -15,7 +15,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from mpmfw.plots import style
 from mpmfw.results.selection import points_of
-from mpmfw.state.fields import STEP_STAGES
+from mpmfw.state.fields import STEP_STAGES, FloatArray
 
 #: Dimensions that are lengths [m].
 _LENGTHS = ("cell_size", "particle_size", "segment")
@@ -222,7 +222,7 @@ def stages(dataset: xr.Dataset) -> Figure:
 def _bars(
     bars: dict[str, list[dict[str, Any]]], names: list[str], label: str, compared: xr.Dataset | None = None
 ) -> Figure:
-    longest = max(map(len, bars.values()))
+    longest = max(float(_places(rows)[1].sum()) for rows in bars.values())
     figure, panels = style.new_panels(len(bars), 16.0 + 4.2 * longest, sharex=True, sharey=True)
     if compared is not None:
         style.head(figure, compared)
@@ -247,15 +247,22 @@ def _finest(problem: xr.Dataset, resolution: str | None) -> xr.Dataset:
     return found.expand_dims(resolution)
 
 
+def _places(rows: list[dict[str, Any]]) -> tuple[list[str], FloatArray]:
+    """Return labels of the bars, some of several lines, and the room for each, 1 for a line."""
+    plain = (", ".join(str(row[dim]) for dim in row["dims"] if dim in ("contact", "shape")) for row in rows)
+    labels = list(map(style.on_lines, plain))
+    return labels, np.array([max(1.0, 0.75 * (1 + label.count("\n"))) for label in labels])
+
+
 def _draw_bars(axes: Any, rows: list[dict[str, Any]], names: list[str]) -> None:
-    places, left = np.arange(len(rows)), np.zeros(len(rows))
+    labels, room = _places(rows)
+    places, left = np.cumsum(room) - 0.5 * (room + 1.0), np.zeros(len(rows))
     for name, colour in zip(names, itertools.cycle(_COLOURS), strict=False):
         widths = np.array([float(np.nan_to_num(row["run"]["stage_time"].sel(stage=name))) for row in rows])
         axes.barh(places, widths, left=left, color=colour, label=name, height=0.72)
         left += widths
-    labels = (", ".join(str(row[dim]) for dim in row["dims"] if dim in ("contact", "shape")) for row in rows)
-    axes.set_yticks(places, list(map(style.on_lines, labels)))
-    axes.set_ylim(-0.8, len(rows) - 0.2)
+    axes.set_yticks(places, labels)
+    axes.set_ylim(-0.8, room.sum() - 0.2)
     for k, row in enumerate(rows):
         status = str(row["run"]["status"].item()).partition(":")[0]
         if status != "ok":
