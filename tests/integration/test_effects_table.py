@@ -84,12 +84,6 @@ def test_exactly_the_variables_and_the_plan(case):
     assert all(effect.reason for effect in effects)
 
 
-def test_the_plan_says_why_bodies_apart_are_not_searched():
-    effects = {effect.name: effect for effect in Simulation(CASES["two bodies apart"].scene).effects}
-    assert not effects["contact search"].on
-    assert "no two bodies' boxes are within its reach" in effects["contact search"].reason
-
-
 def test_structures_of_absent_effects_are_none_and_energies_are_left_out():
     state = Simulation(CASES["one body"].scene).state
     assert (state.surface, state.particles.affine, state.particles.moment) == (None, None, None)

@@ -138,4 +138,3 @@ def test_of_springs_the_keys_of_the_scene_are_named():
     """Of a joined contact those of its parts' tables."""
     said = advice("surfaces+penalty(kappa=1e12)")
     assert "contact.penalty.kappa" in said
-    assert "contact.surfaces.map" in said

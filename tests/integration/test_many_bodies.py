@@ -148,7 +148,6 @@ def test_pairs_that_the_scene_names_are_listed_from_the_start():
     effects = {effect.name: effect for effect in sim.effects}
     assert effects["contact"].reason == "penalty (Penalty), pairs: those that come near"
     assert effects["friction"].reason == "d3-d20, μ = 0.3 in pairs without another value"
-    assert not effects["contact search"].on
 
 
 def test_a_strategy_that_does_not_take_pairs_as_they_come_is_given_all():

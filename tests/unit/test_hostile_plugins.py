@@ -86,10 +86,6 @@ DURING = {
         "@hookimpl\ndef end_step(self, state): state.steps > 2 and {}['k']",
         f"{WHO} failed in end_step: KeyError: 'k' (strange.py, line 10), in step 4: at time",
     ),
-    "a wrapper that yields twice": (
-        "@hookimpl(wrapper=True)\ndef end_step(self):\n    yield\n    yield",
-        f"{WHO} failed in end_step: TypeError: a wrapper that yields more than once",
-    ),
     "diagnostics that are not finite": (
         "@hookimpl\ndef declare_fields(self): return [Field('a', (), '1', 'a', 'series', output=True)]\n"
         "@hookimpl\ndef diagnostics(self, state): return {'a': np.nan}",

@@ -152,11 +152,6 @@ class ContactsByPair(ContactStrategy):
             found += 0.0 if own is None else np.where(acts, own, 0.0)
         return found
 
-    def reach(self, cell_size: float) -> float | None:
-        """Return the largest reach; ``cell_size`` is h [m]."""
-        found = [reach for each in self.contacts if (reach := each.reach(cell_size)) is not None]
-        return max(found, default=None)
-
     def unused(self, pairs: Sequence[Pair]) -> list[str]:
         """Return the facts of every pair without effect in its contact."""
         lines = []

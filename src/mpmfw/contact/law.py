@@ -161,9 +161,6 @@ class ContactLaw(ContactStrategy):
     def parts(self) -> list[Any]:
         return self.detection.parts()
 
-    def reach(self, cell_size: float) -> float | None:
-        return self.detection.reach(cell_size)
-
     @hookimpl
     def declare_fields(self) -> list[Field]:
         return [*self.detection.fields(), *CONTACT_SERIES]

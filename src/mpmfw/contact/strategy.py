@@ -16,7 +16,6 @@ from mpmfw.plugin.checks import bundled, raise_named
 from mpmfw.plugin.setup import Acts, Effect, Setup
 from mpmfw.state.fields import FloatArray, IntArray
 from mpmfw.state.structs import Body, Pair
-from mpmfw.state.windows import overlapping
 
 if TYPE_CHECKING:
     from mpmfw.contact.law import ContactLaw
@@ -53,10 +52,6 @@ class ContactStrategy(PlugIn):
         """Return plug-ins that the strategy's options call for beside it."""
         return []
 
-    def reach(self, cell_size: float) -> float | None:  # noqa: ARG002
-        """Return the distance of boxes [m] beyond which nothing is searched; None without a search."""
-        return None
-
     def unused(self, pairs: Sequence[Pair]) -> list[str]:  # noqa: ARG002
         """Return facts of these pairs without effect under its options, one line each, for ``explain``."""
         return []
@@ -74,7 +69,7 @@ class ContactStrategy(PlugIn):
 
 
 def from_setup(setup: Setup) -> Acts | str:
-    """Return the contact with its parts; velocity fields, friction and search have lines too."""
+    """Return the contact with its parts; velocity fields and friction have lines too."""
     contact, law = setup.contact, setup.friction_law
     if contact is None:
         return "one body" if len(setup.bodies) == 1 else "not named"
@@ -88,7 +83,6 @@ def from_setup(setup: Setup) -> Acts | str:
         lines = [
             Effect("velocity field per body", contact.velocity_fields == "per_body", asked),
             Effect("friction", bool(frictional), why),
-            *_search(setup, contact.reach(setup.cell_size)),
         ]
         pairs = str(len(setup.pairs)) if setup.state.near is None else "those that come near"
         reason = f"{contact.name} ({type(contact).__name__}), pairs: {pairs}"
@@ -104,17 +98,6 @@ def _frictional(setup: Setup) -> str:
     if near and near.friction:
         named.append(f"μ = {near.friction:g} in pairs without another value")
     return ", ".join(named)
-
-
-def _search(setup: Setup, reach: float | None) -> list[Effect]:
-    """Return whether bodies are searched at the start; nothing without a reach."""
-    bodies = setup.state.bodies
-    if reach is None or len(bodies) < 2:
-        return []
-    lower, upper = (np.array([getattr(body, end) for body in bodies]) for end in ("lower", "upper"))
-    near = len(overlapping(lower - 0.5 * reach, upper + 0.5 * reach)[0]) > 0
-    found = f"{'two' if near else 'no two'} bodies' boxes are within its reach of {reach:.4g} m at the start"
-    return [Effect("contact search", near, found if near else f"until bodies are near: {found}")]
 
 
 #: Relative difference of wave moduli K + 4 G / 3 up to which two bodies are equally stiff, and of sizes that

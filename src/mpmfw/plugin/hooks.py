@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 import pluggy
 
 from mpmfw.errors import OutsideGrid, SceneError
-from mpmfw.plugin.checks import PASSED_ON, described, failure, naming
+from mpmfw.plugin.checks import PASSED_ON, described, failure
 from mpmfw.plugin.hookspecs import HookSpecs
 from mpmfw.state.structs import Grid, State
 
@@ -37,17 +37,16 @@ HOOKS = tuple(name for name in vars(HookSpecs) if not name.startswith("_"))
 
 @dataclass
 class Implementation:
-    """A plug-in's implementation of a hook: a wrapper, or ordered first (−1), as registered (0), last (1)."""
+    """A plug-in's implementation of a hook, ordered first (−1), as registered (0) or last (1)."""
 
     plugin: Any
     function: Callable[..., Any]
     argnames: tuple[str, ...]
-    wrapper: bool
     order: int
 
 
 #: Arguments of :class:`Implementation` by attribute and hook, of every class that was registered.
-_implemented: dict[type, dict[tuple[str, str], tuple[tuple[str, ...], bool, int]]] = {}
+_implemented: dict[type, dict[tuple[str, str], tuple[tuple[str, ...], int]]] = {}
 
 
 def pluggy_manager() -> pluggy.PluginManager:
@@ -60,10 +59,10 @@ def pluggy_manager() -> pluggy.PluginManager:
 SPECS: dict[str, Any] = {name: getattr(pluggy_manager().hook, name).spec for name in HOOKS}
 
 
-def implemented(plugin: Any) -> dict[tuple[str, str], tuple[tuple[str, ...], bool, int]]:
-    """Return arguments, wrapper and order by attribute and hook; pluggy takes 1 ms to find and check them.
+def implemented(plugin: Any) -> dict[tuple[str, str], tuple[tuple[str, ...], int]]:
+    """Return arguments and order by attribute and hook; pluggy takes 1 ms to find and check them.
 
-    Raise SceneError if a hook or an argument is unknown, or a hook is not marked."""
+    Raise SceneError if a hook or an argument is unknown, a hook is not marked, or it is a wrapper."""
     kind = type(plugin)
     own = not getattr(plugin, "__dict__", {}).keys().isdisjoint(HOOKS)
     if kind in _implemented and not own:
@@ -78,15 +77,17 @@ def implemented(plugin: Any) -> dict[tuple[str, str], tuple[tuple[str, ...], boo
     found = {}
     for name, mark in marks.items():
         unmarked = not mark and name in HOOKS and inspect.isroutine(getattr(plugin, name))
-        if unmarked or (mark and mark["hookwrapper"]):
+        if unmarked:
             raise SceneError(
-                f"{described(plugin)}: {name} has the name of a hook; expected @hookimpl above it, of a "
-                "wrapper @hookimpl(wrapper=True), or another name"
+                f"{described(plugin)}: {name} has the name of a hook; expected @hookimpl above it, or "
+                "another name"
             )
+        if mark and (mark["wrapper"] or mark["hookwrapper"]):
+            raise SceneError(f"{described(plugin)}: {name} is a wrapper; expected a plain @hookimpl")
         if mark and (mark["specname"] or name) in HOOKS:  # else optional, and of another version
             impl = pluggy.HookImpl(plugin, "", getattr(plugin, name), mark)
             order = impl.trylast - impl.tryfirst
-            found[name, mark["specname"] or name] = (impl.argnames, impl.wrapper, order)
+            found[name, mark["specname"] or name] = (impl.argnames, order)
     return found if own else _implemented.setdefault(kind, found)
 
 
@@ -174,8 +175,7 @@ def _bind(
     Observers look before and after each. Between two kernels over many points the interpreter's own data has
     left the caches: a loop over the implementations takes twice as long as this."""
     given = SPECS[name].argnames
-    calls = [impl for impl in implementations if not impl.wrapper]
-    first_result = bool(calls and SPECS[name].opts.get("firstresult"))
+    first_result = bool(implementations and SPECS[name].opts.get("firstresult"))
     names: dict[str, Any] = {"clock": clock, "passed_on": (*PASSED_ON, OutsideGrid)}
     names["failed"] = lambda error, plugin: failure(error, plugin, name, state)
     names |= {f"observer_{k}": observer for k, observer in enumerate(observers)}
@@ -183,7 +183,7 @@ def _bind(
     if observers:
         calls_of = {moment: _observing(name, moment, observers, "dt" in given) for moment in MOMENTS}
     lines = calls_of["begin"]
-    for k, impl in enumerate(calls):
+    for k, impl in enumerate(implementations):
         names[f"call_{k}"], names[f"plugin_{k}"] = impl.function, impl.plugin
         call = f"result = call_{k}({', '.join(impl.argnames)})\n"
         stage = getattr(impl.plugin, "stage", None)
@@ -206,11 +206,7 @@ def _bind(
         "    return results\n"
     )
     exec(_compiled(text, name), names)
-    bound: Callable[..., Any] = names[name]
-    for impl in reversed(implementations):
-        if impl.wrapper:
-            bound = _around(impl, name, bound, state)
-    return bound
+    return names[name]  # type: ignore[no-any-return]
 
 
 def _observing(hook: str, moment: str, observers: Sequence[Observer], has_dt: bool) -> str:
@@ -231,26 +227,3 @@ def _compiled(text: str, name: str) -> CodeType:
     file = f"<calls of {name}, {zlib.crc32(text.encode()):08x}>"
     linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
     return compile(text, file, "exec")
-
-
-def _around(
-    impl: Implementation, name: str, inner: Callable[..., Any], state: State | None
-) -> Callable[..., Any]:
-    """Return a hook with a wrapper, which gets the result where it yields."""
-
-    def hook(**arguments: Any) -> Any:
-        with naming(impl.plugin, name, state):
-            generator: Any = impl.function(*[arguments[each] for each in impl.argnames])
-            next(generator)
-            try:
-                try:
-                    result = inner(**arguments)
-                except BaseException as error:
-                    generator.throw(error)
-                else:
-                    generator.send(result)
-            except StopIteration as stop:
-                return stop.value
-            raise TypeError("a wrapper that yields more than once; expected one yield")
-
-    return hook
