@@ -1,6 +1,7 @@
 """Structs of arrays as arguments of kernels: numba finds the type by the class."""
 
 import copy
+import ctypes
 import pickle
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -61,6 +62,12 @@ def test_a_copy_has_its_own_arrays(copied):
 def test_structs_of_names_known_at_run_time():
     for first in LAYOUTS.values():
         assert total(struct(first=first, second=np.zeros(1))) == first.sum()
+
+
+def test_compiled_code_finds_a_structure_behind_the_head_of_its_object():
+    pair = Pair(first=np.zeros(1), second=np.zeros(1))
+    behind = ctypes.c_void_p.from_address(id(pair) + object.__basicsize__).value
+    assert behind == ctypes.addressof(pair)
 
 
 def test_threads_make_one_class():

@@ -80,11 +80,12 @@ class Products(Stencil):
         """Forget what was made of other factors; return the object."""
         for name in [name for name in self.__dict__ if name not in ("factors", "_table")]:
             del self.__dict__[name]
+        self._address = 0
         return self
 
     def __getattr__(self, name: str) -> Any:
         """Make the table of which ``name`` is an attribute."""
-        if name not in (*self.member_names, "room", "kernel_arrays", "_numba_type_", "_numbers", "_address"):
+        if name not in (*self.member_names, "room", "kernel_arrays", "_numba_type_", "_numbers"):
             raise AttributeError(name)
         points, dim = self.factors.shape.shape
         if self._table is None:
@@ -94,6 +95,7 @@ class Products(Stencil):
             self._table = Stencil(row, np.zeros(count, np.int32), np.zeros(count), np.zeros((count, dim)))
         products.fill_products(self.factors, self._table, (0.0,) * dim)
         self.__dict__.update(self._table.__dict__)
+        self._address = self._table._address
         return self.__dict__[name]
 
 
