@@ -60,7 +60,6 @@ class BarrierLaw(SpringLaw):
         return {**super().row_arrays(friction=friction), "distance": 0}
 
     def prepare(self, setup: Setup) -> None:
-        """Prepare as springs, and take the surfaces that the collision detection follows."""
         self.surface = setup.state.tracked_surface
         self.threshold = self.options.reach * setup.cell_size
         self.offset, self.placed = np.zeros(0), False
@@ -79,7 +78,6 @@ class BarrierLaw(SpringLaw):
         return FIRST / self.options.reach * super().estimate_frequency(bulk_frequency)
 
     def list_pairs(self, state: State) -> None:
-        """List the pairs, with the offsets of bodies that others join."""
         super().list_pairs(state)
         first, second = state.pair_bodies.T
         together = self.group[first] == self.group[second]

@@ -38,7 +38,6 @@ class MohrCoulomb(FrictionLaw):
     options: MohrCoulombOptions
 
     def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
-        """The pairs' μ, and c A."""
         super().slip_limit(rows, friction, dt)
         n = rows.count
         rows.cohesion[:n] = self.options.cohesion * rows.area[:n]
@@ -81,6 +80,5 @@ class Stribeck(FrictionLaw):
     options: StribeckOptions
 
     def slip_limit(self, rows: ContactRows, friction: FloatArray, dt: float) -> None:
-        """μ by the speed of every row."""
         options = self.options
         weaken(rows, rows.count, friction, options.static_ratio, options.velocity, dt)

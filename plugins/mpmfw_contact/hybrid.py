@@ -50,7 +50,6 @@ class Hybrid(Impulse):
         return {**super().row_arrays(friction=friction), "limit": 0}
 
     def list_pairs(self, state: State) -> None:
-        """List also κ K / h of all pairs [Pa/m]."""
         super().list_pairs(state)
         both = [
             (state.bodies[pair.first].bulk_modulus, state.bodies[pair.second].bulk_modulus)

@@ -65,7 +65,6 @@ class Lcp(ImpulseLaw):
         return {"compliance": 0, "allowed": 0, "velocity": 1, "before": 1, "direction": 1}
 
     def prepare(self, setup: Setup) -> None:
-        """Allocate the multipliers, and choose the tolerance."""
         given = self.options.tolerance
         self.tolerance = TOLERANCE[setup.dim] if given is None else given
         self.velocity = np.zeros((0, setup.dim))
@@ -121,7 +120,6 @@ class Lcp(ImpulseLaw):
 
     @hookimpl
     def diagnostics(self, state: State, interval: float) -> dict[str, FloatArray]:
-        """Add mean sweeps and largest residual; ``interval`` [s] is since the last output."""
         sweeps, residual = np.array(self.swept / max(self.since, 1)), np.array(self.residual)
         self.since, self.swept, self.residual = 0, 0, 0.0
         return {
@@ -130,7 +128,6 @@ class Lcp(ImpulseLaw):
 
     @hookimpl
     def concerns(self) -> list[str]:
-        """Add the solutions that ended before the conditions were met."""
         if self.unfinished == 0:
             return super().concerns()
         return [

@@ -243,14 +243,12 @@ class Logistic(AtNodes):
             )
 
     def prepare(self, setup: Setup, owner: str) -> None:
-        """Take the domains of the material points, the cut-off, and the bodies of the pairs."""
         self.half_edges, self.wide = setup.half_edges, (1.0,) * (setup.dim + 1)
         self.cut_off = self.options.cut_off * setup.cell_size
         self.clouds = Clouds(**{name: np.zeros(0, dtype=np.int64) for name in Clouds.member_names})
         super().prepare(setup, owner)
 
     def write(self, listed: int, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> int:
-        """Write rows of the shared nodes between whose points there is a plane; return their number."""
         clouds, nodes, entries = self.clouds, self.nodes_of(grid), phi.room
         if (len(clouds.head), len(clouds.after)) != (len(grid.mass), entries):
             sizes = {"head": len(grid.mass), "after": entries, "point": entries}

@@ -215,7 +215,6 @@ class Midplane(OnFacets):
         return ContactRows(self.state.grid.dim, couples=self.has_friction, own=own)
 
     def find(self, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> None:  # noqa: ARG002
-        """Find the segments that are near each other, and write their rows."""
         rows.count = 0
         if not self.near.update():
             return

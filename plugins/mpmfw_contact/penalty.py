@@ -93,7 +93,6 @@ class PenaltyLaw(SpringLaw):
         return [*super().declare_fields(), SPRING_WORK]
 
     def prepare(self, setup: Setup) -> None:
-        """List the pairs, and the depth from which springs grow stiffer."""
         setup.allocate(self.name, SPRING_WORK)
         self.linear_to = self.options.linear_to * setup.cell_size
         super().prepare(setup)
@@ -120,7 +119,6 @@ class PenaltyLaw(SpringLaw):
 
     @hookimpl
     def diagnostics(self, state: State, interval: float) -> dict[str, AnyArray]:
-        """Add the energy that changing springs lost; ``interval`` [s] is since the last output."""
         return {**super().diagnostics(state, interval), "spring_work": self.change.copy()}
 
     def restart(self) -> None:

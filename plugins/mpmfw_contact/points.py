@@ -188,7 +188,6 @@ class PointSpheres(Detection):
         self.pairs = np.ascontiguousarray(state.pair_bodies)
 
     def find(self, grid: Grid, phi: Stencil, particles: Particles, rows: ContactRows) -> None:
-        """List the points that are near each other, and write their rows."""
         bounding_boxes(self.first, particles.position, self.boxes.lower, self.boxes.upper)
         reach = NEAR * 2.0 * radius(float(particles.volume.max()), grid.dim)
         search = (self.pairs, self.first, particles, reach, self.boxes, self.head, self.after)

@@ -172,7 +172,6 @@ class Frictional(Plastic):
 
     @property
     def dilates(self) -> bool:
-        """Return True if ψ is above 0."""
         return bool(self.options.dilation_angle > 0.0)
 
     @property
@@ -247,7 +246,6 @@ class Frictional(Plastic):
         return energy
 
     def stress_of_points(self, particles: Particles, own: slice) -> FloatArray:
-        """σ, (n, 3, 3) [Pa]."""
         bulk, shear, (power, reference) = self.elasticity
         jacobian, strain, vectors = self._strain(particles, own)
         tau = _linear_stress(strain, bulk, shear)

@@ -59,12 +59,10 @@ class Isotropic(Material):
 
     @property
     def bulk_modulus(self) -> float:
-        """K [Pa]."""
         return float(self.options.bulk_modulus)
 
     @property
     def shear_modulus(self) -> float:
-        """G [Pa]."""
         return float(self.options.shear_modulus)
 
 
@@ -82,7 +80,6 @@ class Elastic(Isotropic):
         self.constants = self.bulk_modulus, self.shear_modulus, setup.state.grid.tensor_spacing
 
     def cauchy_stress(self, deformation_gradient: FloatArray) -> FloatArray:
-        """σ, (n, 3, 3) [Pa]."""
         f = pad_plane_strain(deformation_gradient)
         stress = np.empty_like(f)
         self.kernel(0, len(f), f, stress, self.bulk_modulus, self.shear_modulus, (1.0, 1.0, 1.0))

@@ -136,6 +136,5 @@ class Plastic(Isotropic):
         return {"plastic_strain": self.flow.strain.copy()} if points else {}
 
     def dissipated_by_points(self, particles: Particles, own: slice) -> FloatArray:  # noqa: ARG002
-        """Plastic work, (n,) [J/m^3]."""
         work: FloatArray = self.flow.work[own]
         return work

@@ -215,7 +215,6 @@ class J2(Plastic):
         return energy
 
     def stress_of_points(self, particles: Particles, own: slice) -> FloatArray:
-        """σ, (n, 3, 3) [Pa]."""
         jacobian, be = self._elastic(particles, own)
         mean = np.einsum("nii->n", be)[:, None, None] / 3.0
         pressure = 0.5 * self.bulk_modulus * (jacobian - 1.0 / jacobian)

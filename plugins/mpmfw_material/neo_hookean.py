@@ -134,7 +134,6 @@ class NeoHookean(Elastic):
         self.over_points(self.evaluate, particles, f, stress, *self.constants)
 
     def energy_density(self, deformation_gradient: FloatArray) -> FloatArray:
-        """W(F), (n,) [J/m^3]."""
         bulk, shear = self.bulk_modulus, self.shear_modulus
         f = deformation_gradient
         if f.shape[1] == 2:  # plane strain: F_zz = 1

@@ -21,6 +21,11 @@ from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import AnyArray, Field, FloatArray
 from mpmfw.state.structs import Grid, Pair, Particles, State, Stencil
 
+#: Hooks that are those of all contacts, one after the other, and no more.
+PASSED_ON = (
+    "detect", "after_momentum_projection", "add_nodal_force", "after_second_projection", "advect",
+)  # fmt: skip
+
 #: The record that not every contact has.
 SPRING_WORK = "spring_work"
 
@@ -103,6 +108,8 @@ class ContactsByPair(ContactStrategy):
         self.rigid_motion = RigidMotion()
         registry.register(self.rigid_motion, self.rigid_motion.name)
         self.hook: Any = BoundHooks(registry, lambda stage: stage)
+        for hook in PASSED_ON:
+            setattr(self, hook, hookimpl(getattr(self.hook, hook)))
 
     def _combine(self, auto_map: Any) -> None:
         """Set the facts that all contacts have together."""
@@ -120,11 +127,9 @@ class ContactsByPair(ContactStrategy):
 
     @property
     def label(self) -> str:
-        """Labels of all contacts."""
         return "; ".join(self.names)
 
     def parts(self) -> list[Any]:
-        """Return the parts of all contacts, under names of their own."""
         found = []
         for contact in self.contacts:
             for part in contact.parts():
@@ -133,11 +138,9 @@ class ContactsByPair(ContactStrategy):
         return found
 
     def between(self, first: str, second: str) -> Any:
-        """Return the contact of a pair."""
         return self.named.get((first, second), self.named.get((second, first), self.base))
 
     def monitors(self) -> list[Any]:
-        """Return one monitor of all laws of forces."""
         from mpmfw.contact.events import ContactEvents
 
         forces = [each for each in self.contacts if each.gives_forces]
@@ -153,7 +156,6 @@ class ContactsByPair(ContactStrategy):
         return found
 
     def unused(self, pairs: Sequence[Pair]) -> list[str]:
-        """Return the facts of every pair without effect in its contact."""
         lines = []
         for contact in self.contacts:
             own = [pair for pair in pairs if contact.detection.acts_on(pair)]
@@ -199,24 +201,8 @@ class ContactsByPair(ContactStrategy):
 
     @hookimpl
     def add_pairs(self, state: State) -> None:
-        """List bodies that have come near."""
         self.hook.add_pairs(state=state)
         self.restored()
-
-    @hookimpl
-    def detect(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
-        """Find the rows of all contacts."""
-        self.hook.detect(grid=grid, phi=phi, particles=particles)
-
-    @hookimpl
-    def after_momentum_projection(self, grid: Grid, phi: Stencil, particles: Particles, dt: float) -> None:
-        """Correct the projected momentum."""
-        self.hook.after_momentum_projection(grid=grid, phi=phi, particles=particles, dt=dt)
-
-    @hookimpl
-    def add_nodal_force(self, grid: Grid, state: State, phi: Stencil, dt: float) -> None:
-        """Add the forces of all contacts."""
-        self.hook.add_nodal_force(grid=grid, state=state, phi=phi, dt=dt)
 
     @hookimpl
     def after_momentum_update(self, grid: Grid, phi: Stencil, particles: Particles, dt: float) -> None:
@@ -224,23 +210,12 @@ class ContactsByPair(ContactStrategy):
         self.hook.after_momentum_update(grid=grid, phi=phi, particles=particles, dt=dt)
         self.restored()
 
-    @hookimpl
-    def after_second_projection(self, grid: Grid, phi: Stencil, particles: Particles) -> None:
-        """Correct MUSL's second momentum."""
-        self.hook.after_second_projection(grid=grid, phi=phi, particles=particles)
-
-    @hookimpl
-    def advect(self, grid: Grid, dt: float) -> None:
-        """Note the motion of all rows."""
-        self.hook.advect(grid=grid, dt=dt)
-
     def work_over_last_step(self) -> float:
         """Return the work [J/m] of the forces on the last step's motion, where all contacts have forces."""
         return float(sum(contact.work_over_last_step() for contact in self.contacts))
 
     @hookimpl
     def stable_timestep(self, state: State) -> tuple[float, str] | None:
-        """Return the least limit."""
         return min(self.hook.stable_timestep(state=state), default=None)
 
     @hookimpl
@@ -255,11 +230,9 @@ class ContactsByPair(ContactStrategy):
 
     @hookimpl
     def concerns(self) -> list[str]:
-        """Return the warnings of all contacts."""
         return [line for answer in self.hook.concerns() for line in answer]
 
     def restart(self) -> None:
-        """Forget the settling in all contacts."""
         for contact in self.contacts:
             contact.restart()
         self.restored()

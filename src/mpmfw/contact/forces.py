@@ -51,14 +51,12 @@ class ForceLaw(ContactLaw):
         check_indices(len(self.state.pairs), pair=self.old.pair[: self.old.count])
 
     def monitors(self) -> list[Any]:
-        """Return what follows steps per contact and deepest penetration."""
         from mpmfw.contact.events import ContactEvents
 
         return [ContactEvents(self)]
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        """Prepare as every contact, and take the frequency of the bulk."""
         super().setup(setup)
         self.bulk_frequency = setup.bulk_frequency
         #: Of the rows of this step [1/s²]; None before any was detected.
@@ -83,7 +81,6 @@ class ForceLaw(ContactLaw):
 
     @hookimpl
     def add_nodal_force(self, grid: Grid, dt: float) -> None:
-        """Add the rows' forces by Bᵀ (eq. 9, 11); ``dt`` is the step's length [s]."""
         rows, old = self.rows, self.old
         if rows.count == 0 and old.count == 0:
             return
@@ -109,7 +106,6 @@ class ForceLaw(ContactLaw):
         self.rows, self.old = self.old, rows
 
     def copy_history(self, other: ContactLaw, index_map: IndexMap) -> None:
-        """Copy the detection's history, and the rows of ``other``'s last step."""
         super().copy_history(other, index_map)
         self.old.copy_history(other.last_rows, index_map)
 

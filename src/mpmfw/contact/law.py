@@ -209,7 +209,6 @@ class ContactLaw(ContactStrategy):
 
     @hookimpl
     def add_pairs(self, state: State) -> None:
-        """Add facts and records of bodies that have come near."""
         self.detection.list_pairs(state)
         self.list_pairs(state)
         self.records.add_pairs(state)

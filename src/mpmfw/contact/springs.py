@@ -134,7 +134,6 @@ class SpringLaw(ForceLaw):
     softness_option = "kappa"
 
     def row_arrays(self, *, friction: bool) -> dict[str, int | None]:
-        """Return the arrays of :class:`SpringArrays`; a law adds its own."""
         names = [name for name in SpringArrays.member_names if name != "tangential"]
         return {**dict.fromkeys(names, 0), "tangential": 1 if friction else None}
 

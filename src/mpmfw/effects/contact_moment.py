@@ -72,7 +72,6 @@ class ContactMoment(Observer):
         return {"contact_moment": moment}
 
     def before(self, hook: str, plugin: Any, grid: Grid, dt: float) -> None:  # noqa: ARG002
-        """Copy the nodes' momenta or forces before contact, (n_nodes, dim)."""
         if plugin is self.contact:
             self._before = (grid.force if hook == "add_nodal_force" else grid.momentum).copy()
 

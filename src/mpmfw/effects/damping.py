@@ -74,7 +74,6 @@ class Damping:
 
     @hookimpl
     def update_stress(self, particles: Particles, dt: float) -> None:
-        """Add to the stress of the materials, which comes before."""
         for material, bulk, shear in self.damped:
             material.over_points(
                 add_viscous_stress, particles, particles, bulk, shear, dt, self.work, self.spacing

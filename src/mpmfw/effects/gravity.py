@@ -49,6 +49,5 @@ class Gravity:
 
     @hookimpl
     def add_nodal_force(self, grid: Grid, state: State, dt: float) -> None:
-        """Body force on every velocity field, with the mean of g over the step."""
         mean = self.table.mean(state.time, dt) if self.constant is None else self.constant
         add_body_force(grid.mass, mean, grid.force, grid.spacing)

@@ -149,7 +149,6 @@ class EnergyLedger(Observer):
         return [Field(name, (), "J m-1", MEANINGS[name], "series", output=True) for name in names]
 
     def before(self, hook: str, plugin: Any, grid: Grid, dt: float) -> None:  # noqa: ARG002
-        """Take momenta and forces before the first implementation."""
         if hook == "after_momentum_projection":
             self.projected, self.impulse = grid_energy(grid.mass, grid.momentum), dict[str, FloatArray]()
             if self.momentum.shape != grid.momentum.shape:

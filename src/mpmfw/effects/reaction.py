@@ -65,12 +65,10 @@ class Reaction(Observer):
         return list(FIELDS)
 
     def before(self, hook: str, plugin: Any, grid: Grid, dt: float) -> None:  # noqa: ARG002
-        """Copy the points' momenta or forces before contact."""
         if plugin is self.contact:
             self._before = self.rigid.own(grid.force if hook == "add_nodal_force" else grid.momentum).copy()
 
     def after(self, hook: str, plugin: Any, grid: Grid, dt: float) -> None:
-        """Add impulses, their moments, and their works on the motion of the step."""
         if plugin is not self.contact:
             return
         forces, rigid = hook == "add_nodal_force", self.rigid

@@ -236,7 +236,6 @@ class VonMises:
 
     @classmethod
     def from_setup(cls, setup: Setup) -> Acts:
-        """Return the stress, wherever frames hold material points."""
         return Acts("frames hold material points", [cls(tuple(setup.materials.values()))])
 
     @hookimpl

@@ -92,13 +92,25 @@ def longest_settling(asked: Settle, bodies: Iterable[Body]) -> float:
     return CROSSINGS * max(float(np.subtract(b.upper, b.lower).max()) / b.wave_speed for b in bodies)
 
 
-class LocalDamping:
-    """The damping as a plug-in that is registered only while a scene settles."""
+class Settling:
+    """Steps a scene to rest under its loads, while sides that move stand still; time zero comes after it.
+
+    It is the damping, a plug-in until :meth:`finish` returns. Plug-ins of ``setup`` with a method
+    ``while_settling`` get the scene's table now, and None at the end."""
 
     name = "settling"
-    history = ("impulse", "_integrated")
+    history = ("ratios", "residual", "elapsed", "impulse", "_integrated")
 
-    def __init__(self) -> None:
+    def __init__(self, setup: Setup) -> None:
+        asked = setup.scene.settle
+        assert asked is not None
+        self.limit, self.tolerance = longest_settling(asked, setup.bodies), asked.tolerance
+        self.transfer = replace(setup.exchange, flip=min(setup.flip, FLIP_SHARE))  #: meanwhile
+        self.others = [plugin for plugin in setup.plugins if hasattr(plugin, "while_settling")]
+        for plugin in self.others:
+            plugin.while_settling(asked)
+        self.residual, self.elapsed = 1.0, 0.0
+        self.ratios = np.ones(STEPS_OF_MEAN)  #: of residual to internal forces, of the last steps
         self.impulse = 0.0  #: Σ |Δ(m v)_i| of the last step [N s/m]
         self.internal = 0.0  #: Σ |f_i| of the internal forces of the last step [N/m]
         self._integrated = False
@@ -115,30 +127,10 @@ class LocalDamping:
 
     @hookimpl(trylast=True)
     def constrain_momentum(self, grid: Grid) -> None:
-        """After the boundary conditions, so that reactions balance; once a step."""
+        """Damp after the boundary conditions, so that reactions balance; once a step."""
         if self._integrated:
             self._integrated = False
             self.impulse = damp_locally(DAMPING, grid, grid.spacing)
-
-
-class Settling:
-    """Steps a scene to rest under its loads, while sides that move stand still; time zero comes after it.
-
-    Plug-ins of ``setup`` with a method ``while_settling`` get the scene's table now, and None at the end."""
-
-    history = ("ratios", "residual", "elapsed", "damping")
-
-    def __init__(self, setup: Setup) -> None:
-        asked = setup.scene.settle
-        assert asked is not None
-        self.limit, self.tolerance = longest_settling(asked, setup.bodies), asked.tolerance
-        self.transfer = replace(setup.exchange, flip=min(setup.flip, FLIP_SHARE))  #: meanwhile
-        self.others = [plugin for plugin in setup.plugins if hasattr(plugin, "while_settling")]
-        for plugin in self.others:
-            plugin.while_settling(asked)
-        self.damping = LocalDamping()  #: to be registered until :meth:`finish` returns
-        self.residual, self.elapsed = 1.0, 0.0
-        self.ratios = np.ones(STEPS_OF_MEAN)  #: of residual to internal forces, of the last steps
 
     def finish(
         self, state: State, step: Callable[[], None], after_step: Callable[[], None] | None = None
@@ -151,7 +143,7 @@ class Settling:
             state.time = 0.0  # loads that change in time stand still at their start
             step()
             self.elapsed += state.dt
-            force, internal = self.damping.impulse / state.dt, self.damping.internal
+            force, internal = self.impulse / state.dt, self.internal
             ratio = min(1.0, force / internal) if internal > 0.0 else float(force > 0.0)
             self.ratios[state.steps % STEPS_OF_MEAN] = ratio
             self.residual = float(self.ratios.mean())
@@ -164,8 +156,11 @@ class Settling:
                 ResultsWarning,
                 stacklevel=3,
             )
-        found = {"settle_residual": self.residual, "settle_steps": state.steps}
-        return {**found, "settle_simulated_time": self.elapsed}
+        return {
+            "settle_residual": self.residual,
+            "settle_steps": state.steps,
+            "settle_simulated_time": self.elapsed,
+        }
 
     def end(self, state: State) -> None:
         """Stop all motion; loads and sides are the scene's own again."""

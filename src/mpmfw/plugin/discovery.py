@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import difflib
 import functools
 import inspect
@@ -87,7 +86,7 @@ class Available(dict[str, EntryPoint]):
 
 def available(kind: Kind) -> Available:
     """Return the installed plug-ins of a kind by name, sorted."""
-    announced = _announced(kind, entry_points, _search_path())
+    announced = _announced(kind, entry_points, tuple(sys.path))
     return Available({name: entries[0] for name, entries in announced.items()})
 
 
@@ -97,7 +96,7 @@ REFERENCES = ("rolling-cylinder", "rolling-sphere", "sliding-block", "pressed-bl
 
 def only_bundled(kind: Kind, name: str) -> bool:
     """Return True if mpmfw alone brings a plug-in of this name."""
-    entries = _announced(kind, entry_points, _search_path()).get(name, [])
+    entries = _announced(kind, entry_points, tuple(sys.path)).get(name, [])
     return [distribution_of(entry) for entry in entries] == ["mpmfw"]
 
 
@@ -110,22 +109,13 @@ def choices(kind: Kind) -> Available:
     return found
 
 
-def _search_path() -> tuple[tuple[str, int], ...]:
-    """Return folders with distributions, and when these changed."""
-    found = []
-    for folder in sys.path:
-        with contextlib.suppress(OSError):
-            found.append((folder, os.stat(folder).st_mtime_ns))
-    return tuple(found)
-
-
 @functools.lru_cache(maxsize=16)
 def _announced(
     kind: Kind,
     look_up: Callable[..., Iterable[EntryPoint]],
-    folders: tuple[tuple[str, int], ...],  # noqa: ARG001
+    folders: tuple[str, ...],  # noqa: ARG001
 ) -> dict[str, list[EntryPoint]]:
-    """Read what is installed, once for each state of the search path."""
+    """Read what is installed, once for each search path."""
     found: dict[str, list[EntryPoint]] = {}
     for entry in sorted(look_up(group=f"mpmfw.{kind}"), key=lambda entry: entry.name):
         # The same distribution may be seen twice on the search path (an installation and its source tree)
@@ -148,7 +138,7 @@ def load(kind: Kind, name: str) -> type[Any]:
             return load("law", law).joined_with(load("detection", detection))  # type: ignore[no-any-return]
         except SceneError as error:
             raise SceneError(f"contact '{name}': {error}") from error
-    entry, *others = _announced(kind, entry_points, _search_path()).get(name, [entries[name]])
+    entry, *others = _announced(kind, entry_points, tuple(sys.path)).get(name, [entries[name]])
     if others:
         announced = " and ".join(f"{distribution_of(each)} ({each.value})" for each in (entry, *others))
         raise SceneError(

@@ -200,7 +200,7 @@ def _bind(
         expected = SPECS[name].function.__annotations__["return"]
         lines += f"raise TypeError('returned None; expected {expected}')\n"
     text = (
-        f"def {name}({', '.join(['*'] * bool(given) + [*given])}):\n    results = []\n    plugin = None\n"
+        f"def {name}({', '.join(given)}):\n    results = []\n    plugin = None\n"
         f"    try:\n{indent(lines or 'pass', 8 * ' ')}\n    except passed_on:\n        raise\n"
         "    except BaseException as error:\n        raise failed(error, plugin) from error\n"
         "    return results\n"

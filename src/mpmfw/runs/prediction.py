@@ -55,7 +55,7 @@ def predict(simulation: Simulation, arrays: Iterable[int]) -> Prediction:
         stack.enter_context(clock.watching_compilation())
         time = simulation.scene.time
         if settle is not None:
-            stack.enter_context(simulation.extra_plugin(simulation.begin_settling().damping))
+            stack.enter_context(simulation.extra_plugin(simulation.begin_settling()))
             simulation.step()
         else:
             simulation.start()

@@ -190,7 +190,7 @@ class Simulation:
             return
         if self.scene.settle is not None:
             settling = self.begin_settling()
-            with self.extra_plugin(settling.damping):
+            with self.extra_plugin(settling):
                 self._settled = settling.finish(self.state, self.step, after_step)
             self._settling, self.transfer = None, self.setup.exchange
             settling.end(self.state)
@@ -318,11 +318,12 @@ class Simulation:
 
     def _parts(self) -> dict[str, Any]:
         """Return every object that has values, by its name in messages."""
-        damping = None if self._settling is None else self._settling.damping  # registered while it steps
-        kept = {
-            f"plug-in '{name}'": each for name, each in self.registry.plugins.items() if each is not damping
+        others = {
+            f"plug-in '{name}'": plugin
+            for name, plugin in self.registry.plugins.items()
+            if plugin is not self._settling  # which is registered while it steps
         }
-        return {"state": self.state, **kept, "simulation": self}
+        return {"state": self.state, **others, "simulation": self}
 
     # -- what it leaves
 

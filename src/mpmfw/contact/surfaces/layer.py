@@ -75,5 +75,4 @@ class InterfaceLayer:
 
     @hookimpl
     def advect(self, grid: Grid) -> None:
-        """Take the new velocity from the grid."""
         gather_layer(self.surface.table, grid.velocity, grid.start_velocity, self.velocity, self.flip)
