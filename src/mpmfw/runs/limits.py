@@ -28,9 +28,6 @@ BYTES = {2: (2_000, 400, 1_000), 3: (6_000, 600, 2_000)}
 #: Extent of a body in cells below which nothing of it is left by the layouts.
 THINNEST = 1e-6
 
-#: Flat indices of nodes are integers of 32 bits.
-MOST_NODES = 2**31 - 1
-
 #: Nodes that a window has beyond the body, on both sides together.
 _BEYOND = 10
 
@@ -61,7 +58,7 @@ def most_memory(scene: Scene) -> float:
 
 
 def check_memory(scene: Scene) -> None:
-    """Refuse too much memory, too many nodes, and bodies outside the grid or far thinner than a cell."""
+    """Refuse too much memory, and bodies outside the grid or far thinner than a cell."""
     cell, each, counts = scene.grid.cell_size, np.array(BYTES[scene.dim]), {}
     for name, body in scene.bodies.items():
         if not isinstance(body, RigidBody):
@@ -90,12 +87,6 @@ def check_memory(scene: Scene) -> None:
             f"up to {shown_bytes(needed)} of memory, and the limit is {shown_bytes(limit)}, the memory of "
             f"this machine; expected a larger {key}, or are lengths in millimetres?",
             key=key,
-        )
-    if (nodes := sum(count[1] for count in counts.values())) > MOST_NODES:
-        raise SceneError(
-            f"{nodes:.3g} nodes round the bodies are more than {MOST_NODES}, the most that can be counted; "
-            "expected a larger grid.cell_size",
-            key="grid.cell_size",
         )
 
 
@@ -164,9 +155,6 @@ MOST_STEPS = 10_000_000
 #: Frames: at 10 kB each, the least that a frame takes, 1 GB.
 MOST_FRAMES = 100_000
 
-#: Bytes of results past which a run says so.
-LARGE_RESULTS = 1e9
-
 
 def outputs_of(scene: Scene) -> int:
     """Return the number of outputs after time zero."""
@@ -219,16 +207,6 @@ def cores() -> int:
     """Return the number of cores that this process may use."""
     allowed = getattr(os, "sched_getaffinity", None)
     return len(allowed(0)) if allowed is not None else os.cpu_count() or 1
-
-
-def remarks_on_results(scene: Scene, header: RunHeader) -> list[str]:
-    """Return a warning about results that will be large."""
-    frames, each, size = results_size(scene, header)
-    text = (
-        f"the results take up to {shown_bytes(size)}: {frames:g} frames of {shown_bytes(each)}; a longer "
-        "time.output_interval or output.particle_interval, or output.particles = false, makes them smaller"
-    )
-    return [text] if size > LARGE_RESULTS else []
 
 
 def results_size(scene: Scene, header: RunHeader) -> tuple[float, float, float]:

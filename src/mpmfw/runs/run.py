@@ -17,7 +17,7 @@ from mpmfw.results.provenance import peak_memory, restart_peak_memory
 from mpmfw.results.replacing import check_replaceable
 from mpmfw.runs.build import chosen_methods
 from mpmfw.runs.interruption import interruptible, unbroken
-from mpmfw.runs.limits import check_length, remarks_on_results, remarks_on_threads
+from mpmfw.runs.limits import check_length, remarks_on_threads
 from mpmfw.runs.restart import RESULTS, Checkpoints, check_same, checkpoint_path, read_checkpoint
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene, located
@@ -111,8 +111,7 @@ def begun(
     except SceneError as error:
         raise located(error, loaded) from error
     header = simulation.header()
-    large = [] if path is None else remarks_on_results(loaded, header)
-    for text in remarks_on_threads(simulation.threads) + large:
+    for text in remarks_on_threads(simulation.threads):
         warnings.warn(text, ResultsWarning, stacklevel=4)
     with interruptible() as signals, RunWriter(path, header) as writer:
         checkpoints = Checkpoints(simulation, writer, signals, every, _objects(contact, shape))
