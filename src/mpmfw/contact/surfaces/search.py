@@ -25,7 +25,7 @@ from mpmfw.kernels.facets import at_rim, dot, length_of, project
 from mpmfw.kernels.types import Float, Floats
 from mpmfw.state.structs import Surface
 
-#: Allowance for rounding where boxes are compared with a distance: no equally close facet is lost.
+#: Allowance for rounding of distances: no equally close facet is lost, and none is nearer by rounding alone.
 ROUNDING = 1.0 + 1e-12
 
 #: As many slots as a node has at most, unless every facet counts.
@@ -69,9 +69,10 @@ def keep_nearest(
             return reach
     share, normal = scratch.vector(spacing), scratch.vector(spacing)
     gap = distance_to(s, m, outline, share, normal, spacing)
-    if abs(gap) < radius and (abs(gap) < distance or (abs(gap) == distance and m < kept)):
+    nearly = abs(gap) * ROUNDING + (ROUNDING - 1.0) * radius
+    if abs(gap) < radius and (nearly < distance or (abs(gap) <= reach and m < kept)):
         candidates.facet[s, j], candidates.gap[s, j] = m, gap
-        reach = min(abs(gap) * ROUNDING + (ROUNDING - 1.0) * radius, reach)
+        reach = min(nearly, reach)
     return reach
 
 
