@@ -73,15 +73,12 @@ def test_running_average_keeps_a_constant_and_the_impulse():
     assert np.trapezoid(smooth, time) == pytest.approx(analysis.impulse(time, force)[-1], rel=1e-3)
 
 
-def test_contact_phases():
+def test_contact_ends():
     time = np.linspace(0.0, 1.0, 11)
     force = np.array([0, 0, 3, 2, 0, 0, 0, 5, 1, 0, 0], dtype=float)
-    phases = analysis.contact_phases(time, force)
-    assert (phases.first, phases.gap_start, phases.gap_end, phases.separation) == pytest.approx(
-        (0.1, 0.3, 0.6, 0.8)
-    )
-    assert np.isnan(analysis.contact_phases(time, np.ones(11)).separation)
-    assert np.isnan(analysis.contact_phases(time, np.zeros(11)).first)
+    assert analysis.contact_ends(time, force) == pytest.approx((0.1, 0.8))
+    assert np.isnan(analysis.contact_ends(time, np.ones(11))[1])
+    assert np.isnan(analysis.contact_ends(time, np.zeros(11))[0])
 
 
 def test_shipped_scenes_are_recognised():

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from command_line import called
-from mpmfw.validation import Case, CaseRun, Method, Place, Runs, by_method, methods
+from mpmfw.validation import Case, Method
 from mpmfw.validation.page import BEGIN, END
-from mpmfw.validation.suite import find_cases, rows_of, run_cases
+from mpmfw.validation.suite import find_cases, rows_file, run_cases
 from python_files import module_of
 
 GREEN = """
@@ -98,14 +98,6 @@ def test_total(case, runs):
         case.gate("total", 10.0 * total(same), method=method)
 """
 
-#: Asks for a method that another case has.
-OTHER = """
-from mpmfw.validation import Runs, methods
-
-@Runs("runs", "rolling-cylinder-slip", methods(["lcp"]), by=lambda scene: scene)
-def test_it(run): run.gate("strong", float(run.method.matches("bardenhagen, *")))
-"""
-
 
 @pytest.fixture
 def suite(tmp_path):
@@ -168,8 +160,7 @@ def test_gates_bind_the_recommended_methods_alone(tmp_path):
 
 @pytest.mark.usefixtures("here")
 def test_runs_at_places(suite, tmp_path):
-    rows = results(suite(a=RUNS, b=OTHER), tmp_path)
-    assert "'bardenhagen, *' fits no name of the full version" in rows.pop()["note"]
+    rows = results(suite(a=RUNS), tmp_path)
     found = {(row["method"], row["quantity"]): row for row in rows}
     verdicts = {key: row["verdict"] for key, row in found.items()}
     assert verdicts["penalty, cpdi", "size, coarse"] == "RED"
@@ -184,24 +175,6 @@ def test_runs_at_places(suite, tmp_path):
     assert sum(row["quantity"].startswith("size") for row in rows) == 10
     quick = results(tmp_path / "suite", tmp_path, quick=True)
     assert not any("fine" in row["quantity"] or row["quantity"] == "total" for row in quick)
-
-
-def test_a_pattern_that_fits_no_method_or_place_is_refused(tmp_path):
-    place = Place("coarse", open={"size": {"penlty, c*": "known"}})
-    runs = Runs("runs", methods=methods(["penalty", "bardenhagen"]), places=[place, Place("fine")])
-    method = runs.methods[0]
-    run = CaseRun(Case(tmp_path), "runs", place, method, None, None)
-    assert method.matches("penalty, *")
-    assert run.at("coarse")
-    for misspelt in (
-        lambda: method.matches("penlty, *"),
-        lambda: run.at("coarze"),
-        lambda: list(by_method([run], "penlty*")),
-        lambda: Runs("runs", binds=["penlty, *"]),
-        lambda: run.place.is_open("size", method),
-    ):
-        with pytest.raises(ValueError, match="fits no name of the full version"):
-            misspelt()
 
 
 @pytest.mark.usefixtures("here")
@@ -300,18 +273,13 @@ def test_rows_of_a_later_run_replace_those_of_its_cases_alone(suite, tmp_path, m
         assert "- `b`: by hand, nine: 8.5" in page.read_text()
 
 
-@pytest.mark.usefixtures("here")
-def test_cases_run_one_by_one_make_one_table_of_todays_code(suite, tmp_path):
-    folder = suite(a=GREEN, b=RED)
-    validate(folder, tmp_path, "b", status=1)
-    validate(folder, tmp_path, "a")
-    with (tmp_path / "out" / "validation.csv").open() as file:
-        assert [row["case"] for row in csv.DictReader(file)] == ["a", "a", "b"]
-    assert rows_of([folder / "b"], tmp_path / "out", quick=True) == []
-    (folder / "b" / "test_b.py").write_text(GREEN)
-    assert rows_of([folder / "b"], tmp_path / "out", quick=False) == []
-    (folder / "measures.py").write_text("SIX = 6.5\n")
-    assert rows_of(find_cases(folder), tmp_path / "out", quick=False) == []
+def test_rows_are_those_of_a_case_as_it_is_now(suite, tmp_path):
+    case = suite(a=GREEN) / "a"
+    files = [rows_file(case, quick, tmp_path) for quick in (True, False)]
+    for changed in (case / "test_a.py", case.parent / "measures.py"):
+        changed.write_text(changed.read_text() + "\n")
+        files.append(rows_file(case, False, tmp_path))
+    assert len(set(files)) == 4
 
 
 @pytest.mark.usefixtures("here")
@@ -349,11 +317,7 @@ def test_a_case_leaves_nothing_to_the_next_one(suite, tmp_path, monkeypatch):
     ]
 
 
-@pytest.mark.usefixtures("here")
-@pytest.mark.parametrize("name", ["a.png", "a-line.png", "validation.csv"])
-def test_files_of_others_are_not_written_over(suite, tmp_path, name):
-    (tmp_path / "out" / "runs").mkdir(parents=True)
-    (tmp_path / "out" / name).write_text("mine")
-    output = validate(suite(a=GREEN), tmp_path, status=2)
-    assert f"{name}: exists already" in output.replace("\n", "")
-    assert (tmp_path / "out" / name).read_text() == "mine"
+def test_a_folder_of_others_is_not_written_to(suite, tmp_path):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "a.png").write_text("mine")
+    assert "has files of others" in validate(suite(a=GREEN), tmp_path, status=2)

@@ -63,9 +63,6 @@ IN_CONTACT = {"colliding-rings": 250}
 #: Steps that call all kernels once bodies touch; most waits for that, and the steps of one.
 FIRST_STEPS, WAITS, WAIT = 5, 10, 50
 
-#: Columns of a measurement that are not shown.
-HIDDEN = ("dim", "ns_low", "ns_high")
-
 #: Headings of stages that are not the stage's name.
 HEADS = {"ns_shape": "fill", "ns_contact": "contact ns"}
 
@@ -92,8 +89,7 @@ def benchmark(
             rows.append(measure_threads(scene, threads, repeats, start=start))
             continue
         row = measure_scene(scene, repeats, start=start)
-        shown = {key: value for key, value in row.items() if key not in HIDDEN}
-        rows.append({**shown, "contact %": 100.0 * row["ns_contact"] / row["ns_total"]})
+        rows.append({**row, "contact %": 100.0 * row["ns_contact"] / row["ns_total"]})
     what = "ns per material point and step" if threads == 1 else "least wall time of a step, ns per point"
     heads = {key: HEADS.get(key, key.removeprefix("ns_")) for row in rows for key in row}
     print_table(rows, heads, labels=("scene", "contact", "shape"), title=f"Scenes: {what}")

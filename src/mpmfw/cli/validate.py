@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -34,35 +33,33 @@ def validate(
     """Run validation cases by pytest: closed forms and references for contact algorithms.
 
     The exit status is 0 if all gates hold, except known red ones, else 1. Cases with results of the present
-    code in the output folder are not run again; table and page include them.
+    code in the output folder are not run again.
     """
     try:
         import xdist  # noqa: F401
     except ImportError as error:
         raise SceneError("validate needs pytest-xdist: pip install 'mpmfw[testing]'") from error
     from mpmfw.validation.page import GATES, said, summary, write_csv, write_page
-    from mpmfw.validation.suite import find_cases, rows_of, run_cases, suite_of
+    from mpmfw.validation.suite import find_cases, run_cases, suite_of
 
     folder = suite_of(suite)
-    found = find_cases(folder, cases or ())
-    _check_places(found, output, document, force)
+    found = sorted(find_cases(folder, cases or ()))
+    _check_places(output, document, force)
     rows = run_cases(found, output, quick, jobs, force)
     for row in (row for row in rows if row["verdict"] in GATES[1:]):
         typer.echo(f"{row['verdict']}: {row['case']}: {said(row)}")
-    others = [case for case in find_cases(folder) if case not in found]
-    everything = sorted([*rows, *rows_of(others, output, quick)], key=lambda row: str(row["case"]))
-    write_csv(everything, output / "validation.csv")
+    write_csv(rows, output / "validation.csv")
     if document is not None:
         named = ["--suite", str(suite)] if suite not in (None, folder) else []
         words = ["mpmfw", "validate", *(cases or ()), *["--quick"] * quick, *named]
-        write_page(everything, document, f"`{' '.join(words)}`", output)
+        write_page(rows, document, f"`{' '.join(words)}`", output)
     typer.echo(f"{summary(rows)}\n{output}: figures, and validation.csv")
     if any(row["verdict"] == "RED" for row in rows):
         raise typer.Exit(1)
 
 
-def _check_places(cases: Sequence[Path], output: Path, document: Path | None, force: bool) -> None:
-    """Refuse to write over files that are not of an earlier validation."""
+def _check_places(output: Path, document: Path | None, force: bool) -> None:
+    """Refuse to write to a folder of others, and over a page without the marks."""
     from mpmfw.campaigns.store import own_files
     from mpmfw.validation.page import BEGIN
 
@@ -70,12 +67,8 @@ def _check_places(cases: Sequence[Path], output: Path, document: Path | None, fo
         raise SceneError(f"--output {output}: is a file; give the name of a folder")
     output.mkdir(parents=True, exist_ok=True)
     earlier = (output / "runs").is_dir() and bool(own_files(output / "runs"))
-    figures = (figure for case in cases for figure in output.glob(f"{case.name}*.png"))
-    for file in (output / "validation.csv", *figures):
-        args.new_path(file, force or earlier)
-    if document is None:
-        return
-    if document.suffix != ".md":
-        raise SceneError(f"--document {document}: expected a name that ends in .md")
-    marked = document.is_file() and BEGIN in document.read_text(encoding="utf-8")
-    args.new_path(document, force or marked)
+    if any(output.iterdir()) and not (earlier or force):
+        raise SceneError(f"--output {output}: has files of others; give another folder, or --force")
+    if document is not None:
+        marked = document.is_file() and BEGIN in document.read_text(encoding="utf-8")
+        args.new_path(document, force or marked)

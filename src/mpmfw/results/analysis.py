@@ -109,18 +109,14 @@ def running_average(time: FloatArray, force: FloatArray, window: float) -> Float
 NOISE_WINDOW = 20
 
 
-def force_noise(time: FloatArray, force: FloatArray, window: float | None = None) -> float:
-    """Return the rms deviation of a force (time,) or (time, axis) [N/m] from its running mean, over the
-    mean's rms.
-
-    The ``window`` [s] of the mean is :data:`NOISE_WINDOW` intervals by default. NaN if the series is shorter
-    than two such windows.
-    """
+def force_noise(time: FloatArray, force: FloatArray) -> float:
+    """Return the rms deviation of a force (time,) or (time, axis) [N/m] from its mean over
+    :data:`NOISE_WINDOW` intervals, over the mean's rms; NaN if the series is shorter than two windows."""
     known = np.isfinite(np.atleast_2d(force.T).T).all(axis=1)
     if known.sum() < 2 * NOISE_WINDOW:
         return float("nan")
     time, force = time[known], force[known].reshape(int(known.sum()), -1)
-    span = NOISE_WINDOW * float(np.median(np.diff(time))) if window is None else window
+    span = NOISE_WINDOW * float(np.median(np.diff(time)))
     mean = np.stack([running_average(time, one, span) for one in force.T], axis=1)
     size = float(np.mean(mean**2))
     return float(np.sqrt(np.mean((force - mean) ** 2) / size)) if size > 0.0 else float("nan")
@@ -131,31 +127,19 @@ def relative_l2(time: FloatArray, values: FloatArray, reference: FloatArray) -> 
     return float(np.sqrt(np.trapezoid((values - reference) ** 2, time) / np.trapezoid(reference**2, time)))
 
 
-@dataclass(frozen=True)
-class ContactPhases:
-    """Start, end and longest break of a pair's contact [s]; NaN if there was none."""
-
-    first: float  #: first contact
-    gap_start: float  #: start of the longest interval without force in between
-    gap_end: float  #: end of it
-    separation: float  #: last contact
+#: Share of the largest force below which there is no contact.
+ACTING = 1e-6
 
 
-def contact_phases(time: FloatArray, force: FloatArray, threshold: float = 1e-6) -> ContactPhases:
-    """Find the phases of a force (time,), which is zero below ``threshold`` times its largest value."""
-    size, nan = np.abs(np.nan_to_num(force)), float("nan")
-    acting = np.flatnonzero(size > threshold * size.max())
+def contact_ends(time: FloatArray, force: FloatArray) -> tuple[float, float]:
+    """Return when a force (time,) begins and ends to act [s]; NaN where it does not."""
+    size = np.abs(np.nan_to_num(force))
+    acting = np.flatnonzero(size > ACTING * size.max())
     if len(acting) == 0:
-        return ContactPhases(nan, nan, nan, nan)
-    first = float(time[max(acting[0] - 1, 0)])
+        return float("nan"), float("nan")
     # A force that still acts at the last output has not ended.
     ended = acting[-1] < len(time) - 1 and bool(np.isfinite(force[acting[-1] + 1]))
-    separation = float(time[acting[-1]]) if ended else nan
-    breaks = np.diff(acting)
-    if breaks.max(initial=1) == 1:
-        return ContactPhases(first, nan, nan, separation)
-    start, end = acting[np.argmax(breaks)], acting[np.argmax(breaks) + 1] - 1
-    return ContactPhases(first, float(time[start]), float(time[end]), separation)
+    return float(time[max(acting[0] - 1, 0)]), float(time[acting[-1]]) if ended else float("nan")
 
 
 def energy_sums(series: xr.Dataset) -> dict[str, xr.DataArray]:

@@ -11,7 +11,7 @@ import re
 import shlex
 import signal
 import sys
-from collections.abc import Generator, Iterable, Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 from unittest import mock
@@ -26,7 +26,7 @@ from mpmfw.results.selection import checked_name
 from mpmfw.runs.identity import code_of_plugins, digest, package, sources
 from mpmfw.runs.interruption import interruptible
 from mpmfw.runs.limits import cores
-from mpmfw.validation.case import NAMES, Case, CaseRun, Method, Place, Runs
+from mpmfw.validation.case import Case, CaseRun, Method, Place, Runs
 from mpmfw.validation.page import said
 
 #: The case of a module.
@@ -55,18 +55,14 @@ def case_of(node: Any) -> Case:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_make_collect_report(collector: pytest.Collector) -> Generator[None, Any, Any]:
-    """Import a module as a case, with the modules of its folder and the names of its runs."""
-    if not isinstance(collector, pytest.Module):
-        return (yield)
-    folder, options = collector.path.parent, collector.config.option
-    for path in folder.glob("*.py"):  # another case may have modules so named
-        sys.modules.pop(path.stem, None)
-    file = rows_file(folder, options.quick, Path(options.results)) if options.results else None
-    collector.stash[_CASE] = Case(folder, options.quick, file)
-    NAMES.clear()
-    report = yield
-    collector.stash[_CASE].names |= NAMES
-    return report
+    """Import a module as a case, with the modules of its folder."""
+    if isinstance(collector, pytest.Module):
+        folder, options = collector.path.parent, collector.config.option
+        for path in folder.glob("*.py"):  # another case may have modules so named
+            sys.modules.pop(path.stem, None)
+        file = rows_file(folder, options.quick, Path(options.results)) if options.results else None
+        collector.stash[_CASE] = Case(folder, options.quick, file)
+    return (yield)
 
 
 @pytest.fixture(scope="module")
@@ -78,8 +74,6 @@ def case(request: pytest.FixtureRequest) -> Iterator[Case]:
         pytest.fail("red: its process ended abruptly", pytrace=False)
     case.write("its process ended abruptly")
     case.rows.clear()
-    NAMES.clear()
-    NAMES.update(case.names)
     with journal_style(), np.errstate(), mock.patch.dict(os.environ):
         yield case
 
@@ -191,12 +185,6 @@ def run_cases(
             ran = quick and code in (0, 1, pytest.ExitCode.NO_TESTS_COLLECTED)
             Case(case, quick, files[case]).write(*[] if ran else ["it was not run"])
     return [row for case in cases for row in json.loads(files[case].read_bytes())]
-
-
-def rows_of(cases: Iterable[Path], output: Path, quick: bool) -> list[dict[str, Any]]:
-    """Return the rows that runs of these cases have with today's code."""
-    files = (rows_file(case, quick, output) for case in cases)
-    return [row for file in files if file.exists() for row in json.loads(file.read_bytes())]
 
 
 def rows_file(case: Path, quick: bool, output: Path) -> Path:
