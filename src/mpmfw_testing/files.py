@@ -40,10 +40,7 @@ def draw(folder: Path, subject: Subject, check: Check, violation: Violation) -> 
 
 
 def save(folder: Path, subject: Subject, check: Check, violation: Violation) -> tuple[Path, ...]:
-    """Write the scene of a violation, and a program that runs it; return the files.
-
-    There is no file if no scene was run, and no program of a plug-in that a function makes.
-    """
+    """Write the scene of a violation, and a program that runs it; return the files, none without a scene."""
     mapping = violation.case.scene
     if mapping is None:
         return ()
@@ -52,16 +49,16 @@ def save(folder: Path, subject: Subject, check: Check, violation: Violation) -> 
     lines = [line for text in (violation.message, *violation.numbers) for line in text.splitlines()]
     comment = "".join(f"# {line}\n" for line in lines)
     scene.write_text(comment + toml_text(dict(mapping)), encoding="utf-8")
-    if subject.plugin is None or subject.kind in NO_PROGRAM:
+    if subject.kind in NO_PROGRAM:
         return (scene,)
     program = scene.with_suffix(".py")
-    program.write_text(_program(scene, violation.case.steps, subject, subject.plugin), encoding="utf-8")
+    program.write_text(_program(scene, violation.case.steps, subject), encoding="utf-8")
     return scene, program
 
 
-def _program(scene: Path, steps: int, subject: Subject, plugin: type[Any]) -> str:
+def _program(scene: Path, steps: int, subject: Subject) -> str:
     """Return the text of the program; the plug-in is made of its class, installed or not."""
-    options = ", ".join(f"{key}={value!r}" for key, value in subject.options.items())
+    plugin, options = subject.plugin, ", ".join(f"{key}={value!r}" for key, value in subject.options.items())
     made = f"{plugin.__qualname__}({options})"
     given = {
         "load": f', loads={{"checked": {made}}}', "contact": f", contact={made}", "shape": f", shape={made}"

@@ -40,7 +40,7 @@ def openings(subject: Subject) -> Iterator[Callable[[Any], Opened]]:
 def _series(subject: Subject, dim: int, _made: Any) -> Iterator[tuple[str, AnyArray]]:
     """Yield series at the start and after each step, and the points' positions at the end."""
     plugin = subject.plugin
-    if plugin is None or "<" in plugin.__qualname__:
+    if "<" in plugin.__qualname__:
         raise Inapplicable("a scene cannot name it: expected a class of a module")
     bodies = {"bodies": ["loaded"]} if subject.kind == "boundary" else {}
     table = {"model": f"{plugin.__module__}:{plugin.__qualname__}", **bodies, **subject.options}

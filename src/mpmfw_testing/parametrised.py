@@ -41,8 +41,7 @@ def _conformance_of(kind: Kind, more: str = "") -> Callable[..., Callable[[Any],
         Parameters
         ----------
         plugin
-            A class, a configured object, a function that makes one, or a name, with its options as in
-            ``"drag(rate=2)"``.
+            A class, a configured object, or a name, with its options as in ``"drag(rate=2)"``.
         expected_failures
             Names of checks that it cannot pass, each with the reason (20 characters or more). A listed check
             that passes fails the test.
@@ -66,7 +65,8 @@ def _conformance_of(kind: Kind, more: str = "") -> Callable[..., Callable[[Any],
         ... def test_conformance(check):
         ...     check()
         """
-        return _parametrised(subject_of(plugin, kind), checks_of(kind), expected_failures, only, pictures)
+        checks, expected = requested(kind, only, expected_failures)
+        return _parametrised(subject_of(plugin, kind), checks, expected, pictures)
 
     conformance.__name__ = conformance.__qualname__ = f"{kind}_conformance"
     conformance.__doc__ = cleandoc(conformance.__doc__ or "").replace("a plug-in.", f"a {kind}.{more}", 1)
@@ -137,30 +137,31 @@ def check_plugin(
     >>> mpmfw.check_plugin(MyLaw)
     """
     subject = subject_of(plugin, kind_of(plugin))
-    checks = checks_of(subject.kind)
-    table, run = justified(expected_failures or {}, checks), chosen(checks, only)
-    expected = {check.name: table[check.name] for check in run if check.name in table}
-    outcomes = examine(subject, run, expected, pictures)
+    checks, expected = requested(subject.kind, only, expected_failures)
+    outcomes = examine(subject, checks, expected, pictures)
     if wrong := [outcome.report for outcome in outcomes if outcome.wrong]:
         raise AssertionError("\n".join([subject.label, *wrong]))
 
 
-def chosen(checks: Sequence[Check], only: Iterable[str] | None) -> list[Check]:
-    """Return the checks of these names, in the kit's order; all if none is given. Refuse unknown names."""
+def requested(
+    kind: Kind, only: Iterable[str] | None, expected_failures: Mapping[str, str] | None = None
+) -> tuple[list[Check], dict[str, str]]:
+    """Return the checks of these names, in the kit's order, all by default, and their expected failures.
+
+    Refuse unknown names, and failures that are not justified."""
+    checks = checks_of(kind)
     names = [check.name for check in checks]
     asked = names if only is None else list(only)
     for name in asked:
         if name not in names:
             raise SceneError(f"no such check '{name}'; {did_you_mean(name, names)}")
-    return [check for check in checks if check.name in asked]
+    table = justified(expected_failures or {}, checks)
+    chosen = [check for check in checks if check.name in asked]
+    return chosen, {name: why for name, why in table.items() if name in asked}
 
 
 def _parametrised(
-    subject: Subject,
-    checks: Sequence[Check],
-    expected_failures: Mapping[str, str] | None,
-    only: Iterable[str] | None,
-    pictures: Path | None,
+    subject: Subject, checks: Sequence[Check], expected: Mapping[str, str], pictures: Path | None
 ) -> Callable[[Any], Any]:
     """Return pytest's mark with a function for each check."""
     try:
@@ -169,7 +170,6 @@ def _parametrised(
         raise SceneError(
             "mpmfw_testing's decorators need pytest, which is not installed: pip install 'mpmfw[testing]'"
         ) from error
-    expected = justified(expected_failures or {}, checks)
     causes: dict[tuple[str, ...], str] = {}  # of one plug-in's tests together
 
     def bound(check: Check) -> Callable[[], None]:
@@ -186,8 +186,7 @@ def _parametrised(
 
         return run
 
-    run = chosen(checks, only)
     mark: Callable[[Any], Any] = pytest.mark.parametrize(
-        "check", [bound(check) for check in run], ids=[check.name for check in run]
+        "check", [bound(check) for check in checks], ids=[check.name for check in checks]
     )
     return mark

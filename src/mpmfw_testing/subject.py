@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
@@ -14,7 +14,7 @@ from mpmfw.contact.law import ContactLaw
 from mpmfw.contact.rows import Detection
 from mpmfw.errors import SceneError
 from mpmfw.geometry.discretise import refuse_incomplete
-from mpmfw.plugin.discovery import Kind, full_name, load, options_of, refuse_class, refuse_nameless
+from mpmfw.plugin.discovery import Kind, full_name, load, options_of, refuse_class
 from mpmfw.plugin.hooks import implemented
 from mpmfw.runs.build import BASES
 from mpmfw.scene.specification import parse_specification, specification_of
@@ -37,10 +37,13 @@ class Subject:
     """
 
     kind: Kind  #: one of those that there are checks for
-    label: str  #: name and options, for messages
-    plugin: type[Any] | None  #: the class; None where a function makes the objects
-    factory: Callable[..., Any]  #: takes options as keywords
+    plugin: type[Any]
     options: Mapping[str, Any] = field(default_factory=dict)  #: those that were given
+
+    @property
+    def label(self) -> str:
+        """Return name and options, for messages."""
+        return specification_of(str(getattr(self.plugin, "name", self.plugin.__name__)), self.options)
 
     def make(self, **options: Any) -> Any:
         """Return a fresh plug-in with the given options, of which these take the place.
@@ -50,24 +53,24 @@ class Subject:
         pydantic.ValidationError
             The plug-in's own model refuses the options.
         """
-        return self.factory(**{**self.options, **options})
+        return self.plugin(**{**self.options, **options})
 
     def options_model(self) -> type[BaseModel]:
         """Return the plug-in's ``Options``; ``Inapplicable`` is raised of one without."""
-        if self.plugin is None or not options_of(self.plugin):
+        if not options_of(self.plugin):
             raise Inapplicable("the plug-in has no options")
         return getattr(self.plugin, "Options", self.plugin)
 
 
 def subject_of(plugin: Any, kind: Kind, options: Mapping[str, Any] | None = None) -> Subject:
-    """Return the subject of a class, a configured object, a function without arguments, or a name.
+    """Return the subject of a class, a configured object, or a name.
 
     Parameters
     ----------
     plugin
-        A plug-in class, of a detection or a law as well; an object, of whose options fresh ones are made; a
-        function that makes objects; the name of an installed plug-in; or ``module:Class``; names may be
-        followed by options, as in ``penalty(kappa=2)``.
+        A plug-in class, of a detection or a law as well; an object, of whose options fresh ones are made; the
+        name of an installed plug-in; or ``module:Class``; names may be followed by options, as in
+        ``penalty(kappa=2)``.
     kind
         One of those that there are checks for.
     options
@@ -86,43 +89,60 @@ def subject_of(plugin: Any, kind: Kind, options: Mapping[str, Any] | None = None
             raise SceneError(
                 f"{plugin}: the option '{twice[0]}' is given beside it as well; leave one of them out"
             )
-        plugin, given = _named(kind, text.name), {**text.options, **given}
-    elif not isinstance(plugin, type) and isinstance(plugin, tuple(ALL_BASES.values())):
-        plugin, given = type(plugin), {**_options_set(plugin), **given}
+        # bundled measures are registered, not announced
+        plugin = type(measure_of(text.name)) if kind == "measure" else load(kind, text.name)
+        given = {**text.options, **given}
+    elif isinstance(plugin, tuple(ALL_BASES.values())):
+        made = getattr(plugin, "options", plugin)
+        own = {key: getattr(made, key) for key in getattr(made, "model_fields_set", ())}
+        plugin, given = type(plugin), {**own, **given}
+    elif not isinstance(plugin, type):
+        raise SceneError(f"cannot check {plugin!r}: expected a plug-in class, an object of one, or a name")
     if kind == "contact":
         kind = _part_of(plugin) or kind
     if kind in PARTS:
         plugin, kind = _joined(plugin, kind, given), "contact"
-    if not callable(plugin):
-        raise SceneError(
-            f"cannot check {plugin!r}: expected a plug-in class, an object of one, a function that makes "
-            "one, or a name"
-        )
-    made = plugin if isinstance(plugin, type) else type(_make(plugin, given))
-    _check_kind(made, kind)
-    (refuse_class if made is plugin else refuse_nameless)(made)
-    _refuse_unusable(made, kind)
-    if made is plugin:
-        _make(plugin, given)
-    return Subject(kind, _label(made, given), made if made is plugin else None, plugin, given)
+    if not issubclass(plugin, ALL_BASES[kind]):
+        raise _of_another_kind(plugin, kind)
+    refuse_class(plugin)
+    if kind == "geometry":
+        refuse_incomplete(plugin)
+    elif kind not in ("measure", "reference"):
+        implemented(object.__new__(plugin))  # refuses hooks that are never called
+    _try_to_make(plugin, given)
+    return Subject(kind, plugin, given)
 
 
-def _part_of(plugin: Any) -> Kind | None:
+def kind_of(plugin: Any) -> Kind:
+    """Return the kind of a plug-in's class or object, by its base class; refuse one that has none."""
+    kind = plugin if isinstance(plugin, type) else type(plugin)
+    for name, base in ALL_BASES.items():
+        if issubclass(kind, base):
+            return name
+    expected = ", ".join(f"mpmfw.api.{base.__name__}" for base in ALL_BASES.values())
+    raise SceneError(
+        f"cannot check {plugin!r}: expected a class, or an object of one, derived from {expected}"
+    )
+
+
+def _of_another_kind(plugin: type[Any], kind: Kind) -> SceneError:
+    expected = f"expected a subclass of mpmfw.api.{ALL_BASES[kind].__name__}"
+    return SceneError(f"{full_name(plugin)} is not of the kind {kind}; {expected}")
+
+
+def _part_of(plugin: type[Any]) -> Kind | None:
     """Return whether a class is a detection or a law; None if it is neither."""
-    found = (part for part, base in PARTS.items() if isinstance(plugin, type) and issubclass(plugin, base))
+    found = (part for part, base in PARTS.items() if issubclass(plugin, base))
     return None if hasattr(plugin, "Detection") else next(found, None)
 
 
-def _joined(part: Any, kind: Kind, options: Mapping[str, Any]) -> type[Any]:
+def _joined(part: type[Any], kind: Kind, options: Mapping[str, Any]) -> type[Any]:
     """Return the contact strategy of a detection or a law, with the first of ``PARTNERS`` that it goes with.
 
     Refuse a part of another kind, or that goes with none of them.
     """
     if _part_of(part) != kind:
-        name = full_name(part) if isinstance(part, type) else repr(part)
-        raise SceneError(
-            f"{name} is not of the kind {kind}; expected a subclass of mpmfw.api.{PARTS[kind].__name__}"
-        )
+        raise _of_another_kind(part, kind)
     refuse_class(part)
     partner: Kind = "detection" if kind == "law" else "law"
     refusals = []
@@ -138,60 +158,15 @@ def _joined(part: Any, kind: Kind, options: Mapping[str, Any]) -> type[Any]:
     raise SceneError(f"{kind} '{part.name}' cannot be checked alone: {'; '.join(refusals)}")
 
 
-def _named(kind: Kind, name: str) -> type[Any]:
-    """Return the class of a name; bundled measures are registered, not announced."""
-    return type(measure_of(name)) if kind == "measure" else load(kind, name)
-
-
-def _refuse_unusable(plugin: type[Any], kind: Kind) -> None:
-    """Refuse a class with hooks that are never called, or a geometry that lacks a required member."""
-    if kind == "geometry":
-        refuse_incomplete(plugin)
-    elif kind not in ("measure", "reference"):
-        implemented(object.__new__(plugin))
-
-
-def kind_of(plugin: Any) -> Kind:
-    """Return the kind of a plug-in's class or object, by its base class; refuse one that has none."""
-    kind = plugin if isinstance(plugin, type) else type(plugin)
-    for name, base in ALL_BASES.items():
-        if issubclass(kind, base):
-            return name
-    expected = ", ".join(f"mpmfw.api.{base.__name__}" for base in ALL_BASES.values())
-    raise SceneError(
-        f"cannot check {plugin!r}: expected a class, or an object of one, derived from {expected}"
-    )
-
-
-def _check_kind(plugin: type[Any], kind: Kind) -> None:
-    base = ALL_BASES[kind]
-    if not issubclass(plugin, base):
-        raise SceneError(
-            f"{full_name(plugin)} is not of the kind {kind}; expected a subclass of mpmfw.api.{base.__name__}"
-        )
-
-
-def _make(factory: Callable[..., Any], options: Mapping[str, Any]) -> Any:
-    """Return one object, to see that it can be made; a stranger's constructor may raise anything."""
-    name = str(getattr(factory, "name", getattr(factory, "__qualname__", factory)))
+def _try_to_make(plugin: type[Any], options: Mapping[str, Any]) -> None:
+    """Make one object; a stranger's constructor may raise anything."""
     try:
-        return factory(**options)
+        plugin(**options)
     except SceneError:
         raise
+    except ValidationError as error:
+        problems = problems_of(error, getattr(plugin, "Options", plugin), options)
+        text = "; ".join(f"{'.'.join(map(str, one.path))}: {one.message}" for one in problems)
+        raise SceneError(f"{plugin.name}: {text}") from error
     except Exception as error:
-        if isinstance(error, ValidationError) and isinstance(factory, type):
-            problems = problems_of(error, getattr(factory, "Options", factory), options)
-            text = "; ".join(f"{'.'.join(map(str, one.path))}: {one.message}" for one in problems)
-            raise SceneError(f"{name}: {text}") from error
-        if isinstance(error, TypeError) and not isinstance(factory, type):  # a class's signature was read
-            raise SceneError(f"{name}(…) must be made from its options alone: {error}") from error
-        raise SceneError(f"{name}(…) cannot be made: {type(error).__name__}: {error}") from error
-
-
-def _label(plugin: type[Any], options: Mapping[str, Any]) -> str:
-    return specification_of(str(getattr(plugin, "name", plugin.__name__)), options)
-
-
-def _options_set(plugin: Any) -> dict[str, Any]:
-    options = getattr(plugin, "options", plugin)
-    return {key: getattr(options, key) for key in getattr(options, "model_fields_set", ())}
+        raise SceneError(f"{plugin.name}(…) cannot be made: {type(error).__name__}: {error}") from error

@@ -1,4 +1,4 @@
-"""Subjects of checks: classes, objects, functions, names; and values of their options."""
+"""Subjects of checks: classes, objects, names; and values of their options."""
 
 from typing import Annotated
 
@@ -27,7 +27,7 @@ def test_subjects_of_all_sorts():
     assert subject_of(Penalty(kappa=2.0), "contact").make().options.kappa == 2.0
     assert subject_of(Penalty, "contact", {"kappa": 3.0}).label == "penalty(kappa=3.0)"
     assert subject_of("mpmfw_contact.penalty:Penalty", "contact").make(kappa=4.0).options.kappa == 4.0
-    made = subject_of(lambda: Penalty(kappa=5.0), "contact")
+    made = subject_of("penalty(kappa=5)", "contact")
     assert made.make() is not made.make()
     assert made.make().options.kappa == 5.0
 

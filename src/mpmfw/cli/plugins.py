@@ -108,9 +108,9 @@ def check(
     """
     asked = _kind_of(plugin, kind)
     if list_:
-        from mpmfw_testing.parametrised import checks_of, chosen
+        from mpmfw_testing.parametrised import requested
 
-        for each in chosen(checks_of(asked), only):
+        for each in requested(asked, only)[0]:
             typer.echo(f"{each.name}\n{indent(inspect.getdoc(each.run) or '', '  ')}\n")
         return
     if bounds:
@@ -121,8 +121,7 @@ def check(
         return
     from mpmfw.scene.override import parse_value
     from mpmfw_testing import examine, subject_of
-    from mpmfw_testing.examination import justified
-    from mpmfw_testing.parametrised import checks_of, chosen
+    from mpmfw_testing.parametrised import requested
     from mpmfw_testing.past_the_end import say_lines
     from mpmfw_testing.searching import hypothesis
 
@@ -131,10 +130,8 @@ def check(
     hypothesis()  # a missing extra is said before anything is checked
     options = {key: parse_value(text) for key, text in args.assignments(set_).items()}
     subject = subject_of(plugin, asked, options)
-    known = checks_of(asked)
-    checks = chosen(known, only)
-    table = justified({} if expected_failures is None else _table(expected_failures), known)
-    expected = {check.name: table[check.name] for check in checks if check.name in table}
+    table = {} if expected_failures is None else _table(expected_failures)
+    checks, expected = requested(asked, only, table)
     with outputs_progress("checks") as tell:
         begun = itertools.count()
 

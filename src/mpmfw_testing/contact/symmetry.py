@@ -178,7 +178,7 @@ def in_units(mapping: dict[str, Any], length: float, time: float, density: float
 
 def _options_in_units(subject: Subject, length: float, time: float, density: float) -> dict[str, Any]:
     """Return the options that declare one unit, times its factor; tables in time stay."""
-    if subject.plugin is None or not options_of(subject.plugin):
+    if not options_of(subject.plugin):
         return {}
     made, scaled = subject.make(), {}
     options = getattr(made, "options", made)
