@@ -8,23 +8,15 @@ From pytest (needs the extra ``mpmfw[testing]``)::
     def test_conformance(check):
         check()
 
-From the command line: ``mpmfw check PLUGIN``, and in one line ``mpmfw.check_plugin(MyLaw)``. Names that need
-pytest or numba are imported at their first use.
+From the command line: ``mpmfw check PLUGIN``, and in one line ``mpmfw.check_plugin(MyLaw)``.
 """
 
 # ruff: noqa: F403, F405
-from __future__ import annotations
-
-import importlib
-from typing import TYPE_CHECKING, Any
-
 from mpmfw_testing.check import Check, Inapplicable, Outcome, Violation
+from mpmfw_testing.examination import examine
+from mpmfw_testing.parametrised import *
 from mpmfw_testing.searching import ladder, search, try_all
-
-if TYPE_CHECKING:
-    from mpmfw_testing.examination import examine
-    from mpmfw_testing.parametrised import *
-    from mpmfw_testing.subject import Subject, subject_of
+from mpmfw_testing.subject import Subject, subject_of
 
 __all__ = [
     "Check", "Inapplicable", "Outcome", "Subject", "Violation", "boundary_conformance", "check_plugin",
@@ -33,18 +25,3 @@ __all__ = [
     "measure_conformance", "output_conformance", "reference_conformance", "search", "shape_conformance",
     "subject_of", "try_all",
 ]  # fmt: skip
-
-
-def __getattr__(name: str) -> Any:
-    """Import a public name at its first use."""
-    if name not in __all__:
-        raise AttributeError(f"module 'mpmfw_testing' has no attribute {name!r}")
-    where = {"examine": "examination", "Subject": "subject", "subject_of": "subject"}
-    module = importlib.import_module(f"mpmfw_testing.{where.get(name, 'parametrised')}")
-    value = getattr(module, name)
-    globals()[name] = value
-    return value
-
-
-def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-import math
 import os
-import time
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Unpack
@@ -19,7 +17,7 @@ from mpmfw.campaigns.measures import exact_of, measure_of, names_of_measures
 from mpmfw.campaigns.running import Event, Execution, Running
 from mpmfw.campaigns.store import COSTS, store_of
 from mpmfw.codes.code import codes_of
-from mpmfw.errors import Interrupted, ResultsWarning, SceneError, is_complete, status_code
+from mpmfw.errors import ResultsWarning, SceneError, is_complete, status_code
 from mpmfw.plugin.discovery import Kind, object_of
 from mpmfw.plugin.measure import About
 from mpmfw.results.concatenation import concatenate_runs
@@ -81,31 +79,24 @@ def run_grid(
     reference: Mapping[str, Any] | None = None,
     *,
     threads: int = 1,
-    grown: Callable[[xr.Dataset], None] | None = None,
+    begun: Callable[[xr.Dataset], None] | None = None,
 ) -> xr.Dataset:
-    """Run and join all points of a grid, as :func:`campaign`; call ``grown`` with the dataset as runs end,
-    for at most a twentieth of the time, and once when they are interrupted."""
+    """Run and join all points of a grid, as :func:`campaign`; call ``begun`` with the dataset of the first
+    complete run."""
     if not grid.runnable:
         raise SceneError(problems=next(iter(grid.combinations.values())).problems)
     judges = judge_all(grid, measures, reference)
-    runs, due, shown = GridRuns(grid, "campaign", execution, threads=threads), -math.inf, False
+    runs, waits = GridRuns(grid, "campaign", execution, threads=threads), begun is not None
 
     def tell(event: Event) -> None:
-        nonlocal due, shown
-        begins, first = time.perf_counter(), is_complete(event.status) and not shown
-        if grown is not None and event.name and event.status != "repeat" and (first or begins >= due):
-            grown(dataset_of(runs, fields=False))  # it reads all runs anew
-            ends = time.perf_counter()
-            due, shown = ends + 19.0 * (ends - begins), shown or first
+        nonlocal waits
+        if begun is not None and waits and is_complete(event.status):
+            begun(dataset_of(runs, fields=False))
+            waits = False
         if execution.progress is not None:
             execution.progress(event)
 
-    try:
-        runs.complete(progress=tell)
-    except Interrupted:
-        if grown is not None:
-            grown(dataset_of(runs, fields=False))
-        raise
+    runs.complete(progress=tell)
     runs.warn()
     dataset = dataset_of(runs)
     if "fields" in dataset.attrs:
@@ -173,8 +164,8 @@ def compare(
         Other codes, each a label of the dimension ``contact``: names with or without options, or adapters. A
         bare name stands for a code's plainest and its best settings. A code runs once, whatever the shape.
     output
-        NetCDF file to write, updated now and then as runs end. Finished runs are kept in the folder
-        ``<output>.runs``, from which an interrupted study continues.
+        NetCDF file to write, with the first run as soon as that has ended. Finished runs are kept in the
+        folder ``<output>.runs``, from which an interrupted comparison continues.
     set
         Scene keys that all runs share. ``output.particles`` keeps fields if all runs have the same points.
     measures
@@ -214,15 +205,15 @@ def compare(
     said = first is not None and "particles" in first.output.model_fields_set
     particles = {} if said else {"output.particles": any(measure_of(name).particles for name in known)}
 
-    def grown(dataset: xr.Dataset) -> None:
-        if path is not None and dataset["steps"].notnull().any():
+    def begun(dataset: xr.Dataset) -> None:
+        if path is not None:
             _write(dataset, path)
 
     if running.get("store") is None:
         running["store"] = store_of(path)
     grid = make_grid({"": scene}, {**methods, **varied}, {**particles, **(set or {})})
     threads = 1 if first is None else first.threads
-    dataset = run_grid(grid, Execution(**running), tuple(known), threads=threads, grown=grown)
+    dataset = run_grid(grid, Execution(**running), tuple(known), threads=threads, begun=begun)
     dataset.attrs["set"] = json.dumps(plain(set or {}), default=str)
     dataset.attrs["codes"] = json.dumps({one.label: one.title for one in codes})
     if path is not None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 import re
 import shutil
@@ -116,11 +115,8 @@ class Store:
         for ending in ("json", "nc"):
             self._path(key, ending).unlink(missing_ok=True)
 
-    def prune(
-        self, takes: Callable[[Mapping[str, str]], bool], days: float | None = None
-    ) -> tuple[int, int, int]:
-        """Remove outcomes that ``takes`` rejects by their code, that are older than ``days``, or that killed
-        processes left.
+    def prune(self, takes: Callable[[Mapping[str, str]], bool]) -> tuple[int, int, int]:
+        """Remove outcomes that ``takes`` rejects by their code, and files that killed processes left.
 
         Return the numbers of removed and kept runs, and the bytes freed. A SceneError refuses folders without
         finished runs.
@@ -130,7 +126,8 @@ class Store:
             if not own and any(self.folder.iterdir()):
                 raise SceneError(f"{self.folder}: holds no finished runs; expected one such as FILE.nc.runs")
             known = {key for path, key in own.items() if path.suffix == ".json"} - {""}
-            keep = self._current(known, takes, days)
+            found = {key: self._read(key) for key in known}
+            keep = {key for key, one in found.items() if one is not None and takes(one.code)}
             past = {
                 path: path.stat().st_size
                 for path, key in own.items()
@@ -143,13 +140,6 @@ class Store:
             raise MpmfwError(f"cannot prune '{name}': {error.strerror or error}") from error
         self._known.clear()
         return len(known - keep), len(keep), sum(past.values())
-
-    def _current(
-        self, keys: set[str], takes: Callable[[Mapping[str, str]], bool], days: float | None
-    ) -> set[str]:
-        oldest = -math.inf if days is None else time.time() - 86400.0 * days
-        found = {key: self._read(key) for key in keys if self._path(key, "json").stat().st_mtime >= oldest}
-        return {key for key, one in found.items() if one is not None and takes(one.code)}
 
     def _path(self, key: str, ending: str) -> Path:
         return self.folder / f"{key}.{ending}"

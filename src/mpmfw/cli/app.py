@@ -63,7 +63,6 @@ def _show(other: Any, message: Warning | str, category: type[Warning], *rest: An
 
 def prune(
     folders: Annotated[list[Path], Argument(metavar="FOLDER", help="Folders such as FILE.nc.runs.")],
-    days: Annotated[float | None, Option(metavar="N", min=0.0, help="Delete older runs as well.")] = None,
 ) -> None:
     """Delete runs of other code or other versions of the libraries.
 
@@ -75,7 +74,7 @@ def prune(
     for folder in folders:
         if not folder.is_dir():
             raise SceneError(f"{folder}: no such folder; expected one of finished runs, such as FILE.nc.runs")
-        forgotten, kept, freed = Store(folder).prune(is_current, days)
+        forgotten, kept, freed = Store(folder).prune(is_current)
         typer.echo(f"{folder}: {forgotten} runs deleted, {1e-6 * freed:.3g} MB free, {kept} runs kept")
 
 

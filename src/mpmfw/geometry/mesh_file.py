@@ -31,10 +31,7 @@ class MeshFile(PlaneGeometry):
         try:
             covered, area = float(self.region.area), self.exact_volume
             if abs(covered - area) > 1e-6 * area:
-                x, y = self._overlap()
-                raise ValueError(
-                    f"elements overlap, at ({x:.4g}, {y:.4g}) m: they cover {covered:g} of their {area:g} m^2"
-                )
+                raise ValueError(f"elements overlap: they cover {covered:g} of their {area:g} m^2")
         except ValueError as error:
             message = str(error)
             raise ValueError(message if str(self.path) in message else f"{self.path}: {message}") from error
@@ -54,14 +51,6 @@ class MeshFile(PlaneGeometry):
     def region(self) -> Any:
         """The union of the elements, a polygon for each connected part."""
         return shapely.union_all(self.polygons)
-
-    def _overlap(self) -> FloatArray:
-        """A place (2,) [m] that two elements cover."""
-        one, other = shapely.STRtree(self.polygons).query(self.polygons, predicate="intersects")
-        different = one != other
-        shared = shapely.intersection(self.polygons[one[different]], self.polygons[other[different]])
-        largest = shapely.centroid(shared[np.argmax(shapely.area(shared))])
-        return np.asarray(shapely.get_coordinates(largest)[0])
 
     @property
     def exact_volume(self) -> float:

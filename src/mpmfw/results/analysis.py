@@ -100,11 +100,6 @@ def averaged(time: FloatArray, impulses: FloatArray, window: float) -> FloatArra
     return np.asarray(passed / (after - before))
 
 
-def running_average(time: FloatArray, force: FloatArray, window: float) -> FloatArray:
-    """Return the centred mean over ``window`` [s] of a force."""
-    return averaged(time, impulse(time, force), window)
-
-
 #: Output intervals of the mean that noise is measured against.
 NOISE_WINDOW = 20
 
@@ -117,7 +112,7 @@ def force_noise(time: FloatArray, force: FloatArray) -> float:
         return float("nan")
     time, force = time[known], force[known].reshape(int(known.sum()), -1)
     span = NOISE_WINDOW * float(np.median(np.diff(time)))
-    mean = np.stack([running_average(time, one, span) for one in force.T], axis=1)
+    mean = np.stack([averaged(time, impulse(time, one), span) for one in force.T], axis=1)
     size = float(np.mean(mean**2))
     return float(np.sqrt(np.mean((force - mean) ** 2) / size)) if size > 0.0 else float("nan")
 

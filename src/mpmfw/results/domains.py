@@ -68,10 +68,6 @@ def facets_of(tree: xr.DataTree, body: str) -> IntArray:
     if "next" in surface:
         following = np.asarray(surface["next"].values)
         return np.stack([np.arange(len(following)), following], axis=1)
-    if "triangles" not in surface:
-        raise MpmfwError(
-            f"surface/{body}: has no triangles: an earlier version wrote the file; run the scene again"
-        )
     return np.asarray(surface["triangles"].values)
 
 

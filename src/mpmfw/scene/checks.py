@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from mpmfw.geometry import SurfaceMesh
 from mpmfw.plugin.discovery import REFERENCES, available
 from mpmfw.scene.axisymmetry import check_axisymmetry
 from mpmfw.scene.bodies import AXIS, Body, RigidBody, Side, check_sides, rows_of
@@ -26,12 +25,6 @@ _NAME = re.compile(r"[A-Za-z0-9_]+")
 
 #: Bodies without a plane side.
 ROUND = frozenset({"disc", "ring", "ball", "torus"})
-
-#: Mean side of a file's triangles below which they cost much and bring nothing [cells].
-FINEST = 0.02
-
-#: Side of a triangle of a file below which its ends are meant to be one node [cells].
-SHORTEST = 1e-6
 
 #: Names of dimensions in a run's file: a group beside a dimension of the same name cannot be read back.
 _DIMENSIONS = frozenset({"time", "body", "pair", "axis", "axis2", "rotation", "side"})
@@ -212,8 +205,6 @@ def _body(scene: Tables, path: Path, body: Body) -> Iterator[Problem]:
     if shape_dim != dim:
         message = f"'{body.geometry.type}' is {shape_dim}D, but the grid is {dim}D"
         yield Problem((*path, "geometry", "type"), message)
-    if isinstance(body.geometry, SurfaceMesh):
-        yield from _surface_mesh(scene, (*path, "geometry"), body.geometry)
     if isinstance(body, RigidBody):
         yield from check_rigid(body, path, dim, turns=not scene.grid.axisymmetric)
     elif body.geometry.type == "half_space":
@@ -226,26 +217,6 @@ def _body(scene: Tables, path: Path, body: Body) -> Iterator[Problem]:
         yield Problem((*path, "thickness"), "is for two dimensions; a body of a 3D grid has its own extent")
     wrong = [problem for i in range(len(body.sides)) for problem in _side(body, (*path, "sides", i), i, dim)]
     yield from wrong or check_sides(body, path, dim, scene.time.end)
-
-
-def _surface_mesh(scene: Tables, path: Path, geometry: SurfaceMesh) -> Iterator[Problem]:
-    """Refuse triangles of a surface file that are far below a cell."""
-    grid = scene.grid
-    if geometry.mean_edge < FINEST * grid.cell_size:
-        message = (
-            f"the sides of the triangles are {geometry.mean_edge / grid.cell_size:.2g} cells long on "
-            f"average; expected {FINEST:g} or more, best a quarter to a half: make the mesh coarser"
-        )
-        yield Problem((*path, "path"), message)
-    elif geometry.edges.min() < SHORTEST * grid.cell_size:
-        facet = int(geometry.edges.min(axis=1).argmin())
-        nodes, facets = geometry.fine_surface
-        place = ", ".join(f"{x:.4g}" for x in nodes[facets[facet]].mean(axis=0))
-        message = (
-            f"a side of the triangles is {geometry.edges.min() / grid.cell_size:.2g} cells long (facet "
-            f"{facet}, at ({place}) m); expected {SHORTEST:g} or more: join coincident nodes"
-        )
-        yield Problem((*path, "path"), message)
 
 
 def _side(body: Body, path: Path, index: int, dim: int) -> Iterator[Problem]:
