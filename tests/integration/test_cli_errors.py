@@ -51,7 +51,7 @@ def test_a_bad_scene_is_status_2_and_one_message(refused, command):
             "--shape gimp: --set shape.method",
         ),
         (["plot", "s.toml"], "s.toml: does not hold results"),
-        (["run", "s.toml", "-o", "./s.toml"], "--output s.toml: is the file of the scene"),
+        (["run", "s.toml", "-o", "./s.toml"], "s.toml: has no results of kind 'run'"),
         (["compare", "s.toml", "-o", "c.nc", "--report", "c.nc"], "--report c.nc: is the file of --output"),
         (["compare", "s.toml", "--set", "contact.method=none"], "--set contact.method: the methods of a"),
         (

@@ -4,15 +4,19 @@ import os
 import random
 import re
 import signal
+from contextlib import nullcontext
 
 import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from mpmfw.errors import SceneError
 from mpmfw.geometry import Ball, Box, SurfaceMesh
 from mpmfw.geometry.cut_cells import volume_of
 from mpmfw.geometry.layout import neighbours_of
 from mpmfw.geometry.solid import joined
+from mpmfw.scene import load_scene
+from mpmfw_testing.bench import square
 from msh_files import write_msh
 
 trimesh = pytest.importorskip("trimesh")
@@ -135,6 +139,15 @@ def test_what_is_wrong_with_a_surface_is_said_and_where(tmp_path, message):
     path = written(tmp_path / "bad.ply", *BAD[message])
     with pytest.raises(ValueError, match=r"bad\.ply:? .*" + message):
         SurfaceMesh(path=path)
+
+
+def test_triangles_far_below_a_cell_are_refused(tmp_path):
+    scene, path = square(3, beside=False), written(tmp_path / "ball.stl")
+    scene["bodies"]["loaded"]["geometry"] = {"type": "surface_mesh", "path": str(path)}
+    for cells, upper in ((1.0, 4.0), (20.0, 80.0)):
+        scene["grid"] = {"cell_size": cells, "lower": [-upper] * 3, "upper": [upper] * 3}
+        with pytest.raises(SceneError, match="cells long on average") if cells > 1.0 else nullcontext():
+            load_scene(scene)
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes of POSIX")

@@ -230,18 +230,9 @@ def check_result(path: Path, kind: str, force: bool = False) -> Path:
     return path
 
 
-def result_path(output: Path | None, scene: Scene, kind: str, force: bool, **others: Path | None) -> Path:
-    """Return the path of a scene's results; ``others`` must be other files."""
+def result_path(output: Path | None, scene: Scene, kind: str, force: bool) -> Path:
+    """Return the path of a scene's results."""
     path = Path(f"{scene.name}{_ENDINGS[kind]}.nc") if output is None else output
-    taken = {}
-    if scene.source.name is not None and scene.source.directory is not None:
-        taken[os.path.realpath(scene.source.name)] = "the scene"
-    for option, file in {"output": path, **others}.items():
-        if file is None:
-            continue
-        if (place := os.path.realpath(file)) in taken:
-            raise SceneError(f"--{option} {file}: is the file of {taken[place]}; give another name")
-        taken[place] = f"--{option}"
     return check_result(path, kind, force)
 
 

@@ -11,7 +11,7 @@ from typer import Option
 
 from mpmfw.cli import arguments as args
 from mpmfw.cli.tables import Format, FormatOption, campaign_progress, print_table, write_rows
-from mpmfw.errors import is_complete
+from mpmfw.errors import SceneError, is_complete
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -55,9 +55,9 @@ def compare(
     codes = args.names(code, "code")
     varied, shared = args.variations(vary), args.assignments(set_)
     loaded = load_scene(scene, set=shared, trust=trust)
-    path = args.result_path(output, loaded, "compare", force, report=report)
-    if report is not None:
-        args.new_path(report, force)
+    path = args.result_path(output, loaded, "compare", force)
+    if report is not None and args.new_path(report, force).resolve() == path.resolve():
+        raise SceneError(f"--report {report}: is the file of --output; give another name")
     own = methods_of(loaded)
     chosen: dict[str, Any] = {"contact": contacts or own["contact"], "shape": shapes or own["shape"]}
     check_compared(loaded, chosen, shared, varied)

@@ -117,7 +117,6 @@ def animate(
     file: FilesArgument,
     output: args.Output = None,
     field: args.Field = None,
-    contact: Annotated[str | None, Option(metavar="NAME", help="Of a comparison: only this contact.")] = None,
     fps: Annotated[int, Option(metavar="N", min=1, help="Frames per second.")] = 20,
     every: args.Every = 1,
     body: args.Bodies = None,
@@ -140,7 +139,7 @@ def animate(
     check_movie(path)
     with outputs_progress("frames") as progress:
         files, chosen["progress"] = file if len(file) > 1 else file[0], progress
-        animate_runs(files, path, field or "von_mises", contact=contact, fps=fps, every=every, **chosen)
+        animate_runs(files, path, field or "von_mises", fps=fps, every=every, **chosen)
     typer.echo(str(path))
 
 

@@ -62,9 +62,6 @@ def study(
 
     loaded = load_study(study, trust)
     path = Path(f"{loaded.name}.nc") if output is None else output
-    sources = [loaded.source.name, *(scene for scene in loaded.scenes.values() if isinstance(scene, str))]
-    if any(source is not None and Path(source).resolve() == path.resolve() for source in sources):
-        raise SceneError(f"--output {path}: is a file that the study reads; give another name")
     args.check_result(path, "study", force)
 
     from mpmfw.studies.study import study as run_study

@@ -75,6 +75,13 @@ class SurfaceMesh(TurnedSolid):
         nodes, _ = self.fine_surface
         return np.array([nodes.min(axis=0), nodes.max(axis=0)])
 
+    @property
+    def mean_edge(self) -> float:
+        """Mean length of the triangles' sides [m]."""
+        nodes, facets = self.fine_surface
+        corners = nodes[facets]
+        return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).mean())
+
     def surface_nodes(self, edge: float) -> float:
         """Most nodes with sides up to ``edge`` [m], those of the file among them."""
         return super().surface_nodes(edge) + len(self.fine_surface[0])

@@ -46,7 +46,6 @@ def animate(
     path: str | os.PathLike[str],
     field: str = "von_mises",
     *,
-    contact: str | None = None,
     fps: int = 20,
     every: int = 1,
     bodies: Sequence[str] | None = None,
@@ -64,8 +63,6 @@ def animate(
         File to write: ``.gif``, or ``.mp4``, which needs ffmpeg (``pip install mpmfw[animate]``).
     field, bodies, limits, arrows
         As of :func:`mpmfw.plots.field`; the colour scale spans all frames.
-    contact
-        Of a comparison: only the runs with this contact.
     fps, every
         Frames a second; only each ``every``-th output.
     progress
@@ -74,15 +71,13 @@ def animate(
     Raises
     ------
     SceneError
-        There is no such field, body, contact or ending, or no ffmpeg.
+        There is no such field, body or ending, or no ffmpeg.
     MpmfwError
         A file cannot be read or written.
     """
     target = Path(path)
-    if fps < 1:
-        raise SceneError(f"fps {fps}: expected 1 or more")
     ffmpeg = check_movie(target)
-    with labelled(results, contact=contact) as trees, mpl.rc_context():
+    with labelled(results) as trees, mpl.rc_context():
         first = next(iter(trees.values()))
         times = times_of(first)[list(chosen_frames(first, every))]
         drawing = movie(trees, field, times, bodies=bodies, limits=limits, arrows=arrows)

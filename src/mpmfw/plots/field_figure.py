@@ -113,7 +113,6 @@ def side_by_side(
 def labelled(
     results: Results | Mapping[str, Results] | Sequence[Results],
     *,
-    contact: str | None = None,
     against: str | None = None,
     name: str = "",
 ) -> Iterator[dict[str, xr.DataTree]]:
@@ -122,17 +121,12 @@ def labelled(
         if isinstance(results, xr.DataTree | xr.Dataset | str | os.PathLike):
             found = stack.enter_context(opened(results))
             if isinstance(found, xr.Dataset) and "status" in found:
-                yield runs_of(found, against, name, contact=contact)
+                yield runs_of(found, against, name)
                 return
-            for option, value in (("contact", contact), ("against", against)):
-                if value is not None:
-                    raise SceneError(f"{option} {value}: has no effect on a single run; give a comparison")
+            if against is not None:
+                raise SceneError(f"against {against}: has no effect on a single run; give a comparison")
             yield {"": stack.enter_context(opened_run(found))}
             return
-        if contact is not None:
-            raise SceneError(f"contact {contact}: has no effect on several results; give one comparison")
-        if not results:
-            raise SceneError("no results to draw")
         runs = list(results.values() if isinstance(results, Mapping) else results)
         trees = [stack.enter_context(opened_run(run)) for run in runs]
         labels = list(map(str, results)) if isinstance(results, Mapping) else _labels(runs, trees)

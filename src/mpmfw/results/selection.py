@@ -183,21 +183,17 @@ def _tree(run: xr.Dataset) -> xr.DataTree:
     return xr.DataTree.from_dict(groups)
 
 
-def runs_of(
-    comparison: xr.Dataset, against: str | None = None, name: str = "", *, contact: str | None = None
-) -> dict[str, xr.DataTree]:
+def runs_of(comparison: xr.Dataset, against: str | None = None, name: str = "") -> dict[str, xr.DataTree]:
     """Return the runs of a comparison that keep points, or their differences ``against`` one contact."""
     if "particle_position" not in comparison:
         why = "the comparison keeps no fields; run it with --set output.particles=true"
         raise SceneError(str(comparison.attrs.get("fields", why)))
-    contacts = [str(one) for one in comparison["contact"].values]
-    for chosen in (against, contact):
-        if chosen is not None:
-            checked_name("contact", chosen, contacts)
+    if against is not None:
+        checked_name("contact", against, [str(one) for one in comparison["contact"].values])
     runs = {}
     for choice, _ in points_of(comparison, comparison["status"].dims):
         run, label = select(comparison, **choice), ", ".join(map(str, choice.values()))
-        if "particles" not in run.children or contact not in (None, str(choice["contact"])):
+        if "particles" not in run.children:
             continue
         if against is None:
             runs[label] = run

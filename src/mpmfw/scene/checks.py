@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from mpmfw.geometry import SurfaceMesh
 from mpmfw.plugin.discovery import REFERENCES, available
 from mpmfw.scene.axisymmetry import check_axisymmetry
 from mpmfw.scene.bodies import AXIS, Body, RigidBody, Side, check_sides, rows_of
@@ -25,6 +26,9 @@ _NAME = re.compile(r"[A-Za-z0-9_]+")
 
 #: Bodies without a plane side.
 ROUND = frozenset({"disc", "ring", "ball", "torus"})
+
+#: Mean side of a file's triangles below which they cost much and bring nothing [cells].
+FINEST = 0.02
 
 #: Names of dimensions in a run's file: a group beside a dimension of the same name cannot be read back.
 _DIMENSIONS = frozenset({"time", "body", "pair", "axis", "axis2", "rotation", "side"})
@@ -205,6 +209,11 @@ def _body(scene: Tables, path: Path, body: Body) -> Iterator[Problem]:
     if shape_dim != dim:
         message = f"'{body.geometry.type}' is {shape_dim}D, but the grid is {dim}D"
         yield Problem((*path, "geometry", "type"), message)
+    if isinstance(body.geometry, SurfaceMesh):
+        cells = body.geometry.mean_edge / scene.grid.cell_size
+        if cells < FINEST:
+            text = f"the sides of the triangles are {cells:.2g} cells long on average"
+            yield Problem((*path, "geometry", "path"), f"{text}; expected {FINEST:g} or more")
     if isinstance(body, RigidBody):
         yield from check_rigid(body, path, dim, turns=not scene.grid.axisymmetric)
     elif body.geometry.type == "half_space":
