@@ -63,26 +63,25 @@ def test_impulse_is_exact_for_means_over_intervals():
     np.testing.assert_allclose(both[:, 1], [0.0, -2.0, -12.0, -13.0])
 
 
-def test_the_mean_of_a_force_keeps_a_constant_and_the_impulse():
+def test_running_average_keeps_a_constant_and_the_impulse():
     time = np.linspace(0.0, 1.0, 101)
-
-    def running_average(force, window):
-        return analysis.averaged(time, analysis.impulse(time, force), window)
-
-    mean = running_average(np.full(101, 3.0), 0.2)
+    mean = analysis.running_average(time, np.full(101, 3.0), 0.2)
     np.testing.assert_allclose(mean[10:], 3.0)
     assert mean[0] == pytest.approx(1.5)  # no force before the first output: half the window is empty
     force = np.where((time > 0.4) & (time < 0.6), 1.0, 0.0)
-    smooth = running_average(force, 0.1)
+    smooth = analysis.running_average(time, force, 0.1)
     assert np.trapezoid(smooth, time) == pytest.approx(analysis.impulse(time, force)[-1], rel=1e-3)
 
 
-def test_contact_ends():
+def test_contact_phases():
     time = np.linspace(0.0, 1.0, 11)
     force = np.array([0, 0, 3, 2, 0, 0, 0, 5, 1, 0, 0], dtype=float)
-    assert analysis.contact_ends(time, force) == pytest.approx((0.1, 0.8))
-    assert np.isnan(analysis.contact_ends(time, np.ones(11))[1])
-    assert np.isnan(analysis.contact_ends(time, np.zeros(11))[0])
+    phases = analysis.contact_phases(time, force)
+    assert (phases.first, phases.gap_start, phases.gap_end, phases.separation) == pytest.approx(
+        (0.1, 0.3, 0.6, 0.8)
+    )
+    assert np.isnan(analysis.contact_phases(time, np.ones(11)).separation)
+    assert np.isnan(analysis.contact_phases(time, np.zeros(11)).first)
 
 
 def test_shipped_scenes_are_recognised():

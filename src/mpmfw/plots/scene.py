@@ -146,7 +146,7 @@ def contact_force(dataset: xr.Dataset) -> Figure:
     inside = (table["time"] <= time[-1]) & known
     at, impulse = table["time"][inside], table["fine_impulse_Ns_per_m"]
     exact = analysis.averaged(table["time"], impulse, WINDOW)
-    mean = over_time(lambda one: analysis.averaged(time, analysis.impulse(time, one), WINDOW))
+    mean = over_time(lambda one: analysis.running_average(time, one, WINDOW))
     series: dict[str, Beside] = {
         "contact force": (force, "N m-1", at, table["fine_force_raw_N_per_m"][inside]),
         "mean over 100 µs": (mean, "N m-1", at, exact[inside]),

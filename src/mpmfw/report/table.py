@@ -219,16 +219,16 @@ def _force_measures(run: xr.Dataset) -> dict[str, float]:
         return {}
     time, table_ = run["time"].values, rings_table("force")
     force = -run["contact_force"].isel(pair=0).sel(axis="x").values  # the reference is of the other ring
-    first, separation = analysis.contact_ends(time, force)
+    phases = analysis.contact_phases(time, force)
     exact = np.interp(time, table_["time"], table_["fine_impulse_Ns_per_m"])
     total = float(table_["fine_impulse_Ns_per_m"][-1])
     impulse = analysis.impulse(time, force)
     measures = {
         "impulse_curve_error": 100.0 * float(np.max(np.abs(impulse - exact))) / total,
-        "first_contact": 1e3 * first,
-        "separation": 1e3 * separation,
+        "first_contact": 1e3 * phases.first,
+        "separation": 1e3 * phases.separation,
     }
-    parted = np.isfinite(separation)
+    parted = np.isfinite(phases.separation)
     measures["impulse_error"] = 100.0 * (float(impulse[-1]) / total - 1.0) if parted else float("nan")
     for window in (100, 200):
         ours, theirs = (analysis.averaged(time, curve, 1e-6 * window) for curve in (impulse, exact))

@@ -100,6 +100,11 @@ def averaged(time: FloatArray, impulses: FloatArray, window: float) -> FloatArra
     return np.asarray(passed / (after - before))
 
 
+def running_average(time: FloatArray, force: FloatArray, window: float) -> FloatArray:
+    """Return the centred mean over ``window`` [s] of a force."""
+    return averaged(time, impulse(time, force), window)
+
+
 #: Output intervals of the mean that noise is measured against.
 NOISE_WINDOW = 20
 
@@ -112,7 +117,7 @@ def force_noise(time: FloatArray, force: FloatArray) -> float:
         return float("nan")
     time, force = time[known], force[known].reshape(int(known.sum()), -1)
     span = NOISE_WINDOW * float(np.median(np.diff(time)))
-    mean = np.stack([averaged(time, impulse(time, one), span) for one in force.T], axis=1)
+    mean = np.stack([running_average(time, one, span) for one in force.T], axis=1)
     size = float(np.mean(mean**2))
     return float(np.sqrt(np.mean((force - mean) ** 2) / size)) if size > 0.0 else float("nan")
 
@@ -122,19 +127,31 @@ def relative_l2(time: FloatArray, values: FloatArray, reference: FloatArray) -> 
     return float(np.sqrt(np.trapezoid((values - reference) ** 2, time) / np.trapezoid(reference**2, time)))
 
 
-#: Share of the largest force below which there is no contact.
-ACTING = 1e-6
+@dataclass(frozen=True)
+class ContactPhases:
+    """Start, end and longest break of a pair's contact [s]; NaN if there was none."""
+
+    first: float  #: first contact
+    gap_start: float  #: start of the longest interval without force in between
+    gap_end: float  #: end of it
+    separation: float  #: last contact
 
 
-def contact_ends(time: FloatArray, force: FloatArray) -> tuple[float, float]:
-    """Return when a force (time,) begins and ends to act [s]; NaN where it does not."""
-    size = np.abs(np.nan_to_num(force))
-    acting = np.flatnonzero(size > ACTING * size.max())
+def contact_phases(time: FloatArray, force: FloatArray, threshold: float = 1e-6) -> ContactPhases:
+    """Find the phases of a force (time,), which is zero below ``threshold`` times its largest value."""
+    size, nan = np.abs(np.nan_to_num(force)), float("nan")
+    acting = np.flatnonzero(size > threshold * size.max())
     if len(acting) == 0:
-        return float("nan"), float("nan")
+        return ContactPhases(nan, nan, nan, nan)
+    first = float(time[max(acting[0] - 1, 0)])
     # A force that still acts at the last output has not ended.
     ended = acting[-1] < len(time) - 1 and bool(np.isfinite(force[acting[-1] + 1]))
-    return float(time[max(acting[0] - 1, 0)]), float(time[acting[-1]]) if ended else float("nan")
+    separation = float(time[acting[-1]]) if ended else nan
+    breaks = np.diff(acting)
+    if breaks.max(initial=1) == 1:
+        return ContactPhases(first, nan, nan, separation)
+    start, end = acting[np.argmax(breaks)], acting[np.argmax(breaks) + 1] - 1
+    return ContactPhases(first, float(time[start]), float(time[end]), separation)
 
 
 def energy_sums(series: xr.Dataset) -> dict[str, xr.DataArray]:
