@@ -166,10 +166,6 @@ class PointSpheres(Detection):
     #: Whether forces act on the centres, and not at the place between two points.
     at_centres = False
 
-    def reach(self, cell_size: float) -> float:
-        """Return two cells: no sphere that a cell has a point of is larger."""
-        return 2.0 * cell_size
-
     def range(self, cell_size: float) -> float:  # noqa: ARG002
         """Return that of the smallest spheres at the start: two have a row a little before they touch."""
         smallest: float = radius(float(self.state.particles.volume.min()), self.state.grid.dim)

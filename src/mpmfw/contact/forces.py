@@ -42,8 +42,7 @@ class ForceLaw(ContactLaw):
         """Write ``rows.force``, and add to the pairs' works and energies in ``records``.
 
         ``rows`` and ``old`` are as in :meth:`stiffness`, which was called before. ``dashpot`` is c / (k
-        Δt) [1] of a dashpot of the fraction ``damping`` of critical, Δt that of the last step [s].
-        """
+        Δt) [1] of a dashpot of the fraction ``damping`` of critical, Δt that of the last step [s]."""
         raise NotImplementedError
 
     def restored(self) -> None:
@@ -59,8 +58,8 @@ class ForceLaw(ContactLaw):
     def setup(self, setup: Setup) -> None:
         super().setup(setup)
         self.bulk_frequency = setup.bulk_frequency
-        #: Of the rows of this step [1/s²]; None before any was detected.
-        self.omega_squared: float | None = None
+        #: Of the rows of this step [1/s²]; before any was detected that of equal bodies.
+        self.omega_squared = self.estimate_frequency(self.bulk_frequency)
         self.law_step = math.inf  #: that the law allows beside it [s]
 
     @hookimpl
@@ -84,7 +83,7 @@ class ForceLaw(ContactLaw):
         rows, old = self.rows, self.old
         if rows.count == 0 and old.count == 0:
             return
-        period = math.sqrt(self.omega_squared or 0.0) * self.state.dt
+        period = math.sqrt(self.omega_squared) * self.state.dt
         # c = ζ 2 sqrt(k m) with the mass k / ω² of the highest frequency, per length of the last step
         dashpot = 2.0 * self.damping / period if period > 0.0 else 0.0
         self.forces(rows, old, dashpot, self.records)
@@ -115,16 +114,12 @@ class ForceLaw(ContactLaw):
 
     @hookimpl
     def stable_timestep(self) -> tuple[float, str] | None:
-        """Return 2 / sqrt(ω_bulk² + ω²) [s], or less where the law allows less: bulk and springs act
-        together. Before the first detection, ω² is that of equal bodies."""
-        omega_squared = self.omega_squared
-        if omega_squared is None:
-            omega_squared = self.estimate_frequency(self.bulk_frequency)
-        if omega_squared == 0.0 and self.law_step == math.inf:
+        """Return 2 / sqrt(ω_bulk² + ω²) [s], since bulk and springs act together, or what the law allows."""
+        if self.omega_squared == 0.0 and self.law_step == math.inf:
             return None
         zeta = self.damping
         # A dashpot that lags by a step takes away from the limit of its spring: 2 (√(1 + ζ²) − ζ) / ω.
-        omega_squared /= (math.sqrt(1.0 + zeta * zeta) - zeta) ** 2
+        omega_squared = self.omega_squared / (math.sqrt(1.0 + zeta * zeta) - zeta) ** 2
         resolved = 2.0 / math.sqrt(self.bulk_frequency**2 + omega_squared)
         if self.law_step < resolved:
             return self.law_step, f"{self.law_name} at the present approach"

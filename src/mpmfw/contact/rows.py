@@ -193,13 +193,9 @@ class Detection(PlugIn):
         """Return the plug-ins that the detection needs."""
         return []
 
-    def reach(self, cell_size: float) -> float | None:  # noqa: ARG002
-        """Return the distance of boxes [m] beyond which nothing is searched; None without a search."""
-        return None
-
-    def range(self, cell_size: float) -> float | None:
+    def range(self, cell_size: float) -> float | None:  # noqa: ARG002
         """Return the gap [m] up to which rows are sure to be listed; None if unknown."""
-        return self.reach(cell_size)
+        return None
 
     def configure(self, needs: frozenset[str], *, forces: bool) -> None:
         """Choose what follows from the law: its ``needs`` (:attr:`ContactLaw.needs`), and whether it gives

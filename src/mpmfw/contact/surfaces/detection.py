@@ -73,7 +73,7 @@ class OnFacets(Detection):
     def parts(self) -> list[Any]:
         return [TravelLimit(self)]
 
-    def reach(self, cell_size: float) -> float:
+    def range(self, cell_size: float) -> float:
         return float(self.options.search_radius) * cell_size
 
     def prepare(self, setup: Setup, owner: str) -> None:
@@ -82,7 +82,7 @@ class OnFacets(Detection):
         self.surface, self.cell_size = setup.state.tracked_surface, setup.cell_size
         if len(setup.bodies) > 2:
             self.surface.covered = np.full(len(self.surface.facets), -1)
-        self.radius = self.reach(setup.cell_size)
+        self.radius = self.range(setup.cell_size)
         self.rank = self.rank_bodies(setup, owner)
         items, first = np.arange(self.surface.count)[:, np.newaxis], self.surface.body_first
         if self.of_facets:
