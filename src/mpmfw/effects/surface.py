@@ -140,11 +140,9 @@ class SurfaceTracker:
         if chosen == "auto":
             chosen = "mass_weighted" if setup.massless_boundary else "plain"
         frames = setup.scene.output.surface
-        lines = [
-            Effect(f"surface map {chosen}", True, f"shape {setup.shape}"),
-            Effect("surface frames", frames, "output.surface" if frames else "output.surface = false"),
-        ]
-        return Acts("for " + ", ".join(setup.surface_users), [cls(setup, chosen, stage)], lines)
+        line = Effect("surface frames", frames, "output.surface" if frames else "output.surface = false")
+        reason = f"for {', '.join(setup.surface_users)}; map {chosen}"
+        return Acts(reason, [cls(setup, chosen, stage)], [line])
 
     @hookimpl(tryfirst=True)
     def detect(self, grid: Grid) -> None:

@@ -253,7 +253,6 @@ class Outlines:
                 points, own = cKDTree(state.particles.position[body.particles]), self.surface.of(body.index)
                 self.carrier[own] = body.particles.start + points.query(self.surface.position[own])[1]
             self.offset = self.surface.position - state.particles.position[self.carrier]
-        self.ends = np.zeros((2, 0), dtype=np.int64)  #: bodies of every pair
         self.start, self.start_normal = self.surface.position.copy(), self._normals(self.surface, state)
 
     def _now(self, state: State) -> Surface:
@@ -270,13 +269,11 @@ class Outlines:
 
     def inside(self, state: State, inside: AnyArray) -> tuple[FloatArray, AnyArray]:
         """Deepest node [m], and nodes that went through, of every pair."""
-        surface, pairs = self._now(state), state.pairs
-        if self.ends.shape[1] != len(pairs):
-            self.ends = np.ascontiguousarray(state.pair_bodies.T)
-        depth, passed = np.zeros(len(pairs)), np.zeros(len(pairs), dtype=np.int64)
+        surface, (first, second) = self._now(state), np.ascontiguousarray(state.pair_bodies.T)
+        depth, passed = np.zeros(len(first)), np.zeros(len(first), dtype=np.int64)
         find_inside(
-            self.ends[0], self.ends[1], surface.body_first, surface.facet_first, surface, inside,
-            depth, passed, state.grid.spacing,
+            first, second, surface.body_first, surface.facet_first, surface, inside, depth, passed,
+            state.grid.spacing,
         )  # fmt: skip
         return depth, passed
 

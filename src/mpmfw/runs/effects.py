@@ -82,16 +82,14 @@ def _table(setup: Setup) -> list[tuple[str, str, object, str]]:
 
 def _of_methods(setup: Setup) -> list[Effect]:
     transfer, shape = setup.exchange, setup.shape
-    affine, stored = transfer.affine is not None, transfer.affine == "moment"
-    moves = hasattr(setup.shape_function, "update_particle_domains")
     chosen = "as auto for" if setup.scene.stepping.transfer == "auto" else "given, with"
-    how = "C is carried along with the motion" if transfer.transported else "C stays as gathered"
-    stores = "stores B, D⁻¹ comes at the next projection" if stored else "does not store B"
+    carried = ", carried along with the motion" if transfer.transported else ""
+    stored = ", stored as moments B" if transfer.affine == "moment" else ""
+    moves = hasattr(setup.shape_function, "update_particle_domains")
     tracks = "moves its domains in every step" if moves else "moves no domains"
+    reason = f"transfer {transfer.name}, {chosen} shape {shape}{carried}{stored}"
     return [
-        Effect("affine field", affine, f"transfer {transfer.name}, {chosen} shape {shape}"),
-        *([Effect("transported affine gradient", transfer.transported, how)] if affine else []),
-        Effect("affine moments", stored, f"transfer {transfer.name} {stores}"),
+        Effect("affine field", transfer.affine is not None, reason),
         Effect("domain tracking", moves, f"shape {shape} {tracks}"),
     ]
 
