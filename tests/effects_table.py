@@ -108,7 +108,7 @@ EFFECTS = {
         modules="contact.bardenhagen contact.impulse ~nodes ~shared_nodes",
         series=_CONTACT,
     ),
-    "averaged normals": brings(modules="~normal_bias"),
+    "normals": brings(modules="~normal_bias"),
     "penalty": brings(
         "penalty",
         arrays="penalty",
@@ -193,7 +193,7 @@ HELD = [{"side": "bottom", "fixed": True}]
 FRICTIONLESS = ("penalty", "travel", "surfaces", "local spin")
 TOUCHED = (*FRICTIONLESS, "flutter")
 LEDGER = ("ledger",)
-BY_NODES = ("bardenhagen", "averaged normals", "local spin", "flutter")
+BY_NODES = ("bardenhagen", "normals", "local spin", "flutter")
 CASES = {
     "one body": Case(ONE, ()),
     "two bodies apart": Case(_apart(_two("penalty")), TOUCHED),
@@ -294,8 +294,8 @@ CASES = {
     "contact by position": Case(
         _two("bardenhagen", contact__bardenhagen={"criterion": "position"}), BY_NODES
     ),
-    "one body's normal": Case(
-        _two("bardenhagen", contact__bardenhagen={"normal": "master"}),
+    "given normal": Case(
+        _two("bardenhagen", contact__bardenhagen={"normal": "specified", "direction": [1.0, 0.0]}),
         ("bardenhagen", "local spin", "flutter"),
     ),
     "apic": Case(with_changes(ONE, stepping={"transfer": "apic"}), ("affine field", "affine moments")),

@@ -23,6 +23,7 @@ from mpmfw.geometry import (
     Ring,
     discretise,
 )
+from mpmfw.geometry.clipped_lattice import FARTHEST
 from mpmfw.geometry.combined import Difference, Union
 from mpmfw.geometry.surface_checks import check_surface
 from mpmfw.runs import bodies
@@ -109,6 +110,15 @@ def test_a_lattice_keeps_the_volume(name, size, offset):
     assert_consistent(layout, geometry)
     centroid = layout.volume @ layout.position / layout.volume.sum()
     np.testing.assert_allclose(centroid, geometry.centroid, atol=1e-9)
+
+
+@pytest.mark.parametrize("size", [0.25, 0.5])
+def test_points_of_a_thin_fin_stay_near_its_end(size):
+    """Small pieces must not join the body one after the other: no point would carry the fin's end."""
+    fin = [[0, 0], [2, 0], [2, 0.04], [0.5, 0.04], [0.5, 2], [0, 2]]
+    layout = discretise(Polygon(points=fin), Particles(size=size), None)
+    assert layout.volume.sum() == pytest.approx(0.5 * 2 + 1.5 * 0.04)
+    assert layout.position[:, 0].max() > 2.0 - (FARTHEST + 1) * size
 
 
 @pytest.mark.parametrize("name", [name for name in PLANE if name not in ("union", "difference")])

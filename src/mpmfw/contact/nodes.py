@@ -197,7 +197,7 @@ class Nodes(AtNodes):
     name = "nodes"
     Options = NodesOptions
     options: NodesOptions
-    #: Bias of averaged normals; None where normals are of one body alone.
+    #: Bias of the normals; None where they are of one body alone, or given.
     bias: Any = None
 
     def __init__(self, **options: Any) -> None:
@@ -244,7 +244,9 @@ class Nodes(AtNodes):
             self.cut_off = self.options.cut_off * setup.cell_size
         self.projects_gradient = self.measures_area
         self.projects_mean = self.by_position
-        if self.options.normal == "averaged":  # the other kinds are of one body alone
+        soft = setup.state.soft_bodies
+        alike = self.options.normal == "averaged" or len(np.unique(stiffness_ranks(soft))) < len(soft)
+        if self.measures_area and alike:
             from mpmfw.contact.normal_bias import NormalBias
 
             self.bias = NormalBias(setup, owner)
@@ -256,14 +258,14 @@ class Nodes(AtNodes):
 
     def note_forces(self, rows: ContactRows, scale: float) -> None:
         if self.bias and self.shared_rows:
-            self.bias.add(rows, self.shared_rows, scale, self.gradient, self.state.grid.spacing)
+            self.bias.add(rows, self.shared_rows, scale, self.gradient, self.pairs, self.state.grid.spacing)
 
     def restart(self) -> None:
         if self.bias:
             self.bias.restart()
 
     def remarks(self) -> list[str]:
-        advice = 'normal = "master" or "specified" for faces'
+        advice = 'normal = "master" for a flat body that is the stiffer, or "specified"'
         if not self.by_position:
             advice += ', criterion = "position" for round bodies'
         return self.bias.remarks(self.state.pairs, advice) if self.bias else []

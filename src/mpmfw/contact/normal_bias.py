@@ -1,4 +1,4 @@
-"""Bias of averaged normals to one side, which holds sliding back at shared nodes."""
+"""Bias of both bodies' normals to one side, which holds sliding back at shared nodes."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from mpmfw.kernels import Struct, kernel
+from mpmfw.contact.shared_nodes import NodePairs
+from mpmfw.kernels import Struct, kernel, scratch
 from mpmfw.kernels.contact import Rows
 from mpmfw.kernels.types import Floats
 from mpmfw.plugin.setup import Setup
@@ -23,47 +24,63 @@ class BiasSums(Struct):
     """Sums of every pair."""
 
     total: Floats  #: (pair,) Σ J_n [N s/m]
-    normal: Floats  #: (pair, dim) Σ J_n n
-    lean: Floats  #: (pair, dim) Σ J_n (n_a + n_b) / 2
+    lean: Floats  #: (pair,) Σ J_n (n_a + n_b) / 2 along the tangential force
 
 
 @kernel
 def add_bias(
-    rows: Rows, count: int, scale: float, gradient: Floats, sums: BiasSums, spacing: tuple[float, ...]
-) -> None:
-    """Add J_n, J_n n and J_n (n_a + n_b) / 2 of every shared node, n_a and n_b the two bodies' own outward
-    normals: the last is 0 where faces meet. The impulse on body a is ``scale`` times the row's force.
+    rows: Rows, count: int, scale: float, gradient: Floats, pairs: NodePairs, sums: BiasSums,
+    spacing: tuple[float, ...],
+) -> None:  # fmt: skip
+    """Add J_n of every shared node, and J_n (n_a + n_b) / 2 along the pair's tangential force of the step,
+    which turns with the sliding. n_a and n_b are the two bodies' outward normals: their sum is 0 where faces
+    meet. Tangential is across Σ (g_b − g_a). The impulse on body a is ``scale`` times the row's force.
     """
-    dim = len(spacing)
-    for c in range(count):
-        i, j, p, normal_impulse = rows.dof[2 * c], rows.dof[2 * c + 1], rows.pair[c], 0.0
-        square_a, square_b = 0.0, 0.0
-        for d in range(dim):
-            normal_impulse += scale * rows.force[c, d] * rows.normal[c, d]
-            square_a += gradient[i, d] ** 2
-            square_b += gradient[j, d] ** 2
-        if normal_impulse > 0.0 and square_a > 0.0 and square_b > 0.0:
-            sums.total[p] += normal_impulse
+    dim, c = len(spacing), 0
+    face, force, lean = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
+    while c < count:
+        p = rows.pair[c]
+        both = pairs.weight_first[p] == pairs.weight_second[p]  # else the normal is that of one body alone
+        face[:], force[:], lean[:] = 0.0, 0.0, 0.0
+        while c < count and rows.pair[c] == p:
+            i, j, normal_impulse, square_a, square_b = rows.dof[2 * c], rows.dof[2 * c + 1], 0.0, 0.0, 0.0
             for d in range(dim):
-                both = gradient[i, d] / math.sqrt(square_a) + gradient[j, d] / math.sqrt(square_b)
-                sums.normal[p, d] -= normal_impulse * rows.normal[c, d]
-                sums.lean[p, d] += 0.5 * normal_impulse * both
+                normal_impulse += scale * rows.force[c, d] * rows.normal[c, d]
+                force[d] += scale * rows.force[c, d]
+                face[d] += gradient[j, d] - gradient[i, d]
+                square_a += gradient[i, d] ** 2
+                square_b += gradient[j, d] ** 2
+            if both and normal_impulse > 0.0 and square_a > 0.0 and square_b > 0.0:
+                sums.total[p] += normal_impulse
+                for d in range(dim):
+                    mean = gradient[i, d] / math.sqrt(square_a) + gradient[j, d] / math.sqrt(square_b)
+                    lean[d] += 0.5 * normal_impulse * mean
+            c += 1
+        square, along, tangential, product = 0.0, 0.0, 0.0, 0.0
+        for d in range(dim):
+            square += face[d] ** 2
+            along += face[d] * force[d]
+        for d in range(dim):
+            across = force[d] - (along * face[d] / square if square > 0.0 else 0.0)
+            tangential += across**2
+            product += lean[d] * across
+        if tangential > 0.0:
+            sums.lean[p] += product / math.sqrt(tangential)
 
 
 #: Declarations of the members of :class:`BiasSums`.
 _DECLARED = {
     "total": Field("normal_impulse", ("pair",), "N s m-1", "sum of the normal impulses' sizes", "contact"),
-    "normal": Field("mean_normal", ("pair", "axis"), "N s m-1", "sum of the normal impulses", "contact"),
-    "lean": Field("lean", ("pair", "axis"), "N s m-1", "sum of J_n (n_a + n_b) / 2", "contact"),
+    "lean": Field("lean", ("pair",), "N s m-1", "their lean along the tangential force", "contact"),
 }
 
 
 class NormalBias:
-    """Bias of the averaged normals of a contact, called ``owner``, over a run.
+    """Bias of the normals of a contact, called ``owner``, over a run.
 
     At the edge of a contact the bodies' own normals disagree: the front corner of a sliding block points
-    ahead. A mean normal there leans ahead, sliding in counts as approach, and impulses brake the body and
-    throw it up. Normals that lean ahead and behind alike cancel.
+    ahead. The block's normal or a mean leans ahead there, sliding in counts as approach, and impulses brake
+    the body and throw it up. Normals that lean ahead and behind alike cancel.
     """
 
     def __init__(self, setup: Setup, owner: str) -> None:
@@ -76,27 +93,24 @@ class NormalBias:
             self.sums.set(**{name: state.lengthen(f"{self.owner}/{field.name}", len(state.pairs))})
 
     def add(
-        self, rows: Rows, count: int, scale: float, gradient: FloatArray, spacing: tuple[float, ...]
-    ) -> None:
+        self, rows: Rows, count: int, scale: float, gradient: FloatArray, pairs: NodePairs,
+        spacing: tuple[float, ...],
+    ) -> None:  # fmt: skip
         """Add what ``scale`` times the forces of ``count`` rows does, with the nodes' volume gradients."""
-        add_bias(rows, count, scale, gradient, self.sums, spacing)
+        add_bias(rows, count, scale, gradient, pairs, self.sums, spacing)
 
     def restart(self) -> None:
         for array in self.sums.members().values():
             array.fill(0.0)
 
     def sideways(self) -> FloatArray:
-        """Return the bias across the mean normal over the normal impulses (pair,): a friction."""
-        sums = self.sums
-        length = np.linalg.norm(sums.normal, axis=1, keepdims=True)
-        n = sums.normal / np.where(length > 0.0, length, 1.0)
-        across = sums.lean - (sums.lean * n).sum(axis=1, keepdims=True) * n
-        return np.asarray(np.linalg.norm(across, axis=1) / np.where(sums.total > 0.0, sums.total, 1.0))
+        """Return the bias along the tangential force over the normal impulses (pair,): a friction."""
+        return np.asarray(np.abs(self.sums.lean) / np.where(self.sums.total > 0.0, self.sums.total, 1.0))
 
     def remarks(self, pairs: Sequence[Pair], advice: str) -> list[str]:
         """Return a warning, with ``advice``, for every pair beyond :data:`LARGEST`."""
         return [
-            f"{pair.label}: averaged normals lean to one side by {lean:.2g} of the normal impulse, at "
+            f"{pair.label}: normals lean to one side by {lean:.2g} of the normal impulse, at "
             f"corners and ahead of round bodies: this holds sliding back as friction of {lean:.2g} does, and "
             f"throws up a body that slides in; try {advice}"
             for pair, lean in zip(pairs, self.sideways(), strict=True)

@@ -109,6 +109,9 @@ def _faces(lower: float, upper: float, size: float, offset: float, dim: int) -> 
     return np.concatenate([[lower], inner, [upper]])
 
 
+#: Cells from a piece to that which it joins: a joint piece of fewer holds the mass of its surface nodes.
+FARTHEST = 2
+
 #: Of equal faces that across x wins, then y, on every side alike: round-off cannot break a mirror symmetry
 TIE_BREAK = 1e-9
 
@@ -126,7 +129,8 @@ def merge_small_pieces(
     The pieces lie at lattice ``index`` (n, dim), with ``volume`` (n,) and ``centroid`` (n, dim); those
     numbered ``small`` (k,) are below ``least_volume``. ``shared`` (k, 2 dim) are the lengths or areas that
     these share with the neighbours below and above along x, then y, then z. Returns volumes and centroids of
-    the joint pieces; a small piece without a neighbour stays as it is."""
+    the joint pieces; a small piece stays as it is without a neighbour, or if the joint piece begins more than
+    two cells away, or a thin fin would leave its surface."""
     dim = index.shape[1]
     preferred = shared * (1.0 - TIE_BREAK * np.repeat(np.arange(dim), 2))
     order = np.argsort(-preferred, axis=1, kind="stable")
@@ -137,7 +141,7 @@ def merge_small_pieces(
         piece = int(small[k])
         # Pieces that joined this one may have made it large enough
         if joint[piece] < least_volume:
-            owner[piece] = _most_shared(piece, beside[k], owner)
+            owner[piece] = _most_shared(piece, beside[k], owner, index)
             joint[owner[piece]] += joint[piece]
     roots = owner.copy()
     for piece in small.tolist():
@@ -160,10 +164,13 @@ def _neighbours(index: npt.NDArray[np.intp], small: npt.NDArray[np.intp]) -> npt
     return np.stack([number[tuple((index[small] - lower + step).T)] for step in steps], axis=1)
 
 
-def _most_shared(piece: int, beside: npt.NDArray[np.intp], owner: npt.NDArray[np.intp]) -> int:
-    """The (joint) piece among the neighbours ``beside`` that shares most with ``piece``, or itself."""
+def _most_shared(
+    piece: int, beside: npt.NDArray[np.intp], owner: npt.NDArray[np.intp], index: npt.NDArray[np.intp]
+) -> int:
+    """The near (joint) piece among the neighbours ``beside`` that shares most with ``piece``, or itself."""
     for other in beside.tolist():
-        if other >= 0 and (root := _root(owner, other)) != piece:
+        root = _root(owner, other) if other >= 0 else piece
+        if root != piece and abs(index[root] - index[piece]).max() <= FARTHEST:
             return root
     return piece
 
