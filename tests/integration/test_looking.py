@@ -76,6 +76,22 @@ def test_a_run_in_space_can_be_turned_without_a_network(run, tmp_path):
     assert page.index("Plotly.newPlot") < page.index("<h2>Scene")
 
 
+def test_a_run_far_from_the_origin_is_drawn_to_the_place(run):
+    """A million cells away single precision moves points by up to 0.03 cells."""
+    pytest.importorskip("plotly")
+    groups = mpmfw.open(run).to_dict()
+    true = groups["/surface/solid"]["position"].values[2].copy()
+    for path, group in groups.items():
+        if "position" in group:
+            groups[path] = group.assign(position=group["position"].astype(float) + [1e6, 0.0, 0.0])
+    tree = xr.DataTree.from_dict(groups)
+    page = str(pictures.turning({"far": tree}, tree["series/time"].values[[2]], "von_mises", None))
+    (trace, *_), rest = json.JSONDecoder().raw_decode(re.search(r'"turning",\s*(\[.*)', page, re.S)[1])
+    drawn = np.frombuffer(base64.b64decode(trace["x"]["bdata"]), "f4")
+    np.testing.assert_allclose(drawn - drawn[0], true[:, 0] - true[0, 0], atol=1e-6)
+    assert re.search(r'"text":"x \\u2212 (999999|1000000).* m \[m\]"', page[rest:])
+
+
 @pytest.fixture(scope="module")
 def several():
     """Eight runs of 14 outputs that keep their points."""

@@ -127,9 +127,10 @@ def turning(
         rows, columns, specs=[[{"type": "scene"}] * columns] * rows, horizontal_spacing=0.02,
         vertical_spacing=0.05, subplot_titles=[html.escape(label) for label in shown],
     )  # fmt: skip
+    start, axes = _axes(shown, frames)
     drawn = [
         [
-            _trace(runs, body, field, frames[label][step], f"scene{number}")
+            _trace(runs, body, field, frames[label][step], start) | {"scene": f"scene{number}"}
             for number, (label, runs) in enumerate(shown.items(), 1)
             for body in runs.names
         ]
@@ -138,6 +139,7 @@ def turning(
     figure.add_traces(drawn[-1])
     figure.frames = [{"name": str(step), "data": traces} for step, traces in enumerate(drawn)]
     figure.update_layout(height=_HEIGHT * rows + 180, sliders=[_slider(times)])
+    figure.update_scenes(aspectmode="data", camera={"up": {"x": 0, "y": 1, "z": 0}, "eye": _EYE}, **axes)
     _scale(figure, shown, frames, field, limits)
     settings = {"displayModeBar": False, "responsive": True, "scrollZoom": True}
     options = {"auto_play": False, "full_html": False, "div_id": "turning", "include_plotlyjs": True}
@@ -151,7 +153,7 @@ def _scale(
     field: str,
     limits: tuple[float, float] | None,
 ) -> None:
-    """Give all scenes and outputs the same colours and axes."""
+    """Give all scenes and outputs the same colours."""
     first = next(iter(shown.values()))
     about = point_field(frame_of(first.tree, f"particles/{first.bodies[0]}", 0), field).attrs
     ends = [runs.extremes(field, frames[label]) for label, runs in shown.items()]
@@ -165,16 +167,31 @@ def _scale(
         margin={"l": 10, "r": 10, "t": 110, "b": 0}, showlegend=False,
         coloraxis={"cmin": low, "cmax": high, "colorscale": colours, "colorbar": bar},
     )  # fmt: skip
+
+
+def _axes(
+    shown: Mapping[str, Bodies], frames: Mapping[str, Sequence[int]]
+) -> tuple[FloatArray, dict[str, dict[str, Any]]]:
+    """Return where axes begin to count (3,) [m], and the axes of all scenes and outputs.
+
+    Browsers draw in single precision, which far from the origin would move points."""
     boxes = np.array([runs.box(frames[label]) for label, runs in shown.items()])
-    ranges = zip("xyz", boxes.min(axis=(0, 1)).tolist(), boxes.max(axis=(0, 1)).tolist(), strict=True)
-    axes = {f"{axis}axis": {"range": ends, "title": {"text": f"{axis} [m]"}} for axis, *ends in ranges}
-    figure.update_scenes(aspectmode="data", camera={"up": {"x": 0, "y": 1, "z": 0}, "eye": _EYE}, **axes)
+    lower, upper = boxes.min(axis=(0, 1)), boxes.max(axis=(0, 1))
+    size = float(np.ptp([lower, upper], axis=0).max())
+    rounding = np.finfo(np.float32).eps * np.abs([lower, upper]).max(axis=0)
+    start = np.where(rounding > 1e-4 * size, lower, 0.0)
+    titles = [f"{axis} − {at:.10g} m" if at else axis for axis, at in zip("xyz", start.tolist(), strict=True)]
+    ends = np.array([lower - start, upper - start]).T.tolist()
+    return start, {
+        f"{axis}axis": {"range": between, "title": {"text": f"{title} [m]"}}
+        for axis, between, title in zip("xyz", ends, titles, strict=True)
+    }
 
 
-def _trace(runs: Bodies, body: str, field: str, frame: int, scene: str) -> dict[str, Any]:
-    """Return a body at one output: a surface, else dots."""
-    places, facets = runs.places(body, frame).astype(np.float32), runs.facets(body)
-    trace = dict(zip("xyz", places.T, strict=True), scene=scene, name=html.escape(body))
+def _trace(runs: Bodies, body: str, field: str, frame: int, start: FloatArray) -> dict[str, Any]:
+    """Return a body at one output, from ``start`` [m]: a surface, else dots."""
+    places, facets = (runs.places(body, frame) - start).astype(np.float32), runs.facets(body)
+    trace = dict(zip("xyz", places.T, strict=True), name=html.escape(body))
     colours: dict[str, Any] = {"color": "lightgrey"}
     if body in runs.bodies:
         values = runs.values(body, field, frame).astype(np.float32)
