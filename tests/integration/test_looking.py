@@ -18,6 +18,7 @@ from mpmfw.plots.bodies import Bodies
 from mpmfw.report import pictures, write_report
 from scenes_for_tests import ball_on_a_box, two_blocks
 
+FAR = np.array([1e6, 0.0, 0.0])  # m
 EVIL = "<script>alert(1)</script><img src=x onerror=alert(1)> {{ 7*6 }}"
 
 
@@ -83,7 +84,7 @@ def test_a_run_far_from_the_origin_is_drawn_to_the_place(run):
     true = groups["/surface/solid"]["position"].values[2].copy()
     for path, group in groups.items():
         if "position" in group:
-            groups[path] = group.assign(position=group["position"].astype(float) + [1e6, 0.0, 0.0])
+            groups[path] = group.assign(position=group["position"].astype(float) + FAR)
     tree = xr.DataTree.from_dict(groups)
     page = str(pictures.turning({"far": tree}, tree["series/time"].values[[2]], "von_mises", None))
     (trace, *_), rest = json.JSONDecoder().raw_decode(re.search(r'"turning",\s*(\[.*)', page, re.S)[1])

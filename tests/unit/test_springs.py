@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import mpmfw
-from contact_scenes import impact, wave_speed
+from contact_scenes import impact, rectangle, scene, wave_speed
 from interpreted import interpreted
 from mpmfw.runs.simulation import Simulation
 from mpmfw_contact import _springs
@@ -92,6 +92,26 @@ def test_springs_of_mean_gaps_go_deeper_by_motion_alone(gap, moved, expected):
     rows, old = (SimpleNamespace(gap=np.full(1, g), normal=normal, **row, **zeros) for g in (gap, -0.02))
     interpreted(set_springs)(rows, 1, own, old, 1, old_own, np.ones(1), 1.0, 1.0, 1.0, False, True)
     assert own.rest[0] == pytest.approx(expected, abs=1e-15)
+
+
+def test_springs_at_nodes_do_not_sink_over_fifty_contacts():
+    """Points that leave a node and come back take from its rest what the motion did not give."""
+    pull = [
+        [t, 0.0, -10.0 * (1.0 + 0.9 * np.sin(40.0 * np.pi * t))] for t in np.linspace(0.0, 2.5, 801).tolist()
+    ]
+    fixed = [{"side": "bottom", "fixed": True}]
+    bodies = {
+        "table": rectangle([-0.6, -0.3], [0.6, 0.037], kind="ground", sides=fixed),
+        "block": rectangle([-0.2, 0.037], [0.2, 0.437], kind="firm"),
+    }
+    settle = {"gravity": {"vector": [0.0, -10.0]}}
+    mapping = scene(bodies, friction=0.0, gravity={"table": pull}, settle=settle)
+    mapping["time"] = {"end": 2.5, "output_interval": 0.0125}
+    series = mpmfw.run(mapping, contact="nodes+penalty", shape="gimp")["series"]
+    height = series["centre_of_mass"].sel(body="block", axis="y").values
+    assert height[-40:].mean() == pytest.approx(height[40:80].mean(), abs=0.01 * CELL)
+    energy = series["total_energy"].sum("body").values
+    assert energy[-40:].max() < energy[:40].max()
 
 
 def test_the_step_of_the_first_touch_is_no_longer_than_that_of_equal_bodies_in_contact():
