@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from mpmfw.api import hookimpl
+from mpmfw.runs.simulation import Simulation
 
 sys.path.append(str(Path(__file__).parent / "finite-elements"))  # for rings_fem and slider_fem
 
@@ -69,6 +70,45 @@ def scene(cell, lower, upper, end, interval, material, bodies, **tables):
     usual = {"material": "solid", "particles": {"size": "0.5 cells"}}
     made["bodies"] = {name: body if "rigid" in body else {**usual, **body} for name, body in bodies.items()}
     return made
+
+
+class HeldNodes:
+    """Gives nodes on y = 0 below a strip its velocity, as finite elements do, without contact.
+
+    ``impulse`` is what they took so far along −y [N s/m]."""
+
+    name, impulse = "held_nodes", 0.0
+
+    def __init__(self, half_width, rough):
+        self.half_width, self.rough, self.velocity = half_width, rough, 0.0
+
+    @hookimpl(trylast=True)
+    def constrain_momentum(self, grid):
+        x, y = grid.position.T
+        below = (np.abs(x) <= self.half_width + 1e-9) & (np.abs(y) < 1e-9)
+        given = grid.mass[below] * self.velocity
+        self.impulse -= float((given - grid.momentum[below, 1]).sum())
+        grid.momentum[below, 1] = given
+        if self.rough:
+            grid.momentum[below, 0] = 0.0
+
+
+def held_load(scene):
+    """Return the mean load [N/m] over the last third on nodes held below the ``footing`` of a scene."""
+    made = scene.to_mapping()
+    strip, end = made["bodies"].pop("footing"), made["time"]["end"]
+    rough = made.pop("contact")["friction"] > 0.0
+    time, _, velocity = np.array(strip["rigid"]["motion"]["velocity"]).T
+    made.pop("reference", None)
+    simulation = Simulation(made)
+    nodes = HeldNodes(strip["geometry"]["upper"][0], rough)
+    with simulation.extra_plugin(nodes):
+        for until in (2.0 * end / 3.0, end):
+            before = nodes.impulse
+            while simulation.state.time < until:
+                nodes.velocity = np.interp(simulation.state.time, time, velocity)
+                simulation.step_towards(until)
+    return 3.0 * (nodes.impulse - before) / end
 
 
 def observed_order(sizes, errors):

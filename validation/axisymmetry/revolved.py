@@ -134,6 +134,15 @@ def bar(cells):
     return revolved(cell, body, 8e-5, 4e-6, (3.2 * radius, 1.1 * length), (0.0, -4.0 * cell), copper)
 
 
+def plate(cells):
+    """Return the same bar in the plane, half of a plate without end, to one side of its plane of symmetry."""
+    made, (_, upper) = bar(cells), bar(cells)["grid"]["upper"]
+    made["bodies"]["solid"]["sides"] = fixed(left="x", bottom="y")
+    lower = made["grid"]["lower"][1]
+    made["grid"] = {"cell_size": 3.2e-3 / cells, "lower": [lower, lower], "upper": [6.0 * 3.2e-3, upper]}
+    return made
+
+
 def quarter(cells):
     """Return a quarter of the same bar in space, between two smooth planes of symmetry; the axis is z."""
     made, radius, lower = bar(cells), 3.2e-3, -4.0 * 3.2e-3 / cells

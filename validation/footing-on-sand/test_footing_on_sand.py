@@ -2,9 +2,9 @@
 # cost: 230
 
 import numpy as np
-from common import elastic, fixed, rectangle, scene
+from common import elastic, fixed, held_load, rectangle, scene
 
-from mpmfw.validation import Place, Runs, known_red
+from mpmfw.validation import Place, Runs, known_red, methods
 
 #: Sand of 20 kN/m³ with associated flow; half of a strip 1 m wide.
 WEIGHT, ANGLE = 2e4, np.radians(25.0)
@@ -89,3 +89,16 @@ def bearing(tree, kind):
 def test_sand(run):
     at, value = run.place.at, run.of(bearing, "load", kind=run.place.make["kind"])
     run.gate(f"limit load, error, {at}", value, 0.0, 25.0, "%", key="load")
+
+
+@Runs(
+    "held",
+    sand,
+    methods([""], when="full"),
+    [Place(f"{kind}, B/h = 8", make={"kind": kind, "cells": 8}) for kind in SAND],
+    by=held_load,
+)
+def test_held(run):
+    """Most of the error is there without contact."""
+    value = 100.0 * (run.results / SAND[run.place.make["kind"]][0] - 1.0)
+    run.gate(f"limit load with nodes held instead of contact, error, {run.place.at}", value, 0.0, None, "%")

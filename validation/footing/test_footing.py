@@ -2,8 +2,9 @@
 # cost: 230
 
 import numpy as np
+from common import held_load
 
-from mpmfw.validation import CLASSICAL, Place, Runs, each, methods
+from mpmfw.validation import CLASSICAL, Place, Runs, each, methods, together
 
 #: (2 + π) c_u B of the shipped scene [N/m]: c_u = 10 kPa, B = 1 m.
 PRANDTL = (2.0 + np.pi) * 1e4
@@ -44,6 +45,14 @@ laws = Runs(
     set={"output.particles": False},
 )
 
+held = Runs(
+    "held",
+    "footing",
+    [*methods([""], settings={"rough": {}}), *methods([""], settings={"smooth": SMOOTH}, when="full")],
+    [Place("B/h = 8"), Place("B/h = 16", set={"grid.cell_size": 1.0 / 16.0}, when="full")],
+    by=held_load,
+)
+
 
 def load(tree):
     """Return the error [%] of the mean reaction over the last third, and how far it varies there [%]."""
@@ -61,3 +70,20 @@ def test_footing(run):
     at, value, varies = run.place.at, run.of(load, "load"), run.of(load, "varies")
     run.gate(f"limit load, error, {at}", value, 0.0, None, "%", key="load", binds=binds)
     run.gate(f"standard deviation over the last third, {at}", varies, 0.0, 2.0, "%", binds=binds)
+
+
+@each(held)
+def test_held(run):
+    value = 100.0 * (run.results / PRANDTL - 1.0)
+    run.gate(f"limit load with nodes held instead of contact, error, {run.place.at}", value, 0.0, None, "%")
+
+
+@together(coarse, held)
+def test_against_held(case, runs):
+    """Contact at edges on lines of the grid adds little to the load of the nodes that it holds."""
+    found = {(run.method.contact, run.method.label, run.place.at): run for run in runs}
+    for (contact, label, at), run in found.items():
+        if contact:
+            less = run.of(load, "load") - 100.0 * (found["", label, at].results / PRANDTL - 1.0)
+            binds = contact == "penalty"
+            case.gate(f"that load less the one of held nodes, {at}", less, 0.0, 2.0, "%", run.method, binds)
