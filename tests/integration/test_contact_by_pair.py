@@ -238,24 +238,6 @@ def test_pairs_with_the_same_contact_and_the_ledger_are_as_with_one():
     assert not {"spring_work", "contact_residual"} & last["tied"].keys()
 
 
-def test_a_run_is_restored_to_the_bit():
-    pairs = {"a-b": {"method": "penalty", "penalty": {"kappa": 2.0}}, "c-d": {"method": "lcp"}}
-    first, second = (made({**MEET, **TORN}, pairs, output={"stability": True}) for _ in range(2))
-    for _ in range(25):
-        first.step(STEP)
-    saved = first.snapshot()
-    assert any("contacts/1" in place for place in saved)
-    second.restore(saved)
-    for _ in range(20):
-        first.step(STEP)
-        second.step(STEP)
-    for found, expected in zip(points_of(second, "abcd"), points_of(first, "abcd"), strict=True):
-        np.testing.assert_array_equal(found, expected)
-    found = second.frame().series
-    for name, values in first.frame().series.items():
-        np.testing.assert_array_equal(found[name], values)
-
-
 @pytest.mark.parametrize(
     ("contact", "message"),
     [

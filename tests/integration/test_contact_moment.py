@@ -47,22 +47,6 @@ def test_moment_is_that_of_the_surface_nodes_forces(scene):
     np.testing.assert_allclose(own["contact_moment"].values[1:], exerted, rtol=0.0, atol=1e-9 * largest)
 
 
-@pytest.mark.filterwarnings("default:suspect. energy:mpmfw.errors.ResultsWarning")
-@pytest.mark.parametrize(
-    ("method", "scene"),
-    [
-        *((method, two_blocks) for method in ("bardenhagen", "hamad2017", "lcp", "barrier")),
-        ("penalty", cubes),
-    ],
-)
-def test_moments_about_one_point_cancel(method, scene):
-    """Of two bodies that nothing else acts on: contact has one line of action."""
-    point = [0.3, -0.7, 0.2][: 2 if scene is two_blocks else 3]
-    found = recorded(scene(method), point)["series"]["contact_moment"].values
-    assert (np.abs(found).max(axis=(0, 1)) > 0.0).all()
-    assert np.abs(found.sum(axis=1)).max() < 1e-9 * np.abs(found).max()
-
-
 def test_point_and_centre_differ_by_the_force_times_the_way_and_looking_changes_nothing():
     point = np.array([0.3, -0.7])
     plain, own, other = (

@@ -13,7 +13,7 @@ from mpmfw.plugin.discovery import available
 from mpmfw.runs.restart import read_snapshot, write_snapshot
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene, shipped_scenes
-from scenes_for_tests import two_blocks
+from scenes_for_tests import solid, two_blocks
 
 pytestmark = pytest.mark.filterwarnings("ignore::mpmfw.errors.ResultsWarning")  # settling is cut short
 
@@ -164,6 +164,13 @@ WAYS = {
     "damped": {"materials__soft__damping": {"bulk": 1e-4, "shear": 1e-4}},
     "averaged": {f"bodies__{name}__volumetric": "averaged" for name in ("left", "right")},
     "nearest": {"time__outputs": "nearest", "output__particle_interval": 0.004},
+    "pairs": {
+        "bodies__third": solid([-0.2, 0.251], [0.3, 0.751], 0.125, velocity=[0.0, -1.0]),
+        "contact__pairs": {
+            "left-third": {"method": "lcp"},
+            "right-third": {"method": "penalty", "penalty": {"kappa": 2.0}},
+        },
+    },
 }
 
 

@@ -12,8 +12,6 @@ import mpmfw
 from mpmfw.contact import rigid_nodes, strategy
 from mpmfw.effects import rigid_kinematics, rigid_motion
 from mpmfw.errors import SceneError, SimulationError
-from mpmfw.results.analysis import fitted_acceleration
-from mpmfw.results.references import reference_of
 from mpmfw.runs.simulation import Simulation
 from mpmfw.state.surface import moments_of
 from scenes_for_tests import SOFT, scene_of, with_changes
@@ -72,37 +70,6 @@ def test_a_free_disc_and_a_block_keep_their_momentum(method):
     assert np.isnan(series["reaction"].values[:, 0]).all()
 
 
-def test_the_cylinder_on_a_rigid_plane_has_the_closed_forms_acceleration():
-    tree = mpmfw.run("rolling-cylinder-no-slip-rigid", set={"output.particles": False})
-    series, solution = tree["series"], reference_of(tree.attrs).solution
-    way, time = series["centre_of_mass"].values[:, 0, 0], series["time"].values
-    end = solution.time_to(10.0)
-    assert fitted_acceleration(time, way, 0.2 * end, end) == pytest.approx(solution.acceleration, rel=4e-3)
-
-
-@pytest.mark.parametrize(
-    ("method", "angle"), [("penalty", 0.0), ("penalty", 0.35), ("lcp", 0.35), ("bardenhagen", 0.35)]
-)
-def test_a_block_slides_down_a_turned_incline(method, angle):
-    """Contact at nodes, too: its normal is that of the plane, and not of the cells."""
-    along, across = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
-    scene = drop({"geometry": {**BLOCK, "angle": angle}, "rigid": True}, method, contact__friction=0.2)
-    middle = np.array([1.0, -0.1]) + 0.4 * across + 0.15 * across
-    block = {
-        "type": "rectangle",
-        "lower": np.subtract(middle, [0.2, 0.15]).tolist(),
-        "upper": np.add(middle, [0.2, 0.15]).tolist(),
-    }
-    scene["bodies"]["block"] |= {"geometry": {**block, "angle": angle}, "particles": {"size": 0.05}}
-    scene["gravity"] = {"vector": (5.0 * along - 8.66 * across).tolist()}
-    scene["settle"] = {"gravity": {"vector": (-8.66 * across).tolist()}}
-    scene["materials"]["soft"] |= {"bulk_modulus": 6e6, "shear_modulus": 3e6}
-    series = series_of(with_changes(scene, time={"end": 0.2, "output_interval": 0.01}))
-    way = (series["centre_of_mass"].values[:, 0] - series["centre_of_mass"].values[0, 0]) @ along
-    found = fitted_acceleration(series["time"].values, way, 0.05, 0.2)
-    assert found == pytest.approx(5.0 - 0.2 * 8.66, rel=0.01)
-
-
 DRIVEN = {
     "velocity": [[0.0, 0.0, 0.0], [0.05, 0.0, -0.8], [0.1, 0.4, -0.4]],
     "angular_velocity": [[0.0, 0.0], [0.1, 3.0]],
@@ -140,13 +107,6 @@ def test_a_driven_body_moves_as_the_table_says_and_its_work_is_that_of_the_ledge
     assert abs(float(series["energy_residual"].values[-1])) < 0.04 * work
     if method == "penalty":
         assert abs(float(series["contact_residual"].values[-1])) < 0.02 * work
-
-
-@pytest.mark.parametrize("scheme", ["musl", "usf"])
-def test_other_orders_of_the_step_know_them(scheme):
-    series = series_of(drop(FREE, "lcp", stepping={"scheme": scheme}))
-    p = series["linear_momentum"].values
-    assert np.abs(p.sum(axis=1) - p[0].sum(axis=0)).max() < 1e-12 * np.abs(p).max()
 
 
 PRESSED = {"density": 1e3, "held": ["x"], "force": [[0.0, 0.0, 0.0], [0.1, 0.0, -5e3]], "torque": 5.0}

@@ -8,7 +8,6 @@ import mpmfw
 from mpmfw.api.load import SurfaceLoad
 from mpmfw.effects import reaction, rigid_motion
 from mpmfw.runs.simulation import Simulation
-from scenes_for_tests import with_changes
 
 
 def box(lower, upper, angle=0.0):
@@ -157,16 +156,6 @@ def test_forces_and_what_holds_do_the_work_that_the_verdict_counts():
     risen = 0.5 * 80.0 * (300.0 / 80.0 * 0.1) ** 2
     assert forces.work == pytest.approx(risen)
     assert bodies.work == pytest.approx(500.0 * 2.0 * 0.1)
-
-
-def test_in_space_a_torque_turns_about_its_axis():
-    own = {"geometry": box([0.0] * 3, [0.4, 0.2, 0.2]), "rigid": {"torque": [0.0, 0.0, 2.0], "held": ["z"]}}
-    scene = flight({**own, "velocity": [0.0, 0.0, 3.0]}, gravity={"vector": [0.0, 0.0, -10.0]})
-    scene["grid"] |= {"lower": [-1.0] * 3, "upper": [1.0] * 3}
-    scene["bodies"]["block"]["geometry"] = box([-0.7] * 3, [-0.5] * 3)
-    series = series_of(with_changes(scene, time={"end": 0.02, "output_interval": 0.02}))
-    assert series["angular_momentum"].values[-1, 1] == pytest.approx([0.0, 0.0, 0.04])
-    assert series["mean_velocity"].values[-1, 1].tolist() == [0.0, 0.0, 3.0]
 
 
 def in_space(own, **rigid):

@@ -9,12 +9,13 @@ from contact_scenes import CELL, MU, scene
 from mpmfw.errors import SceneError
 from mpmfw.runs.simulation import Simulation
 from msh_files import write_msh
-from scenes_for_tests import with_changes
+from scenes_for_tests import body_of, with_changes
 
 pytestmark = pytest.mark.filterwarnings("ignore::mpmfw.errors.ResultsWarning")
 
 ARM = 5 * CELL  # m, thickness of a half
 END = 0.4  # s
+LUMPED = {"rotation": "lumped"}
 
 
 def cells(lower, count, start=0):
@@ -35,14 +36,9 @@ def halves(folder, *, joined, gap=2.5, method="penalty", shape="cpdi"):
 
     def body(name, points, quads, *sides, **keys):
         path = write_msh(folder / f"{name}.msh", points, {"quad": quads})
-        return {
-            "material": "soft",
-            "geometry": {"type": "mesh", "path": str(path)},
-            "particles": {"size": 0.5 * CELL, "layout": "fitted"},
-            "rotation": "lumped",
-            "sides": sides,
-            **keys,
-        }
+        return body_of(
+            {"type": "mesh", "path": str(path)}, 0.5 * CELL, layout="fitted", sides=sides, **LUMPED, **keys
+        )
 
     held, driven = {"side": "bottom", "fixed": True}, {"side": "top", "velocity": [0.0, -3.0 * CELL / END]}
     bodies = {"low": body("low", points, quads, held), "high": body("high", *cells(high, (13, 10)), driven)}
@@ -70,14 +66,7 @@ def boxes(folder, ends, *, joined):
     def body(name, mesh, *sides, **keys):
         mesh.export(folder / f"{name}.obj", digits=17)
         geometry = {"type": "surface_mesh", "path": str(folder / f"{name}.obj")}
-        return {
-            "material": "soft",
-            "geometry": geometry,
-            "particles": {"size": h},
-            "rotation": "lumped",
-            "sides": sides,
-            **keys,
-        }
+        return body_of(geometry, h, sides=sides, **LUMPED, **keys)
 
     held = {"side": "bottom", "fixed": True}
     driven = {"side": "top", "velocity": [0.0, -down / END, 0.0]}

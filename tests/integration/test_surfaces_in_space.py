@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from mpmfw.geometry.solid import turning
 from mpmfw.runs.simulation import Simulation
 from mpmfw.scene import load_scene
 from scenes_for_tests import body_of, scene_of, solid
@@ -22,44 +21,6 @@ def scene(bodies, upper=(4.0, 4.0, 9.0), **keys):
     """Bodies in a grid from −2 cells to ``upper`` [cells], 2 beyond."""
     tables = {"contact": {"method": "penalty", "friction": 0.3}, "materials": {"soft": SOFT}, **keys}
     return scene_of(bodies, CELL, [-2 * CELL] * 3, [CELL * (x + 2) for x in upper], end=1.0, **tables)
-
-
-TURN = np.radians([20.0, 35.0, 50.0])
-
-
-def turned(blocks):
-    """Blocks of four cells on top of each other, turned about the grid's middle, under pressure on both ends;
-    ``blocks`` are the sizes of their points, which those of the rectangles are."""
-    axes, bodies = turning(tuple(TURN)), {}
-    for k, size in enumerate(blocks):
-        centre = np.array([0.13, 0.07, 0.21]) + axes @ np.array([0.0, 0.0, 4.0 * k + 2.0 - 2.0 * len(blocks)])
-        ends = [side for side, place in (("back", 0), ("front", len(blocks) - 1)) if k == place]
-        body = box(centre - 2.0, centre + 2.0, size, sides=[{"side": s, "pressure": "2 kPa"} for s in ends])
-        body["geometry"]["angles"], body["particles"]["size"] = TURN.tolist(), size * CELL
-        bodies[f"block{k}"] = body
-    half = (1.0 + 2.0 * len(blocks) + 2.0) * CELL
-    made = scene(bodies, settle={"tolerance": 1e-3}, allow_overlap=True)
-    made["grid"] = {"cell_size": CELL, "lower": [-half] * 3, "upper": [half] * 3}
-    if len(blocks) == 1:
-        del made["contact"]
-    return made, axes
-
-
-@pytest.mark.parametrize(
-    ("blocks", "tolerance"),
-    [((0.5,), 0.005), ((0.5, 0.4), 0.06)],
-    ids=["one", "other triangles"],
-)
-def test_stress_in_blocks_turned_against_the_grid_is_the_pressure(blocks, tolerance):
-    """At the faces as well, where cells are filled in part: loads are mapped by what CPDI makes of the grid's
-    functions there.
-    """
-    mapping, axes = turned(blocks)
-    sim = Simulation(load_scene(mapping))
-    sim.start()
-    stress = np.einsum("a,nab,b->n", axes[:, 2], sim.state.particles.stress, axes[:, 2]) / -2e3
-    assert abs(stress - 1.0).max() < tolerance
-    assert stress.mean() == pytest.approx(1.0, abs=1e-3)
 
 
 def test_the_order_of_bodies_decides_no_tie_of_facets():

@@ -100,21 +100,6 @@ def test_an_overlap_of_the_start_is_not_counted():
         assert run(made, Idle()).attrs["status"] == status
 
 
-@pytest.mark.parametrize("method", ["penalty", "bardenhagen"])
-def test_bodies_that_bounce_slide_or_turn_are_not_suspect(method):
-    bodies = ((DISCS[0], 1.0), (DISCS[1], -1.0))
-    made = scene(
-        *bodies,
-        end=0.12,
-        outputs=5,
-        shape__method="gimp",
-        bodies__a__angular_velocity=8.0,
-        contact__friction=0.3,
-    )
-    made["contact"]["method"] = method
-    assert run(made).attrs["status"] == "ok"
-
-
 @pytest.mark.parametrize("speed", [-10.0, 10.0])
 def test_a_block_that_slides_past_the_edge_of_another_is_not_suspect(speed):
     """Its corner has been inside the other by a hundredth of a cell, and comes out by the top."""

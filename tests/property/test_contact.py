@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
-from scipy.spatial import cKDTree
 
-from contact_scenes import ACTING, CELL, disc, run, scene, simulation, slider
+from contact_scenes import ACTING, run, simulation, slider
 from kit_for_tests import asked, entry_points_are_read_once  # noqa: F401
 from mpmfw_testing import subject_of
 
@@ -57,24 +56,3 @@ def test_every_row_stays_in_the_cone_and_friction_takes_work(strategy, friction,
     assert max(excess) < 1e-12
     assert work.min() >= 0.0
     assert work.sum() > 0.0
-
-
-@pytest.mark.parametrize("along", [(1.0, 0.0), (0.5**0.5, 0.5**0.5)], ids=["axis", "diagonal"])
-@pytest.mark.parametrize("nodes", [96, 101])
-def test_two_discs_that_meet_head_on_stay_mirror_images(nodes, along):
-    """About the line of centres and across it, whether nodes meet head-on (96) or not (100)."""
-    radius, along = 0.3, np.array(along)
-    bodies = {
-        name: disc((side * (radius + 0.005) * along).tolist(), radius, velocity=(-side * along).tolist())
-        | {"segment": 2.0 * np.pi * radius / nodes}
-        for name, side in (("left", -1.0), ("right", 1.0))
-    }
-    sim = simulation("penalty", scene(bodies), kappa=1.0)  # stiffer springs shake the discs: rounding grows
-    motion = run(sim, 120)
-    x, v = sim.state.particles.position, sim.state.particles.velocity
-    assert np.abs(motion.impulse.sum(axis=0)).max() > 100.0
-    for plane in (along, np.array([-along[1], along[0]])):
-        mirror = np.eye(2) - 2.0 * np.outer(plane, plane)
-        distance, image = cKDTree(x).query(x @ mirror)
-        assert distance.max() < 1e-11 * CELL
-        assert np.abs(v[image] - v @ mirror).max() < 1e-11 * np.abs(v).max()

@@ -8,13 +8,6 @@ def owner(table):
     return np.repeat(np.arange(len(table.row) - 1), np.diff(table.row))
 
 
-def scatter(table, values, n_nodes):
-    """Sum of entry-wise values at the nodes."""
-    total = np.zeros((n_nodes, *values.shape[1:]))
-    np.add.at(total, table.nodes, values)
-    return total
-
-
 def collect(table, values):
     """Sum of entry-wise values at the points."""
     total = np.zeros((len(table.row) - 1, *values.shape[1:]))

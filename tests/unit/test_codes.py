@@ -42,30 +42,20 @@ from mpmfw_code.newton import OFF_FACE, ON_FACE, Newton
 RECORDED = Path(__file__).resolve().parents[1] / "codes"
 ARENA = Path(__file__).resolve().parents[2] / "docs/arena/scenes"
 SLIP = "rolling-cylinder-slip-rigid"
-HERTZ, DISCS = ARENA / "hertz-impact.toml", ARENA / "colliding-discs.toml"
+HERTZ = ARENA / "hertz-impact.toml"
 COARSE = {"grid.cell_size": 0.8, "bodies.cylinder.particles.size": "1 cell", "time.end": 0.1}
 
 
 # -- a recorded folder
 
 
-@pytest.fixture
-def newton_folder(tmp_path):
-    """A copy of what Newton 1.8.0 left of the slipping cylinder, at cells and points of 0.8 m."""
-    return Path(shutil.copytree(RECORDED / "newton", tmp_path / "newton"))
+def copy_of(name):
+    """Return a fixture: a copy of the folder that a code left of a small run."""
+    return pytest.fixture(lambda tmp_path: Path(shutil.copytree(RECORDED / name, tmp_path / name)))
 
 
-@pytest.fixture
-def calculix_folder(tmp_path):
-    """A copy of what CalculiX 2.20 left of the sliding block, with two elements in the block."""
-    return Path(shutil.copytree(RECORDED / "calculix", tmp_path / "calculix"))
-
-
-@pytest.fixture
-def nairn_folder(tmp_path):
-    """A copy of what NairnMPM 19.0 left of the block on a rigid plane, two cells long."""
-    return Path(shutil.copytree(RECORDED / "nairn", tmp_path / "nairn"))
-
+#: Newton 1.8.0: the slipping cylinder; CalculiX 2.20: the sliding block; NairnMPM 19.0: one on a rigid plane.
+newton_folder, calculix_folder, nairn_folder = map(copy_of, ("newton", "calculix", "nairn"))
 
 FILES = {
     Newton: ("motion.json", "motion.npz", "cost.json", "scene.toml", "points.npz"),
@@ -442,7 +432,14 @@ MOVED = (SLIP, {"bodies.plane.rigid": {"motion": {"velocity": [1.0, 0.0]}}})
 WIND = (SLIP, {"loads.wind": {"model": "drag", "rate": 1.0}})
 HELD, PRESSED = {"side": "bottom", "fixed": True}, {"side": "top", "pressure": 1.0}
 THROWN = (BLOCK, {"bodies.block.velocity": [1.0, 0.0]})
-#: What no run of a code can do: a scene and its changes, by the key that is named.
+PAIR = "contact.pairs.block-plane"
+#: What no run of any code can do: a scene and its changes, by the key that is named.
+OF_ALL = {
+    "bodies.wheel.rigid": ("wheel", {}),
+    "contact.method": (BLOCK, {"contact.method": "separate"}),
+    f"{PAIR}.method": (BLOCK, {PAIR: {"method": "tied"}}),
+}
+#: What no run of a code can do besides.
 REFUSED = {
     Newton: {
         "bodies.cylinder.thickness": (SLIP, {"bodies.cylinder.thickness": 0.5}),
@@ -486,9 +483,11 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize(("code", "key"), [(code, key) for code, keys in REFUSED.items() for key in keys])
+@pytest.mark.parametrize(
+    ("code", "key"), [(code, key) for code, keys in REFUSED.items() for key in (*keys, *OF_ALL)]
+)
 def test_what_a_code_cannot_do_is_refused_by_its_key(code, key, tmp_path):
-    name, changes = REFUSED[code][key]
+    name, changes = {**OF_ALL, **REFUSED[code]}[key]
     scene = load_scene(name, set=changes)
     problems = code().problems(scene)
     assert key in [problem.key for problem in problems]
@@ -496,28 +495,8 @@ def test_what_a_code_cannot_do_is_refused_by_its_key(code, key, tmp_path):
     with pytest.raises(SceneError, match=f"{code.title}: "):
         code().prepare(scene, tmp_path)
     assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize("code", REFUSED)
-def test_a_free_rigid_body_is_refused(code):
-    assert "bodies.wheel.rigid" in [problem.key for problem in code().problems(load_scene("wheel"))]
-
-
-@pytest.mark.parametrize("code", REFUSED)
-@pytest.mark.parametrize("method", ["none", "separate", "tied"])
-def test_contact_without_friction_is_refused(code, method):
-    assert "contact.method" in [
-        one.key for one in code().problems(load_scene(BLOCK, set={"contact.method": method}))
-    ]
-    assert "contact.method" not in [one.key for one in code().problems(load_scene(BLOCK))]
-
-
-@pytest.mark.parametrize("code", REFUSED)
-def test_the_contact_of_a_pair_is_refused_but_not_its_friction(code):
-    key = "contact.pairs.block-plane"
-    for value, refused in ({"method": "tied"}, True), ({"friction": 0.1}, False):
-        problems = code().problems(load_scene(BLOCK, set={key: value}))
-        assert (f"{key}.method" in [problem.key for problem in problems]) == refused
+    own = [problem.key for problem in code().problems(load_scene(BLOCK, set={PAIR: {"friction": 0.1}}))]
+    assert not any(each.startswith("contact") for each in own)
 
 
 def test_the_input_has_the_points_of_mpmfw_in_a_slab(tmp_path):
@@ -601,19 +580,11 @@ def test_a_velocity_at_the_start_stands_after_settling(tmp_path, monkeypatch):
     np.testing.assert_allclose(free[0].gradient[0], [[0, 0.5, 0], [-0.5, 0, 0], [0, 0, 0]])
 
 
-def test_a_normal_of_nairn_may_be_given(tmp_path):
+def test_a_belt_is_a_rigid_material_that_moves_and_a_normal_may_be_given(tmp_path):
     Nairn(normals="SN", azimuth=-60.0).prepare(load_scene(ARENA / "belt.toml"), tmp_path)
-    given = '<MultiMaterialMode Normals="4" Polar="90" Azimuth="-60">'
-    assert given in (tmp_path / "scene.fmcmd").read_text()
-
-
-def test_a_belt_is_a_rigid_material_that_moves(tmp_path):
-    Nairn().prepare(load_scene(ARENA / "belt.toml"), tmp_path)
-    speeds = {
-        number: set(re.findall(rf'<mp mat="{number}".*?<vel x="([^"]*)" y="0"/>', text))
-        for text in [(tmp_path / "scene.fmcmd").read_text()]
-        for number in (1, 2)
-    }
+    text = (tmp_path / "scene.fmcmd").read_text()
+    assert '<MultiMaterialMode Normals="4" Polar="90" Azimuth="-60">' in text
+    speeds = {k: set(re.findall(rf'<mp mat="{k}".*?<vel x="([^"]*)" y="0"/>', text)) for k in (1, 2)}
     assert speeds == {1: {"0"}, 2: {"1"}}
 
 

@@ -18,8 +18,3 @@ def text(page):
 
 def test_the_page_of_hooks_is_up_to_date():
     assert text("docs/hooks.md") == script("make_hooks").page(), "run: python docs/make_hooks.py"
-
-
-def test_links_and_names_of_the_documentation_resolve(capsys):
-    status = script("check").main()
-    assert status == 0, capsys.readouterr().out

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 from matplotlib.collections import EllipseCollection, PolyCollection
 from matplotlib.quiver import Quiver
-from PIL import Image, ImageSequence
+from PIL import Image
 
 import mpmfw
 from command_line import called
@@ -170,43 +170,25 @@ def test_the_front_of_a_study():
     assert front["cpu_time"].tolist() == [1.0, 2.0, 4.0]
 
 
-@pytest.fixture(scope="module")
-def gif(a, tmp_path_factory):
-    """Frames of a picture of the run, as pixels."""
-    path = tmp_path_factory.mktemp("gif") / "drop.gif"
-    progress = []
+def test_each_frame_shows_the_data_of_its_time(a, tmp_path):
+    path, progress = tmp_path / "drop.gif", []
     assert mpmfw.animate(a, path, fps=5, progress=lambda *done: progress.append(done)) == path
     assert progress == [(k, 5) for k in range(1, 6)]
-    assert list(path.parent.iterdir()) == [path]
+    assert list(tmp_path.iterdir()) == [path]
     with Image.open(path) as image:
-        assert image.info["duration"] == 200
-        return [np.asarray(frame.convert("RGB"), dtype=float) for frame in ImageSequence.Iterator(image)]
-
-
-def pixels(movie):
-    movie.figure.set_dpi(150)
-    movie.figure.canvas.draw()
-    return np.asarray(movie.figure.canvas.buffer_rgba(), dtype=float)[..., :3]
-
-
-def test_each_frame_shows_the_data_of_its_time(a, gif):
+        assert (image.info["duration"], image.n_frames) == (200, 5)
     movie = movie_of({"": a}, "von_mises", a["time"].values)
-    movie.figure.set_dpi(150)
-    for k in range(len(gif)):
+    for k in (0, 3):
         movie.show(k)
         (axes,) = (one for one in movie.figure.axes if one.get_title(loc="left"))
         assert axes.get_title(loc="left") == f"penalty, cpdi, t = {2 * k} ms"
         patches = [one for one in axes.collections if isinstance(one, PolyCollection)]
         drawn = np.concatenate([one.get_array() for one in patches])
-        stored = [a[f"particles/{body}/von_mises"].values[k] for body in ("upper", "floor")]
+        stored = [a[f"particles/{body}/von_mises"].values[k] for body in BODIES]
         np.testing.assert_allclose(1e6 * drawn, np.concatenate(stored))
         centre = np.mean([path.vertices[:4].mean(axis=0) for path in patches[0].get_paths()], axis=0)
         np.testing.assert_allclose(centre, a["particles/upper/position"].values[k].mean(axis=0), rtol=1e-6)
-        # What is in the file is that drawing, up to the palette of a gif
-        apart = [np.abs(pixels(movie) - other).mean() for other in gif]
-        assert int(np.argmin(apart)) == k
-        assert apart[k] < 2.0
-    values = np.concatenate([a[f"particles/{body}/von_mises"].values.ravel() for body in ("upper", "floor")])
+    values = np.concatenate([a[f"particles/{body}/von_mises"].values.ravel() for body in BODIES])
     limits = patches[0].norm.vmin, patches[0].norm.vmax
     np.testing.assert_allclose(limits, [1e-6 * values.min(), 1e-6 * values.max()])
 

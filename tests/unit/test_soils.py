@@ -129,35 +129,6 @@ def test_strength_in_plane_strain(model, dilation):
     assert -tau[1] == pytest.approx(STRENGTH, rel=1e-3)
 
 
-@pytest.mark.parametrize("model", [MohrCoulomb, DruckerPrager], ids=lambda m: m.name)
-def test_direct_shear_under_a_constant_load(model):
-    """Davis (1968): |τ_xy| = (σ_n + c cot φ) sin φ cos ψ / (1 − sin φ sin ψ), and dε_y / dγ = tan ψ."""
-    point = Point(model(**SAND))
-    start = confined(point, CONFINEMENT)
-    height, heights = start, []
-    for gamma in np.linspace(0.0, 4e-3, 161)[1:]:
-
-        def residual(other, gamma=gamma):
-            return float(point.tried(deformation([start, other, start], gamma))[1, 1]) + CONFINEMENT
-
-        height = brentq(residual, height - 2e-3, height + 2e-3, xtol=1e-16)
-        heights.append(height)
-        tau = point.stress(deformation([start, height, start], gamma))
-    expected = (CONFINEMENT + COHESION / math.tan(PHI)) * math.sin(PHI) * math.cos(PSI)
-    assert abs(tau[0, 1]) == pytest.approx(expected / (1.0 - math.sin(PHI) * math.sin(PSI)), rel=1e-3)
-    assert (heights[-1] - heights[-41]) / 1e-3 == pytest.approx(math.tan(PSI), rel=0.01)
-
-
-@pytest.mark.parametrize("more", [{}, STIFFENS], ids=["constant", "stiffening"])
-def test_an_oedometer_flows_at_the_active_ratio(more):
-    """ν / (1 − ν) is below 1 / N_φ, so that the sides bear (σ₁ − 2 c √N_φ) / N_φ."""
-    point = Point(MohrCoulomb(**{**SAND, "dilation_angle": 0.0, "poissons_ratio": 0.15}, **more))
-    for strain in np.linspace(0.0, -1e-3, 21)[1:]:
-        tau = np.diag(point.stress(deformation([0.0, strain, 0.0])))
-    expected = (tau[1] + 2.0 * COHESION * math.sqrt(FLOW_NUMBER)) / FLOW_NUMBER
-    assert tau[0] == tau[2] == pytest.approx(expected, rel=1e-9)
-
-
 @pytest.mark.parametrize("exponent", [0.2, 0.5, 0.9])
 @pytest.mark.parametrize("pressure", [0.0, 1e4, 1e6])
 def test_moduli_grow_with_a_power_of_pressure(exponent, pressure):

@@ -153,15 +153,3 @@ class PerPoint(Penalty):
         for k in (rows.own.k, rows.own.limit_k):
             k[:n] *= 0.5 * self.cell_size / rows.tributary_area[:n]
         return rows.own.limit_k
-
-
-class HalfTheWork(Penalty):
-    """Reports half of the work of friction."""
-
-    name = "half-the-work"
-
-    @hookimpl
-    def diagnostics(self, state, interval) -> dict[str, Any]:
-        series = Penalty.diagnostics(self, state, interval)
-        series["frictional_work"] = 0.5 * series["frictional_work"]
-        return series
