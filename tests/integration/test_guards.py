@@ -66,13 +66,6 @@ def test_the_index_counts_within_the_body():
     assert (caught.value.body, caught.value.index) == ("right", 2)
 
 
-def test_the_limit_is_the_courant_number_one():
-    # c = sqrt(10 MPa / 1000 kg/m³) = 100 m/s, h = 0.25 m; half of it by default
-    sim = Simulation(disc())
-    assert sim.limits()[0][0] == pytest.approx(0.25 / 100.0)
-    assert sim.stable_step() == pytest.approx(0.5 * 0.25 / 100.0)
-
-
 @pytest.mark.parametrize(
     ("time", "key"),
     [({"step": 2.6e-3}, "time.step"), ({"safety": 1.1}, "time.safety")],

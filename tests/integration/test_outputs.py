@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import mpmfw
-from mpmfw.api import Boundary, Field, OutputSeries
+from mpmfw.api import Field, OutputSeries
 from mpmfw.errors import PluginError, SceneError
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import block, two_blocks
@@ -36,27 +36,12 @@ class Less(Places):
         return {"asked": 1}
 
 
-class Shaken(Boundary):
-    """The lower three eighths move along x with 10 t, and are free along y: of the nodes at y = −1/4 seven
-    eighths, at 0 one.
-    """
-
-    name = "shaken"
-
-    def holds(self, position):
-        return position[:, 1] < -0.1
-
-    def velocity(self, position, time):
-        velocity = np.full_like(position, np.nan)
-        velocity[:, 0] = 10.0 * time
-        return velocity
-
-
 @pytest.fixture(autouse=True)
 def installed(announce):
     """The classes of this module as if they were installed."""
-    for kind, one in (("output", Places), ("output", Less), ("boundary", Shaken)):
-        announce(kind, one.name, f"{__name__}:{one.__name__}")
+    announce("boundary", "shaken", "faulty_plugins.small.other_kinds:Shaken")
+    for one in (Places, Less):
+        announce("output", one.name, f"{__name__}:{one.__name__}")
 
 
 def test_series_of_ones_own_are_in_the_results_with_unit_and_labels():

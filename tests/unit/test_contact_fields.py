@@ -135,24 +135,14 @@ def test_the_command_draws_curves_and_maps(file, space, monkeypatch):
     monkeypatch.chdir(file.parent)
     result = called("plot", "block.nc", "--field", "contact_pressure", "--limits", "0,9e3")
     assert (result.stdout, result.stderr) == ("block-contact_pressure.png\n", "")
-    figure = mpmfw.plots.side_by_side({"one": file, "two": file}, "contact_traction")
-    outlines, curves = figure.axes
-    assert [axes.get_xlabel() for axes in figure.axes] == ["x [m]", "x [m]"]
+    _, curves = mpmfw.plots.side_by_side({"one": file, "two": file}, "contact_traction").axes
     assert curves.get_ylabel() == "contact traction [kPa]"
-    x, values = along(mpmfw.field(file, "contact_traction"))
-    for line in curves.lines:
-        drawn = line.get_xydata()
-        assert np.nanmax(drawn[:, 1]) == pytest.approx(1e-3 * values.max())
-        assert (np.nanmin(drawn[:, 0]), np.nanmax(drawn[:, 0])) == pytest.approx((x[0], x[-1]), abs=1e-3)
-    assert len(curves.lines) == 2
-    assert len(outlines.lines) == 4  # two bodies, and where they touch in two runs
-    ball, box, bar = mpmfw.plots.field(space, "contact_pressure", bodies=["ball", "solid"]).axes
-    assert (ball.get_xlabel(), ball.get_ylabel(), bar.get_ylabel()) == (
-        "x [m]", "y [m]", "contact pressure [kPa]",
-    )  # fmt: skip
+    _, values = along(mpmfw.field(file, "contact_traction"))
+    assert [np.nanmax(line.get_ydata()) for line in curves.lines] == pytest.approx([1e-3 * values.max()] * 2)
+    ball, *_, bar = mpmfw.plots.field(space, "contact_pressure", bodies=["ball", "solid"]).axes
+    assert bar.get_ylabel() == "contact pressure [kPa]"
     drawn = ball.collections[0].get_array()
     np.testing.assert_allclose(1e3 * drawn, mpmfw.field(space, "contact_pressure", body="ball"))
-    assert box.get_title(loc="left") == "(b) solid"
 
 
 def test_what_cannot_be_drawn_gets_one_message(file, tmp_path):

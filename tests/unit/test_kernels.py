@@ -1,7 +1,5 @@
 """Each kernel against its NumPy twin, on random data in two and three dimensions."""
 
-import copy
-import pickle
 from types import SimpleNamespace
 
 import numpy as np
@@ -118,17 +116,3 @@ def test_rows_of_tensor_products_may_be_as_wide_as_stencil_says():
     np.testing.assert_array_equal(table.nodes, np.arange(n))
     np.testing.assert_array_equal(table.weight, np.outer(*weight).ravel())
     np.testing.assert_array_equal(table.gradient[:, 1], np.outer(weight[0], slope[1]).ravel())
-
-
-@kernel
-def double(table):
-    for k in range(len(table.weight)):
-        table.weight[k] *= 2.0
-
-
-def test_a_copy_of_a_struct_has_arrays_of_its_own():
-    table = Stencil(np.array([0, 2]), np.arange(2, dtype=np.int32), np.ones(2), np.ones((2, 2)))
-    for other in (copy.deepcopy(table), pickle.loads(pickle.dumps(table))):
-        double(other)
-        assert table.weight.tolist() == [1.0, 1.0]
-        assert other.weight.tolist() == [2.0, 2.0]

@@ -73,21 +73,6 @@ def test_a_pressure_is_passed_on_as_one(turn):
     np.testing.assert_allclose(force.sum(axis=0), 0.0, atol=1e-12)
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.7])
-def test_a_row_leaves_no_moment(friction):
-    """Normal and tangential, between segments that are not parallel."""
-    upper = join(
-        [[[0.0, 0.0], [0.6, -0.15], [0.7, 0.4]], [[-0.2, -0.3], [0.8, -0.4], [0.5, 0.0], [0.1, -0.05]]]
-    )
-    rows = rows_between(upper)
-    n = slice(rows.count)
-    tangent = np.stack([-rows.normal[n, 1], rows.normal[n, 0]], axis=1)
-    force = nodal(rows, rows.normal[n] + friction * tangent, len(upper.body))
-    moment = (upper.position[:, 0] * force[:, 1] - upper.position[:, 1] * force[:, 0]).sum()
-    assert moment == pytest.approx(0.0, abs=1e-12)
-    np.testing.assert_allclose(force.sum(axis=0), 0.0, atol=1e-12)
-
-
 def test_only_what_overlaps_bears():
     """The energy ∫ g² ds / 2 of a wedge's overlap is exact, and its derivative is the force."""
 

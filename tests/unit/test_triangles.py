@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mpmfw.geometry.cut_cells import cut_cells
+from mpmfw.geometry.cut_cells import cut_cells, volume_of
 from mpmfw.geometry.extrusion import Cylinder
 from mpmfw.geometry.layout import tributaries_of
 from mpmfw.geometry.solid import Ball, Box, turning
@@ -13,11 +13,6 @@ SOLIDS = {
     "ball": Ball(centre=(0.3, -0.2, 1.0), radius=1.6),
     "cylinder": Cylinder(centre=(0.1, 0.2, 0.3), radius=0.8, length=1.2, axis="x"),
 }
-
-
-def volume_of(nodes, facets):
-    """Volume [m^3] that a closed surface encloses; negative where it is oriented inwards."""
-    return np.linalg.det((nodes - nodes.mean(axis=0))[facets]).sum() / 6.0
 
 
 def longest(nodes, facets):

@@ -10,21 +10,13 @@ from mpmfw.state.windows import fit_windows, make_grid
 H = 0.25
 
 
-def particles(*bodies):
-    """Points of several velocity fields."""
+def laid(*bodies):
+    """A grid from −2 to 3 m with the windows of some bodies, whose points have no extent."""
+    grid = make_grid(H, np.full(2, -2.0), np.full(2, 3.0), len(bodies))
     first = np.cumsum([0, *(len(body) for body in bodies)])
-    return SimpleNamespace(
-        position=np.concatenate([np.array(body, dtype=float) for body in bodies]), first=first
-    )
-
-
-def laid(*bodies, reach=0.0, surface=None, dim=2):
-    """A grid from −2 to 3 m with the windows of some bodies."""
-    grid = make_grid(H, np.full(dim, -2.0), np.full(dim, 3.0), len(bodies))
-    points = particles(*bodies)
-    state = SimpleNamespace(grid=grid, particles=points, surface=surface, near=None)
-    hook = SimpleNamespace(particle_reach=lambda particles: np.full_like(particles.position, reach))
-    fit_windows(state, hook)
+    points = SimpleNamespace(position=np.concatenate(bodies).astype(float), first=first)
+    state = SimpleNamespace(grid=grid, particles=points, surface=None, near=None)
+    fit_windows(state, SimpleNamespace(particle_reach=lambda particles: np.zeros_like(particles.position)))
     return grid
 
 

@@ -6,23 +6,18 @@ it."""
 
 import numpy as np
 
+from faulty_plugins.sealed import Named
 from mpmfw.api import CONTACT_SERIES, ContactStrategy, hookimpl
 
 FORCE = next(field for field in CONTACT_SERIES if field.name == "contact_force")
 
 
-class PlainContact(ContactStrategy):
+class PlainContact(Named, ContactStrategy):
     """The law without a fault; every method below is one place to plant one."""
 
     name = "plain"
     velocity_fields = "per_body"
     uses_friction = True
-
-    def __init_subclass__(cls, **keywords):
-        """Name a law with a fault as its class is called."""
-        super().__init_subclass__(**keywords)
-        if "name" not in vars(cls):
-            cls.name = cls.__name__
 
     @hookimpl
     def declare_fields(self):

@@ -2,20 +2,15 @@
 
 import numpy as np
 
+from faulty_plugins.sealed import Named
 from mpmfw.api import BodyLoad, FloatArray, SurfaceLoad, hookimpl
 from mpmfw.kernels import kernel
 
 
-class Sound(BodyLoad):
+class Sound(Named, BodyLoad):
     """A spring towards a place, and drag."""
 
     name = "sound"
-
-    def __init_subclass__(cls, **keywords):
-        """Name a plug-in with a fault as its class is called."""
-        super().__init_subclass__(**keywords)
-        if "name" not in vars(cls):
-            cls.name = cls.__name__
 
     def forces(self, particles, own, time):
         to_the_place = np.cos(time) - particles.position[own]

@@ -3,19 +3,14 @@
 import numpy as np
 from pydantic import BaseModel, Field
 
+from faulty_plugins.sealed import Named
 from mpmfw.api import FrictionLaw
 
 
-class Sound(FrictionLaw):
+class Sound(Named, FrictionLaw):
     """μ falls with the speed of the slip, by half at 1 m/s."""
 
     name = "sound"
-
-    def __init_subclass__(cls, **keywords):
-        """Name a plug-in with a fault as its class is called."""
-        super().__init_subclass__(**keywords)
-        if "name" not in vars(cls):
-            cls.name = cls.__name__
 
     def slip_limit(self, rows, friction, dt):
         super().slip_limit(rows, friction, dt)
