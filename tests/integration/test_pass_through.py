@@ -12,6 +12,7 @@ import shapely
 from contact_scenes import CELL, material
 from mpmfw.api import SimulationError
 from mpmfw.contact.surfaces import detection, near_facets
+from mpmfw.effects.verdict import DEEP
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import scene_of
 
@@ -139,6 +140,13 @@ def test_bodies_keep_their_sides_up_to_the_speed_of_waves(name):
     assert found.behind < 0.0
     assert found.depth < 1.0
     assert found.overlap < 0.16  # measured: 0.151 head-on, where either body is four cells across
+
+
+def test_nothing_is_reported_of_slow_bodies():
+    found = fate(SCENES["head-on"](0.05))
+    assert not found.message
+    assert found.behind < 0.0
+    assert found.depth < DEEP
 
 
 @pytest.mark.parametrize(("name", "speed"), [("head-on", 1.0), *((name, 2.0) for name in SCENES)])
