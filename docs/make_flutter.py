@@ -70,14 +70,14 @@ def way_of_points(friction: float, tilt: float, **changes: object) -> np.ndarray
 
 def way_of_elements(friction: float, tilt: float) -> np.ndarray:
     """Way of the finite elements until each of :data:`TIMES` [m]."""
-    found = slide(0.1, friction, tilt, elastic=True, end=TIMES[-1])
+    found = slide(0.1, friction, tilt, end=TIMES[-1])
     return np.asarray(np.interp(TIMES, found.time, found.x - found.x[0]))
 
 
 def least_damping(friction: float) -> float:
     """Return the share of critical at the frequency of :data:`DAMPING` with which no mode of the finite
     elements grows: the time τ = 2σ/ω² of a mode that grows by exp σt, largest of all, times π f."""
-    bodies = incline(0.1, elastic=True)
+    bodies = incline(0.1)
     pressed = slide_steadily(bodies, friction, rigid_contact=False).pressed
     modes = growth(bodies, friction, rigid_contact=False, pressed=pressed)
     time = max((2.0 * rate / (2.0 * np.pi * frequency) ** 2 for rate, frequency in modes), default=0.0)

@@ -54,7 +54,8 @@ def fixed(**axes):
 
 
 def scene(cell, lower, upper, end, interval, material, bodies, **tables):
-    """Return a scene of one material, with CPDI and penalty contact; bodies that are not rigid are of it.
+    """Return a scene of one material (None: without), with CPDI and penalty contact; bodies that are not
+    rigid are of it.
 
     ``tables`` are added to those that are made: grid, time, shape, contact (None: without), materials."""
     made = {
@@ -62,7 +63,7 @@ def scene(cell, lower, upper, end, interval, material, bodies, **tables):
         "time": {"end": end, "output_interval": interval},
         "shape": {"method": "cpdi"},
         "contact": {"method": "penalty"},
-        "materials": {"solid": material},
+        "materials": {"solid": material} if material else {},
     }
     for name, table in tables.items():
         made[name] = {**made[name], **table} if name in made and isinstance(table, dict) else table

@@ -3,7 +3,8 @@
 import math
 from typing import Any
 
-from made import scene
+from common import polygon
+from made import BELOW, scene
 
 #: Radii of knob, socket and of the socket's outside, and half the width of the bar between them [m].
 KNOB, SOCKET, OUTSIDE, BAR = 0.1, 0.105, 0.18, 0.035
@@ -20,27 +21,25 @@ def chain(links: int, cell: float = 0.025) -> dict[str, Any]:
 
     In the plane closed links cannot be linked: these have a knob of 0.1 m in a socket that is 0.005 m wider,
     and are 0.4 m apart."""
-    bodies: dict[str, dict[str, Any]] = {"block": {"points": _block(), "fixed": "bottom", "E": 1e7}}
+    bodies: dict[str, dict[str, Any]] = {"block": polygon(_block(), sides=BELOW, E=1e7)}
     for k in range(links):
-        points = [[x + PITCH * k, y] for x, y in _link()]
-        bodies[f"link_{k}"] = {"points": points, "E": 1e7}
+        bodies[f"link_{k}"] = polygon([(x + PITCH * k, y) for x, y in _link()], E=1e7)
     return scene(cell, 0.4, room=0.6, **bodies)
 
 
-def _block() -> list[list[float]]:
+def _block() -> list[Point]:
     face = SOCKET * math.cos(MOUTH)
     corners = [(face, 0.3), (-0.3, 0.3), (-0.3, -0.3), (face, -0.3)]
-    return [list(p) for p in [*corners, *_arc(0.0, SOCKET, 2.0 * math.pi - MOUTH, MOUTH)]]
+    return [*corners, *_arc(0.0, SOCKET, 2.0 * math.pi - MOUTH, MOUTH)]
 
 
-def _link() -> list[list[float]]:
+def _link() -> list[Point]:
     """Outline of a link with its knob about the origin, anticlockwise."""
     neck, back = math.asin(BAR / KNOB), math.pi + math.asin(BAR / OUTSIDE)
     points = _arc(0.0, KNOB, neck, 2.0 * math.pi - neck)
     points += _arc(PITCH, OUTSIDE, back, 2.0 * math.pi - MOUTH)
     points += _arc(PITCH, SOCKET, 2.0 * math.pi - MOUTH, MOUTH)
-    points += _arc(PITCH, OUTSIDE, MOUTH, 2.0 * math.pi - back)
-    return [list(p) for p in points]
+    return points + _arc(PITCH, OUTSIDE, MOUTH, 2.0 * math.pi - back)
 
 
 def _arc(x: float, radius: float, first: float, last: float, sides: int = 16) -> list[Point]:

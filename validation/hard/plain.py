@@ -7,32 +7,25 @@ examples of contact in the plane.
 import math
 from typing import Any
 
-from made import box, disc, plane, polygon, scene
+from common import disc, fixed, polygon, rectangle
+from made import BELOW, plane, scene, trough
 
 #: A wedge-shaped hollow of 2 m by 2 m.
 HOLLOW = polygon(
-    *([-1.2, -0.2], [1.2, -0.2], [1.2, 2.0], [1.0, 2.0], [0.0, 0.0], [-1.0, 2.0], [-1.2, 2.0]), fixed="bottom"
+    [[-1.2, -0.2], [1.2, -0.2], [1.2, 2.0], [1.0, 2.0], [0.0, 0.0], [-1.0, 2.0], [-1.2, 2.0]], sides=BELOW
 )
-HOLE = polygon(
-    *([-1.5, -0.2], [1.5, -0.2], [1.5, 1.0], [0.25, 1.0]),
-    *([0.25, 0.2], [-0.25, 0.2], [-0.25, 1.0], [-1.5, 1.0]),
-    fixed="bottom",
-)
-SLOT = polygon(
-    *([-1.0, -0.2], [1.0, -0.2], [1.0, 1.5], [0.502, 1.5]),
-    *([0.502, 0.0], [-0.502, 0.0], [-0.502, 1.5], [-1.0, 1.5]),
-    fixed="bottom",
-)
+HOLE = trough(0.25, 1.0, 1.5, -0.2, floor=0.2)
+SLOT = trough(0.502, 1.5, 1.0, -0.2)
 
 
 def spike(y: float, x: float = 0.0) -> dict[str, Any]:
     """Return a spike 3 m high with its tip at (x, y)."""
-    return polygon([x, y], [x + 0.5, round(y + 3.0, 9)], [x - 0.5, round(y + 3.0, 9)])
+    return polygon([[x, y], [x + 0.5, round(y + 3.0, 9)], [x - 0.5, round(y + 3.0, 9)]])
 
 
 def square(left: float, bottom: float, side: float, **body: Any) -> dict[str, Any]:
     """Return a square."""
-    return box(left, bottom, round(left + side, 9), round(bottom + side, 9), **body)
+    return rectangle(left, bottom, round(left + side, 9), round(bottom + side, 9), **body)
 
 
 def stopping(friction: float, end: float, right: float, upper: float) -> dict[str, Any]:
@@ -41,7 +34,7 @@ def stopping(friction: float, end: float, right: float, upper: float) -> dict[st
     It stops after v² / 2 μ g (Chrono: utest_SMC_sliding_gravity, 0.5 %).
     """
     bodies = {
-        "block": box(0.03, 0.013, 0.63, 0.313, E=12e6, nu=0.3, velocity=[1.0, 0.0]),
+        "block": rectangle(0.03, 0.013, 0.63, 0.313, E=12e6, nu=0.3, velocity=[1.0, 0.0]),
         "plane": plane(-0.4, -0.2, right, 0.013, E=100e6, nu=0.3),
     }
     more = {"friction": friction, "gravity": 10.0, "settled": True}
@@ -70,7 +63,7 @@ SCENES = {
         gravity=0.0,
         cell=0.0025,
         ball=disc(-0.004, 0.0, 0.02, E=10e6, nu=0.45, rho=1150, velocity=[67.0, 0.0]),
-        wall=box(0.0175, -0.05, 0.0275, 0.05, E=1e9, nu=0.3, rho=1150, fixed="right"),
+        wall=rectangle(0.0175, -0.05, 0.0275, 0.05, E=1e9, nu=0.3, rho=1150, sides=fixed(right="xy")),
     ),
     "internal-edges": _plain(
         *([-2.8, -0.4], [2.8, 1.6]),
@@ -91,13 +84,13 @@ SCENES = {
         *([-2.0, -0.6], [2.0, 3.4]),
         end=0.8,
         slot=SLOT,
-        triangle=polygon([-0.5, 1.55], [0.5, 1.55], [0.0, 2.55]),
+        triangle=polygon([[-0.5, 1.55], [0.5, 1.55], [0.0, 2.55]]),
     ),
     "spike-in-hole": _plain([-2.0, -0.6], [2.0, 6.0], hole=HOLE, spike=spike(0.5)),
     "spike-in-wedge": _plain([-2.0, -0.6], [2.0, 5.0], wedge=HOLLOW, spike=spike(0.55)),
     "spikes": _plain(
         *([-3.5, -2.4], [3.5, 7.0]),
-        lower=polygon([-0.5, 0.0], [0.5, 0.0], [0.0, 3.0], fixed="bottom"),
+        lower=polygon([[-0.5, 0.0], [0.5, 0.0], [0.0, 3.0]], sides=BELOW),
         upper=spike(3.03, 0.013),
     ),
     "stiffness-ratio": _plain(
@@ -118,6 +111,6 @@ SCENES = {
         right=square(0.24, -0.5, 1.0, angle=math.radians(45.0), velocity=[-1.0, 0.0]),
     ),
     "wedge-in-wedge": _plain(
-        *([-2.0, -0.6], [2.0, 4.0]), lower=HOLLOW, upper=polygon([0.0, 0.15], [0.75, 1.65], [-0.75, 1.65])
+        *([-2.0, -0.6], [2.0, 4.0]), lower=HOLLOW, upper=polygon([[0.0, 0.15], [0.75, 1.65], [-0.75, 1.65]])
     ),
 }

@@ -8,6 +8,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
+import common
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -112,29 +113,22 @@ def scene(
         "angular_velocity": (-sense * spin * ACROSS).tolist(),
     }
     partners = {"slab": _slab(point, radius, h), "cap": _cap(point, radius, h), "twin": twin}
-    return {
-        "title": f"Impact of a sphere, {test}",
-        "grid": {"cell_size": h, "lower": [-2.6 * radius] * 3, "upper": [2.6 * radius] * 3},
-        "time": {"end": end, "output_interval": end / 240.0},
-        "shape": {"method": "cpdi"},
-        "contact": {"method": "penalty", "friction": sphere.friction},
-        "materials": {"elastic": _solid(sphere, 1.0), "heavy": _solid(sphere, HEAVY)},
-        "bodies": {"sphere": thrown, partner: partners[partner]},
-        "output": {"particles": False, "surface": False, "ledger": True, "contact_moment": point.tolist()},
-    }
+    return common.scene(
+        *(h, [-2.6 * radius] * 3, [2.6 * radius] * 3, end, end / 240.0, _solid(sphere, 1.0)),
+        bodies={"sphere": thrown, partner: partners[partner]},
+        title=f"Impact of a sphere, {test}",
+        contact={"friction": sphere.friction},
+        materials={"heavy": _solid(sphere, HEAVY)},
+        output={"particles": False, "surface": False, "ledger": True, "contact_moment": point.tolist()},
+    )
 
 
 def _solid(sphere: Sphere, times: float) -> dict[str, Any]:
-    return {
-        "model": "neo_hookean",
-        "density": times * sphere.density,
-        "bulk_modulus": times * sphere.young / (3.0 * (1.0 - 2.0 * sphere.poisson)),
-        "shear_modulus": times * sphere.young / (2.0 * (1.0 + sphere.poisson)),
-    }
+    return common.elastic(times * sphere.density, times * sphere.young, sphere.poisson, "neo_hookean")
 
 
 def _ball(centre: np.ndarray, radius: float) -> dict[str, Any]:
-    return _body("elastic", {"type": "ball", "centre": centre.tolist(), "radius": radius}, "lattice")
+    return _body("solid", {"type": "ball", "centre": centre.tolist(), "radius": radius}, "lattice")
 
 
 def _slab(face: np.ndarray, radius: float, h: float) -> dict[str, Any]:

@@ -54,7 +54,7 @@ def test_modes(case):
     """The growth has a limit as the elements become smaller, and the springs, κ M l/h, have it too."""
     sizes, rates = (0.1, 0.05) if case.quick else (0.1, 0.05, 1.0 / 30.0), {}
     for size, contact in itertools.product(sizes, CONTACTS):
-        bodies = incline(size, elastic=True)
+        bodies = incline(size)
         with case.timed():
             quiet = len(modes_of(bodies, 0.0, contact))
             rates[contact, size] = lowest(modes_of(bodies, 0.3, contact))[0]
@@ -78,7 +78,7 @@ def test_growth(case):
     at = (("springs", 0.1, 0.3), ("springs", 0.05, 0.2), ("impulses", 0.1, 0.2), ("impulses", 0.05, 0.2))
     for contact, size, friction in at:
         with case.timed():
-            run = slide(size, friction, tilt, contact=contact, elastic=True, end=end)
+            run = slide(size, friction, tilt, contact=contact, end=end)
         _growth(case, named(contact, size), run.time, run.y, size, friction, contact)
     for size, friction in ((0.1, 0.3),) if case.quick else ((0.1, 0.3), (0.05, 0.2), (0.05, 0.3)):
         method = _sized("", size, {})
@@ -89,7 +89,7 @@ def test_growth(case):
 
 def _growth(case, method, time, y, size, friction, contact):
     """Judge the bounce of a centre at y [m] by the eigenvalue."""
-    exact = lowest(modes_of(incline(size, elastic=True), friction, contact))
+    exact = lowest(modes_of(incline(size), friction, contact))
     found = growth_of(time, y, exact[1])
     for name, unit, share, value, reference in zip(
         ("growth", "frequency"), ("1/s", "Hz"), (0.1, 0.02), found, exact, strict=True
@@ -153,7 +153,7 @@ def _elements(case, contact, size, at, viscosity=0.0):
     found = []
     with case.timed():
         for friction, tilt in ((friction, math.radians(tilt)) for friction, tilt in at):
-            run = slide(size, friction, tilt, contact=contact, elastic=True, viscosity=viscosity)
+            run = slide(size, friction, tilt, contact=contact, viscosity=viscosity)
             found.append(of_elements(friction, tilt, run))
     return found
 

@@ -21,31 +21,23 @@ class Incline(NamedTuple):
     size: float  #: of the block's quadrilaterals [m]
     points: Floats  #: (n_nodes, 2) [m]
     block: Solid
-    plane: Solid  #: without elements if it is rigid
+    plane: Solid
     mass: Floats  #: (n_nodes,) lumped [kg/m]
     free: Floats  #: (n_nodes,) 1, or 0 where the node is fixed
     n_block: int  #: number of the block's nodes
     bottom: Integers  #: (n_bottom,) nodes of the block's lower face, in the order of x
     top: Integers  #: (n_top,) nodes of the plane's upper face, in the order of x
-    stiffness: Floats  #: (n_bottom,) of the spring of each node, κ M l / h [N/m per m]
+    stiffness: Floats  #: (n_bottom,) of the spring of each node, M l / h [N/m per m]
 
 
-def incline(size: float, *, elastic: bool, kappa: float = 1.0) -> Incline:
-    """Mesh the block with squares of ``size`` [m]; the plane with such of about the same, or rigid.
-
-    A rigid plane is one segment between two fixed nodes. ``kappa`` is the factor of the contact springs.
-    """
+def incline(size: float) -> Incline:
+    """Mesh the block with squares of ``size`` [m], the plane with such of about the same."""
     body = _rectangle(size, 0.0, 0.0, LENGTH, HEIGHT)
     n = len(body.points)
-    if elastic:
-        under = _rectangle(size, *PLANE)
-        tops = np.flatnonzero(np.isclose(under.points[:, 1], 0.0, atol=1e-9))
-        x, y = under.points.T
-        held = np.isclose(y, PLANE[1]) | np.isin(x, [x.min(), x.max()])
-    else:
-        ends = np.array([[PLANE[0], 0.0], [PLANE[0] + PLANE[2], 0.0]])
-        under = Mesh(ends, np.zeros((0, 4), dtype=np.int64), np.arange(2))
-        tops, held = np.arange(2), np.ones(2, dtype=bool)
+    under = _rectangle(size, *PLANE)
+    tops = np.flatnonzero(np.isclose(under.points[:, 1], 0.0, atol=1e-9))
+    x, y = under.points.T
+    held = np.isclose(y, PLANE[1]) | np.isin(x, [x.min(), x.max()])
     points = np.concatenate([body.points, under.points])
     solids = (
         solid_of(Mesh(points, body.elements, body.outline), BULK, SHEAR, DENSITY),
@@ -67,7 +59,7 @@ def incline(size: float, *, elastic: bool, kappa: float = 1.0) -> Incline:
         n_block=n,
         bottom=bottom,
         top=n + tops[np.argsort(under.points[tops, 0])],
-        stiffness=kappa * MODULUS * tributary / size,
+        stiffness=MODULUS * tributary / size,
     )
 
 

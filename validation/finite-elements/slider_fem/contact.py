@@ -52,13 +52,13 @@ def add_springs(
     step: float,
     tangential: Floats,
     force: Floats,
-) -> tuple[float, float, float]:
+) -> tuple[float, float]:
     """Add the springs' forces [N/m] to (n_nodes, 2) ``force``; ``tangential`` (n_bottom,) is kept from step
     to step.
 
-    Returns N on the block and T against its motion [N/m], and the share of N carried by nodes that stick.
+    Returns N on the block and T against its motion [N/m].
     """
-    normal, along, stuck = 0.0, 0.0, 0.0
+    normal, along = 0.0, 0.0
     for i in range(len(bottom)):
         node = bottom[i]
         k, xi = segment_below(points, top, points[node, 0])
@@ -77,9 +77,7 @@ def add_springs(
             force[second, axis] -= xi * f
         normal += f_n
         along -= f_t
-        if f_t == trial:
-            stuck += f_n
-    return normal, along, stuck / normal if normal > 0.0 else 0.0
+    return normal, along
 
 
 @kernel
@@ -92,7 +90,7 @@ def project(
     friction: float,
     step: float,
     impulse: Floats,
-) -> tuple[float, float, float]:
+) -> tuple[float, float]:
     """Change the velocities by contact impulses, which (n_bottom, 2) ``impulse`` keeps as the next step's
     first guess.
 
@@ -125,11 +123,7 @@ def project(
             change = max(change, give * (abs(dq) + abs(dp)))
         if change <= ENOUGH * largest:
             break
-    normal, along, stuck = impulse[:, 1].sum(), -impulse[:, 0].sum(), 0.0
-    for i in range(len(bottom)):
-        if abs(impulse[i, 0]) < friction * impulse[i, 1] * (1.0 - 1e-9):
-            stuck += impulse[i, 1]
-    return normal / step, along / step, stuck / normal if normal > 0.0 else 0.0
+    return impulse[:, 1].sum() / step, -impulse[:, 0].sum() / step
 
 
 @kernel

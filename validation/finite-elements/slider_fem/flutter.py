@@ -37,8 +37,6 @@ def stiffness_matrix(solid: Solid, n_nodes: int) -> Floats:
     W = Σ_e { V_e K/2 tr² + Σ_q w_q G [ε : ε - tr²/3] }, where in the bulk's part tr is the element's mean.
     """
     matrix = np.zeros((2 * n_nodes, 2 * n_nodes))
-    if len(solid.elements) == 0:
-        return matrix
     volume = solid.weights.sum(1)
     mean = np.einsum("eq,eqai->eai", solid.weights, solid.gradients) / volume[:, None, None]
     local = solid.bulk * np.einsum("e,eai,ebj->eaibj", volume, mean, mean)
@@ -108,20 +106,15 @@ def growth(
     friction: float,
     *,
     rigid_contact: bool = False,
-    viscosity: float = 0.0,
-    damping: float = 0.0,
-    pressed: Floats | None = None,
+    pressed: Floats,
 ) -> Floats:
     """Growth rates σ [1/s] and frequencies ω/2π [Hz] of the growing small motions, (n, 2), the lowest
     frequency first.
 
-    ``rigid_contact`` holds the gaps at zero instead of springs. ``viscosity`` is β of a Kelvin-Voigt solid
-    [s], ``damping`` that of dashpots beside the springs, as a fraction of critical 2 √(k m) with m the lower
-    node's mass. ``pressed`` are the lower nodes that bear, all if it is left out.
+    ``rigid_contact`` holds the gaps at zero instead of springs. ``pressed`` are the lower nodes that bear.
     """
-    used = np.ones(len(bodies.bottom), dtype=bool) if pressed is None else np.asarray(pressed, dtype=bool)
     bulk = _bulk(bodies)
-    gaps, slips = contact_matrix(bodies, 1)[used], contact_matrix(bodies, 0)[used]
+    gaps, slips = contact_matrix(bodies, 1)[pressed], contact_matrix(bodies, 0)[pressed]
     pull = gaps - friction * slips
     kept = np.repeat(bodies.free > 0.0, 2)
     mass = np.repeat(bodies.mass, 2)[kept]
@@ -136,12 +129,11 @@ def growth(
         project = np.eye(len(mass)) - pull @ np.linalg.solve(gaps @ pull, gaps)
         _, _, right = np.linalg.svd(gaps)
         null = right[len(gaps) :].T
-        stiff, viscous = null.T @ project @ bulk @ null, viscosity * (null.T @ project @ bulk @ null)
+        stiff = null.T @ project @ bulk @ null
     else:
-        k = bodies.stiffness[used]
-        c = 2.0 * damping * np.sqrt(k * bodies.mass[bodies.bottom[used]])
-        stiff, viscous = bulk + pull @ (k[:, None] * gaps), viscosity * bulk + pull @ (c[:, None] * gaps)
-    found = _exponents(stiff, viscous)
+        stiff = bulk + pull @ (bodies.stiffness[pressed][:, None] * gaps)
+    root = np.sqrt(-eigvals(stiff) + 0j)
+    found = np.concatenate([root, -root])
     grows = found[(found.real > 1e-3 * np.abs(found).max() * 1e-3) & (found.imag > 0.0)]
     order = np.argsort(grows.imag)
     return np.column_stack([grows.real[order], grows.imag[order] / (2.0 * np.pi)])
@@ -150,11 +142,3 @@ def growth(
 def _bulk(bodies: Incline) -> Floats:
     n = len(bodies.points)
     return stiffness_matrix(bodies.block, n) + stiffness_matrix(bodies.plane, n)
-
-
-def _exponents(stiff: Floats, viscous: Floats) -> Floats:
-    """λ of λ² u + λ C u + A u = 0."""
-    if not viscous.any():
-        return np.asarray(np.concatenate([root := np.sqrt(-eigvals(stiff) + 0j), -root]))
-    n = len(stiff)
-    return np.asarray(eigvals(np.block([[np.zeros((n, n)), np.eye(n)], [-stiff, -viscous]])))

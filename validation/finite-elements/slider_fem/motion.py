@@ -26,13 +26,6 @@ class Slide:
     y: Floats  #: (n_times,) [m]
     normal: Floats  #: (n_times,) N [N/m]
     tangential: Floats  #: (n_times,) T, positive against the motion down the incline [N/m]
-    stuck: Floats  #: (n_times,) share of N carried by nodes that stick
-    points: Floats  #: (n_nodes, 2) at the end [m]
-    momentum: Floats  #: (2,) of the block at the end [N s/m]
-
-    def judged(self, values: Floats) -> Floats:
-        """The part of a history over which accelerations are fitted."""
-        return np.asarray(values[(self.time >= JUDGED[0]) & (self.time <= JUDGED[1])])
 
 
 def acceleration_of(time: Floats, x: Floats) -> float:
@@ -47,34 +40,28 @@ def slide(
     tilt: float,
     *,
     contact: str = "springs",
-    elastic: bool = False,
-    speed: float = 0.0,
     viscosity: float = 0.0,
-    courant: float = 0.4,
     end: float = JUDGED[1],
 ) -> Slide:
     """Let the block, at rest under gravity at zero tilt, slide while gravity is tilted smoothly.
 
     ``size`` is that of the quadrilaterals [m]. Gravity is g (sin ϑ, -cos ϑ), ϑ = θ (1 - cos(π t / 0.15
     s)) / 2 until 0.15 s, with θ the ``tilt`` [rad]. ``contact`` is ``springs`` or ``impulses``
-    (:mod:`slider_fem.contact`), on an ``elastic`` plane or a rigid one. ``speed`` is that of the block
-    down the incline at the start [m/s]. With the ``viscosity`` β [s] of a Kelvin-Voigt solid the
-    elements' forces are those of x + β v. ``courant`` is the time step over the shortest edge's travel
-    time of the dilatational wave in the block, before viscosity, ``end`` that of the motion [s].
+    (:mod:`slider_fem.contact`). With the ``viscosity`` β [s] of a Kelvin-Voigt solid the elements' forces are
+    those of x + β v. A step is 0.4 of the shortest edge's travel time of the dilatational wave in the plane,
+    before viscosity; ``end`` is that of the motion [s].
     """
-    bodies = incline(size, elastic=elastic)
+    bodies = incline(size)
     wave = float(np.sqrt(MODULUS / DENSITY))
     damping = viscosity * wave / size
-    limit = courant * size / wave * (np.sqrt(1.0 + damping**2) - damping)
-    limit /= np.sqrt(2.0) if elastic else 1.0  # the plane's moduli are twice as large
+    limit = 0.4 * size / wave * (np.sqrt(1.0 + damping**2) - damping)
+    limit /= np.sqrt(2.0)  # the plane's moduli are twice as large
     count = int(np.ceil(end / limit))
     points = rest(bodies, rigid_contact=contact == "impulses")
-    velocity, history = np.zeros_like(points), np.zeros((count, 6))
-    velocity[: bodies.n_block, 0] = speed
+    velocity, history = np.zeros_like(points), np.zeros((count, 5))
     kind = {"springs": SPRINGS, "impulses": IMPULSES}[contact]
     advance(points, velocity, bodies, kind, friction, tilt, viscosity, end / count, history)
-    momentum = (bodies.mass[: bodies.n_block, None] * velocity[: bodies.n_block]).sum(0)
-    return Slide(*np.ascontiguousarray(history.T), points, momentum)
+    return Slide(*np.ascontiguousarray(history.T))
 
 
 @kernel
@@ -94,7 +81,7 @@ def advance(
     1. finds the forces of elements and springs at the present positions,
     2. accelerates the nodes by them and by gravity,
     3. projects the velocities, if contact is by impulses,
-    4. moves the nodes, and records (6,) what :class:`Slide` has.
+    4. moves the nodes, and records (5,) what :class:`Slide` has.
     """
     inverse_mass = np.where(
         bodies.free > 0.0, bodies.free / np.where(bodies.mass > 0.0, bodies.mass, 1.0), 0.0
@@ -108,7 +95,7 @@ def advance(
         ahead = points + viscosity * velocity
         add_internal_force(ahead, bodies.block, force)
         add_internal_force(ahead, bodies.plane, force)
-        told = (0.0, 0.0, 0.0)
+        told = (0.0, 0.0)
         if kind == SPRINGS:
             told = add_springs(
                 points, velocity, bodies.bottom, bodies.top, bodies.stiffness, friction, step, kept, force
@@ -126,4 +113,4 @@ def advance(
             x += bodies.mass[node] * points[node, 0] / weight
             y += bodies.mass[node] * points[node, 1] / weight
         history[n, 0], history[n, 1], history[n, 2] = (n + 1) * step, x, y
-        history[n, 3], history[n, 4], history[n, 5] = told
+        history[n, 3], history[n, 4] = told

@@ -2,14 +2,15 @@
 
 # cost: 60
 
+from common import polygon
 from held import held, place, scenes, scored, shared
-from made import plane, polygon
+from made import BELOW, plane
 
 from mpmfw.validation import known_red
 
 #: A half plane with a crack of 1 m by 0.5 m.
 CRACK = polygon(
-    [-1.2, -0.6], [1.2, -0.6], [1.2, 0.5], [0.5, 0.5], [0.0, 0.0], [-0.5, 0.5], [-1.2, 0.5], fixed="bottom"
+    [[-1.2, -0.6], [1.2, -0.6], [1.2, 0.5], [0.5, 0.5], [0.0, 0.0], [-0.5, 0.5], [-1.2, 0.5]], sides=BELOW
 )
 IN_HOLE = {
     "penetration": {
@@ -38,7 +39,7 @@ every = scenes(
             cell=0.1,
             end=0.5,
             crack=CRACK,
-            spike=polygon([0.0, 0.05], [0.5, 3.05], [-0.5, 3.05], velocity=[1.0, 0.0]),
+            spike=polygon([[0.0, 0.05], [0.5, 3.05], [-0.5, 3.05]], velocity=[1.0, 0.0]),
         ),
         place(
             "wedge-in-crack",
@@ -47,7 +48,7 @@ every = scenes(
             cell=0.1,
             end=0.8,
             crack=CRACK,
-            wedge=polygon([0.0, 0.05], [0.75, 1.55], [-0.75, 1.55]),
+            wedge=polygon([[0.0, 0.05], [0.75, 1.55], [-0.75, 1.55]]),
         ),
         place(
             "sliding-spike",
@@ -56,15 +57,15 @@ every = scenes(
             cell=0.1,
             end=0.6,
             floor=plane(-2.0, -0.3, 2.0, 0.0),
-            spike=polygon([-1.0, 0.02], [-0.5, 3.02], [-1.5, 3.02], velocity=[1.0, 0.0]),
+            spike=polygon([[-1.0, 0.02], [-0.5, 3.02], [-1.5, 3.02]], velocity=[1.0, 0.0]),
         ),
         place(
             "sliding-wedge",
             sharp=True,
             cell=0.1,
             end=0.6,
-            lower=polygon([-1.2, -0.2], [1.2, -0.2], [1.2, 0.0], [-1.2, 1.2], fixed="bottom"),
-            upper=polygon([-0.8, 1.02], [-0.8, 1.42], [0.0, 1.42], [0.0, 0.62]),
+            lower=polygon([[-1.2, -0.2], [1.2, -0.2], [1.2, 0.0], [-1.2, 1.2]], sides=BELOW),
+            upper=polygon([[-0.8, 1.02], [-0.8, 1.42], [0.0, 1.42], [0.0, 0.62]]),
         ),
         shared("cliff-edges", True, when=""),
         shared("internal-edges"),

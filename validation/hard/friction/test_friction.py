@@ -5,8 +5,9 @@
 # Drawn along the incline, whose slope is 0.1; pushed with 0.6 of its weight.
 
 import closed
+from common import disc, rectangle
 from held import FRICTION, held, place, scenes, scored, shared
-from made import box, disc, force, plane
+from made import force, plane
 
 BLOCK = {"E": 15.4e6, "nu": 0.286}
 PLANE = {"E": 30.8e6, "nu": 0.286}
@@ -35,7 +36,7 @@ every = scenes(
             gravity=[-0.995037, -9.950372],
             settled=True,
             outputs=90,
-            wedge=box(0.03, 0.013, 0.63, 0.313, **BLOCK),
+            wedge=rectangle(0.03, 0.013, 0.63, 0.313, **BLOCK),
             plane=plane(-0.2, -0.187, 1.1, 0.013, **PLANE),
             loads={"push": force("wedge", [0.0, 0.0, 0.0], [0.1, 5970.22, -597.022])},
         ),

@@ -6,8 +6,9 @@
 
 import closed
 import criteria
+from common import disc, fixed, polygon, rectangle
 from held import FRICTION, SYMMETRY, held, place, scenes, scored
-from made import box, disc, force, plane, polygon
+from made import force, plane, ring
 
 EDGES = (
     "soft springs share out the edges' pressure: 12 %, in cells twice as large 18 and 7.7 with 16 times the "
@@ -44,7 +45,7 @@ def rounded_punch(friction):
         room=0.2,
         friction=friction,
         ground=plane(-0.1, -0.2, 0.1, 0.0, E=7e10, nu=0.3, rho=2700),
-        punch=polygon(*ROUNDED, E=2.1e11, nu=0.3, rho=7850),
+        punch=polygon(ROUNDED, E=2.1e11, nu=0.3, rho=7850),
         loads={"press": force("punch", [0.0, 0.0, 0.0], [5e-05, 0.0, -1e9])},
     )
 
@@ -63,7 +64,7 @@ every = scenes(
             outputs=2,
             room=0.2,
             ground=plane(-4.0, -6.0, 4.0, 0.0, E=10e6, nu=0.3),
-            punch=box(-1.0, 0.0, 1.0, 1.0, E=1e9, nu=0.3, rho=10000.0),
+            punch=rectangle(-1.0, 0.0, 1.0, 1.0, E=1e9, nu=0.3, rho=10000.0),
         ),
         rounded_punch(0),
         rounded_punch(0.1),
@@ -75,7 +76,7 @@ every = scenes(
             friction=0.3,
             settled=True,
             gravity=SHAKING,
-            block=box(0.03, 0.013, 0.63, 0.313, E=154e6, nu=0.286),
+            block=rectangle(0.03, 0.013, 0.63, 0.313, E=154e6, nu=0.286),
             plane=plane(-0.3, -0.187, 1.0, 0.013, E=308e6, nu=0.286),
         ),
         place(
@@ -85,8 +86,8 @@ every = scenes(
             end=0.12,
             gravity=0,
             outputs=60,
-            short=box(-0.51, -0.05, -0.01, 0.05, nu=0.0, velocity=[0.2, 0.0]),
-            long=box(0.0, -0.05, 1.0, 0.05, nu=0.0),
+            short=rectangle(-0.51, -0.05, -0.01, 0.05, nu=0.0, velocity=[0.2, 0.0]),
+            long=rectangle(0.0, -0.05, 1.0, 0.05, nu=0.0),
         ),
         place(
             "pushed block",
@@ -94,7 +95,7 @@ every = scenes(
             end=0.004,
             friction=0.3,
             gravity=0,
-            block=box(
+            block=rectangle(
                 *(0.001, 0.0, 0.041, 0.015),
                 E=1e9,
                 nu=0.3,
@@ -139,7 +140,7 @@ every = scenes(
             cell=0.05,
             end=0.3,
             gravity=0,
-            beam=box(-0.5, -0.05, 0.5, 0.0, E=1e6, nu=0.3, fixed="left"),
+            beam=rectangle(-0.5, -0.05, 0.5, 0.0, E=1e6, nu=0.3, sides=fixed(left="xy")),
             disc=disc(0.0, 0.202, 0.2, E=1e6, nu=0.3, velocity=[0.0, -3.0]),
         ),
         place(
@@ -148,7 +149,7 @@ every = scenes(
             cell=0.05,
             end=1.5,
             gravity=0,
-            ring={"ring": [0.0, 0.0, 0.8, 1.0], "E": 1e6, "nu": 0.3},
+            ring=ring(0.8, 1.0, E=1e6, nu=0.3),
             disc=disc(0.0, 0.0, 0.3, E=1e6, nu=0.3, velocity=[1.0, 0.3]),
         ),
     ]

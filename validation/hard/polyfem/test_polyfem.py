@@ -5,8 +5,9 @@
 # Tip on tip: the right one is 0.013 aside, exactly opposite rounding decides to which side they go.
 
 import closed
+from common import disc, polygon, rectangle
 from held import FRICTION, SYMMETRY, held, place, scenes, scored, shared
-from made import box, disc, plane, polygon
+from made import BELOW, plane
 
 VERTEX = {
     "energy": "error in time of springs that change at the corner, 0.67 %",
@@ -49,8 +50,8 @@ every = scenes(
             cell=0.1,
             end=0.4,
             gravity=0,
-            left=polygon([-0.02, 0.0], [-0.886, 0.5], [-0.886, -0.5], velocity=[1.0, 0.0]),
-            right=polygon([0.02, 0.013], [0.886, -0.487], [0.886, 0.513], velocity=[-1.0, 0.0]),
+            left=polygon([[-0.02, 0.0], [-0.886, 0.5], [-0.886, -0.5]], velocity=[1.0, 0.0]),
+            right=polygon([[0.02, 0.013], [0.886, -0.487], [0.886, 0.513]], velocity=[-1.0, 0.0]),
         ),
         place(
             "point-on-plane",
@@ -59,7 +60,7 @@ every = scenes(
             cell=0.1,
             end=0.6,
             floor=plane(-1.0, -0.3, 1.0, 0.0),
-            square=box(-0.5, 0.227, 0.5, 1.227, angle=0.7853981634),
+            square=rectangle(-0.5, 0.227, 0.5, 1.227, angle=0.7853981634),
         ),
         place(
             "ball on a thin wall",
@@ -69,14 +70,14 @@ every = scenes(
             end=0.0004,
             gravity=0,
             ball=disc(-0.021, 0.0, 0.02, E=10e6, nu=0.45, rho=1150, velocity=[67.0, 0.0]),
-            wall=box(0.0, -0.04, 0.0025, 0.04, E=2e11, nu=0.3, rho=7850),
+            wall=rectangle(0.0, -0.04, 0.0025, 0.04, E=2e11, nu=0.3, rho=7850),
         ),
         place(
             "disc on a mat",
             cell=0.05,
             end=0.3,
             room=0.3,
-            mat=box(
+            mat=rectangle(
                 *(-1.0, -0.1, 1.0, 0.0),
                 E=100e3,
                 sides=[
@@ -103,8 +104,8 @@ every = scenes(
             misses=CUSHION,
             cell=0.05,
             end=0.2,
-            pins=polygon(*PINS, fixed="bottom", E=10e6),
-            cushion=box(-0.5, 0.31, 0.5, 0.71, E=100e3),
+            pins=polygon(PINS, sides=BELOW, E=10e6),
+            cushion=rectangle(-0.5, 0.31, 0.5, 0.71, E=100e3),
         ),
         place(
             "moving ground",
@@ -114,7 +115,7 @@ every = scenes(
             friction=0.5,
             gravity=[[0.0, 0.0, -9.81], [0.1, 8.0, -9.81]],
             settled=True,
-            block=box(0.03, 0.013, 0.63, 0.313, E=12e6, nu=0.3),
+            block=rectangle(0.03, 0.013, 0.63, 0.313, E=12e6, nu=0.3),
             plane=plane(-0.4, -0.187, 1.2, 0.013, E=30e6, nu=0.3),
         ),
     ]

@@ -4,8 +4,8 @@
 
 import links
 import made
+from common import disc
 from held import RESTS, held, place, scenes, scored
-from made import disc
 
 #: Reasons for the energy's error, which is one in time.
 TEETH = (
@@ -33,7 +33,7 @@ every = scenes(
             end=0.4,
             gravity=0,
             friction=0.1,
-            hub={"ring": [0.0, 0.0, 0.21, 0.4], "angular_velocity": 3.0},
+            hub=made.ring(0.21, 0.4, angular_velocity=3.0),
             axle=disc(0.0, 0.0, 0.2, velocity=[0.5, 0.0]),
         ),
         place("tower of five", made.piled, rows=[1, 1, 1, 1, 1]),
