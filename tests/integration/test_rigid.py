@@ -226,6 +226,23 @@ def test_two_bodies_whose_motion_is_prescribed_are_no_pair():
     assert [pair.label for pair in lcp.pairs] == ["block-disc", "block-wall", "disc-wall"]
 
 
+@pytest.mark.parametrize("dim", [2, 3])
+def test_walls_of_a_box_may_overlap_and_nothing_else(dim):
+    """Half-spaces meet behind every corner; motions that are prescribed need no contact."""
+    kind, here = ("rectangle", [0.4] * 2) if dim == 2 else ("box", [0.4] * 3)
+    bodies = {"cube": {"material": "soft", "geometry": {"type": kind, "lower": [0.0] * dim, "upper": here},
+                       "particles": {"size": 0.1}}}  # fmt: skip
+    for axis in range(dim):
+        plane = {"type": "half_space", "point": [0.0] * dim, "normal": np.eye(dim)[axis].tolist()}
+        bodies[f"wall{axis}"] = {"geometry": plane, "rigid": True}
+    scene = scene_of(bodies, 0.2, [-1.0] * dim, [1.0] * dim, end=0.1, materials={"soft": SOFT})
+    scene["contact"] = {"method": "penalty"}
+    assert len(Simulation(scene).state.pairs) == dim
+    bodies["wall0"]["geometry"]["point"] = [0.1] * dim
+    with pytest.raises(SceneError, match="bodies.cube: overlaps body 'wall0'"):
+        Simulation(scene)
+
+
 @pytest.mark.parametrize("method", ["penalty", "midplane", "bardenhagen"])
 def test_rigid_bodies_that_no_force_keeps_apart_end_the_run_where_they_touch(method):
     scene = drop({**FREE, "geometry": {**DISC, "centre": [1.1, 1.5]}}, method)

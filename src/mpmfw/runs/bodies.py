@@ -129,13 +129,17 @@ def check_bodies(scene: Scene, layouts: tuple[Layout, ...], bodies: tuple[Body, 
 
 
 def _check_overlap(bodies: tuple[Body, ...]) -> None:
-    """Refuse bodies whose surfaces overlap by more than rounding, 1e-6 of the smaller one.
+    """Refuse bodies whose surfaces overlap by more than rounding, 1e-6 of the smaller one; of two whose
+    motions are prescribed neither acts on the other.
 
     In space the overlap is the depth of nodes inside the other body."""
     if len(bodies) < 2 or any(not body.outlines for body in bodies):
         return
     lower, upper = (np.array([getattr(body, end) for body in bodies]) for end in ("lower", "upper"))
     first, second = overlapping(lower, upper)
+    prescribed = np.array([body.prescribed for body in bodies])
+    acting = ~(prescribed[first] & prescribed[second])
+    first, second = first[acting], second[acting]
     if lower.shape[1] == 3:
         from mpmfw.state.surface import least_gaps, make_surface
 
