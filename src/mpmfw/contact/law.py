@@ -9,7 +9,7 @@ import numpy as np
 
 from mpmfw.contact.rows import ContactRows, Detection, FrictionLaw
 from mpmfw.contact.strategy import ContactStrategy, joined, options_of_both
-from mpmfw.errors import SceneError
+from mpmfw.errors import PluginError, SceneError
 from mpmfw.kernels.contact import Records
 from mpmfw.plugin.hookspecs import hookimpl
 from mpmfw.plugin.setup import Setup
@@ -230,6 +230,9 @@ class ContactLaw(ContactStrategy):
             self.measure(rows, grid, phi, particles)
             if len(rows.friction):
                 self.friction_law.slip_limit(rows, self.pair_friction, self.state.dt)
+                if not rows.friction[: rows.count].min() >= 0.0:  # nor NaN, with which places would stick
+                    text = f"friction law '{self.friction_law.name}' gave friction that is NaN or below 0"
+                    raise PluginError(text, step=self.state.steps, time=self.state.time)
 
     @property
     def last_rows(self) -> ContactRows:
