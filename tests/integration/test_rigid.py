@@ -239,7 +239,7 @@ def test_walls_of_a_box_may_overlap_and_nothing_else(dim):
     scene["contact"] = {"method": "penalty"}
     assert len(Simulation(scene).state.pairs) == dim
     bodies["wall0"]["geometry"]["point"] = [0.1] * dim
-    with pytest.raises(SceneError, match="bodies.cube: overlaps body 'wall0'"):
+    with pytest.raises(SceneError, match=r"bodies\.cube: overlaps body 'wall0'"):
         Simulation(scene)
 
 
