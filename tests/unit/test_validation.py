@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from command_line import called
-from mpmfw.validation import Case, Method
+from mpmfw.validation import Case, CaseRun, Method, Place, Runs, by_method, methods
 from mpmfw.validation.page import BEGIN, END
 from mpmfw.validation.suite import find_cases, rows_file, run_cases
 from python_files import module_of
@@ -99,6 +99,15 @@ def test_total(case, runs):
 """
 
 
+#: Asks for a method that another case has.
+OTHER = """
+from mpmfw.validation import Runs, methods
+
+@Runs("runs", "rolling-cylinder-slip", methods(["lcp"]), by=lambda scene: scene)
+def test_it(run): run.gate("strong", float(run.method.matches("bardenhagen, *")))
+"""
+
+
 @pytest.fixture
 def suite(tmp_path):
     """Make a suite of cases: name → test file."""
@@ -160,7 +169,8 @@ def test_gates_bind_the_recommended_methods_alone(tmp_path):
 
 @pytest.mark.usefixtures("here")
 def test_runs_at_places(suite, tmp_path):
-    rows = results(suite(a=RUNS), tmp_path)
+    rows = results(suite(a=RUNS, b=OTHER), tmp_path)
+    assert "'bardenhagen, *' fits no name of the full version" in rows.pop()["note"]
     found = {(row["method"], row["quantity"]): row for row in rows}
     verdicts = {key: row["verdict"] for key, row in found.items()}
     assert verdicts["penalty, cpdi", "size, coarse"] == "RED"
@@ -175,6 +185,24 @@ def test_runs_at_places(suite, tmp_path):
     assert sum(row["quantity"].startswith("size") for row in rows) == 10
     quick = results(tmp_path / "suite", tmp_path, quick=True)
     assert not any("fine" in row["quantity"] or row["quantity"] == "total" for row in quick)
+
+
+def test_a_pattern_that_fits_no_method_or_place_is_refused(tmp_path):
+    place = Place("coarse", open={"size": {"penlty, c*": "known"}})
+    runs = Runs("runs", methods=methods(["penalty", "bardenhagen"]), places=[place, Place("fine")])
+    method = runs.methods[0]
+    run = CaseRun(Case(tmp_path), "runs", place, method, None, None)
+    assert method.matches("penalty, *")
+    assert run.at("coarse")
+    for misspelt in (
+        lambda: method.matches("penlty, *"),
+        lambda: run.at("coarze"),
+        lambda: list(by_method([run], "penlty*")),
+        lambda: Runs("runs", binds=["penlty, *"]),
+        lambda: run.place.is_open("size", method),
+    ):
+        with pytest.raises(ValueError, match="fits no name of the full version"):
+            misspelt()
 
 
 @pytest.mark.usefixtures("here")

@@ -42,6 +42,16 @@ known_red = pytest.mark.known_red
 together = pytest.mark.together
 
 Values = Mapping[str, Any]
+#: Names of the methods and places of the full version of the case.
+NAMES: set[str] = set()
+
+
+def _fits(name: str, patterns: Sequence[str]) -> bool:
+    """Return whether a pattern fits a name; a ValueError refuses one that fits none of the case."""
+    for pattern in patterns:
+        if not fnmatch.filter(NAMES, pattern):  # it is misspelt, and its gate would be lost
+            raise ValueError(f"'{pattern}' fits no name of the full version: {', '.join(sorted(NAMES))}")
+    return any(fnmatch.fnmatchcase(name, pattern) for pattern in patterns)
 
 
 @dataclass(frozen=True)
@@ -62,8 +72,8 @@ class Method:
         return self.bound or usual
 
     def matches(self, *patterns: str) -> bool:
-        """Return whether a pattern such as ``penalty, cpdi*`` fits its name."""
-        return any(fnmatch.fnmatchcase(str(self), pattern) for pattern in patterns)
+        """Return whether a pattern such as ``penalty, cpdi*`` fits its name; it must fit one of all runs."""
+        return _fits(str(self), patterns)
 
     def __str__(self) -> str:
         return ", ".join(filter(None, (self.contact, self.shape, self.label)))
@@ -115,6 +125,12 @@ class Runs:
     when: str = ""
     done: list[CaseRun] = field(default_factory=list)
 
+    def __post_init__(self) -> None:
+        if self.when != "quick":
+            NAMES.update(str(method) for method in self.methods if method.when != "quick")
+            NAMES.update(place.at for place in self.places if place.when != "quick")
+            self.bound(Method("", ""))
+
     def __call__(self, function: Callable[..., Any]) -> Any:
         return each(self)(function)
 
@@ -161,8 +177,8 @@ class CaseRun:
     _measured: dict[str, Any] = field(default_factory=dict)
 
     def at(self, *patterns: str) -> bool:
-        """Return whether a pattern fits the name of its place."""
-        return any(fnmatch.fnmatchcase(self.place.at, pattern) for pattern in patterns)
+        """Return whether a pattern fits the name of its place; it must fit a place of all runs."""
+        return _fits(self.place.at, patterns)
 
     def of(self, measure: Callable[..., Any], key: str | None = None, scale: float = 1.0, **args: Any) -> Any:
         """Return what a function of the results gives: a number, or None; ``key`` takes one of several."""
@@ -202,13 +218,15 @@ def by_method(runs: Sequence[CaseRun], *patterns: str) -> Iterator[tuple[Method,
 class Case:
     """A case while it is checked: folder, version, file of its rows, and rows.
 
-    ``known``: why gates of the test that runs are known not to hold, by method and quantity."""
+    ``known``: why gates of the test that runs are known not to hold, by method and quantity; ``names``: of
+    the methods and places of the full version."""
 
     folder: Path
     quick: bool = False
     file: Path | None = None
     rows: list[dict[str, Any]] = field(default_factory=list)
     known: Mapping[Any, str] = field(default_factory=dict)
+    names: set[str] = field(default_factory=set)
     _seconds: float = nan
 
     def scene(self, given: Any, method: Method, values: Values) -> Scene:

@@ -26,7 +26,7 @@ from mpmfw.results.selection import checked_name
 from mpmfw.runs.identity import code_of_plugins, digest, package, sources
 from mpmfw.runs.interruption import interruptible
 from mpmfw.runs.limits import cores
-from mpmfw.validation.case import Case, CaseRun, Method, Place, Runs
+from mpmfw.validation.case import NAMES, Case, CaseRun, Method, Place, Runs
 from mpmfw.validation.page import said
 
 #: The case of a module.
@@ -55,14 +55,18 @@ def case_of(node: Any) -> Case:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_make_collect_report(collector: pytest.Collector) -> Generator[None, Any, Any]:
-    """Import a module as a case, with the modules of its folder."""
-    if isinstance(collector, pytest.Module):
-        folder, options = collector.path.parent, collector.config.option
-        for path in folder.glob("*.py"):  # another case may have modules so named
-            sys.modules.pop(path.stem, None)
-        file = rows_file(folder, options.quick, Path(options.results)) if options.results else None
-        collector.stash[_CASE] = Case(folder, options.quick, file)
-    return (yield)
+    """Import a module as a case, with the modules of its folder and the names of its runs."""
+    if not isinstance(collector, pytest.Module):
+        return (yield)
+    folder, options = collector.path.parent, collector.config.option
+    for path in folder.glob("*.py"):  # another case may have modules so named
+        sys.modules.pop(path.stem, None)
+    file = rows_file(folder, options.quick, Path(options.results)) if options.results else None
+    collector.stash[_CASE] = Case(folder, options.quick, file)
+    NAMES.clear()
+    report = yield
+    collector.stash[_CASE].names |= NAMES
+    return report
 
 
 @pytest.fixture(scope="module")
@@ -74,6 +78,8 @@ def case(request: pytest.FixtureRequest) -> Iterator[Case]:
         pytest.fail("red: its process ended abruptly", pytrace=False)
     case.write("its process ended abruptly")
     case.rows.clear()
+    NAMES.clear()
+    NAMES.update(case.names)
     with journal_style(), np.errstate(), mock.patch.dict(os.environ):
         yield case
 
