@@ -131,3 +131,6 @@ def test_of_springs_the_keys_of_the_scene_are_named():
     """Of a joined contact those of its parts' tables."""
     said = advice("surfaces+penalty(kappa=1e12)")
     assert "contact.penalty.kappa" in said
+    assert "contact.surfaces.map" in said
+    step = Simulation(two_blocks("none"), contact="penalty")._time_step
+    assert step._advice("drag") == "another shape function"  # a contact that sets no limit is not named

@@ -9,9 +9,9 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from mpmfw.effects.settling import Settling, concern, is_settled_for_good
-from mpmfw.errors import Diverged, SceneError, SimulationError
+from mpmfw.errors import Diverged, PluginError, SceneError, SimulationError
 from mpmfw.kernels._jit import import_numba_without_scipy
-from mpmfw.plugin.checks import declared_fields
+from mpmfw.plugin.checks import bundled, declared_fields
 from mpmfw.plugin.hooks import HOOKS, BoundHooks, Registry
 from mpmfw.plugin.setup import Effect, Setup
 from mpmfw.results import Frame, RunHeader
@@ -21,7 +21,7 @@ from mpmfw.runs.frames import Recorder, check_state_finite
 from mpmfw.runs.limits import coarse_bodies, outputs_of
 from mpmfw.state.fields import STAGES, STEP_STAGES, AnyArray, Field
 from mpmfw.state.history import NotSaved, put, take
-from mpmfw.state.windows import fit_windows, set_windows
+from mpmfw.state.windows import fit_windows, is_cut_off, set_windows
 from mpmfw.step.schemes import SCHEMES, interpolate
 from mpmfw.step.timestep import Clock, TimeStep
 
@@ -105,6 +105,7 @@ class Simulation:
         self.fields: tuple[Field, ...] = declared_fields(declared)
         self.hook.setup(setup=setup)
         fit_windows(state, self.hook)
+        self._check_supports()
         self._step: Any = SCHEMES[self.scheme]
         self._time_step = TimeStep(setup)
         self._recorder = Recorder(self.scene, state, self.fields, self.hook, self._callers("diagnostics"))
@@ -126,6 +127,22 @@ class Simulation:
     def _callers(self, hook: str) -> list[Any]:
         """Plug-ins that implement a hook, in the order of the calls."""
         return [impl.plugin for impl in self.registry.implementations[hook]]
+
+    def _check_supports(self) -> None:
+        """Refuse a body whose shape functions reach beyond the grid at the start."""
+        # The bundled ones stay in a window that is not cut off
+        if bundled(type(self.shape)) and not is_cut_off(self.state.grid):
+            return
+        try:
+            interpolate(self.state, self.hook, self.clock)
+        except PluginError:
+            raise
+        except SimulationError as error:
+            raise SceneError(
+                f"the shape function '{self.shape.name}' reaches beyond the grid at the start; expected "
+                "grid.lower and grid.upper two cells farther out",
+                key=f"bodies.{error.body}",
+            ) from error
 
     def hook_callers(self) -> dict[str, list[str]]:
         """Names of the plug-ins that implement each hook, in the order of the calls."""

@@ -87,6 +87,12 @@ def _rigid_window(grid: Grid) -> tuple[IntArray, IntArray]:
     return grid.nodes + 1, shape
 
 
+def is_cut_off(grid: Grid) -> bool:
+    """Return True if a window ends where the background grid does."""
+    last = grid.window_lower + grid.window_shape
+    return bool((grid.window_lower == 0).any() or (last == grid.nodes).any())
+
+
 def set_windows(grid: Grid, lower: IntArray, shape: IntArray, most: float = np.inf) -> None:
     """Lay the windows at given nodes, (n_fields, dim) each, of the background grid.
 

@@ -52,7 +52,7 @@ class TimeStep:
     shape function's share of it is refused."""
 
     def __init__(self, setup: Setup) -> None:
-        self.setup, self.state = setup, setup.state
+        self.state, self.contact = setup.state, setup.contact
         self.bulk_limit = 2.0 / setup.bulk_frequency
         thinner = (1.0 - 1e-9) * setup.cell_size
         thin = any(body.width < thinner for body in setup.bodies)
@@ -77,14 +77,26 @@ class TimeStep:
             advice = "a smaller time.step, or allow_unstable = true"
             raise PastStabilityLimit(refusal, time=self.state.time, advice=advice)
         if limit < COLLAPSED * self.bulk_limit:
-            ways = self.setup.remedies
             raise SimulationError(
                 f"the stable time step fell to {limit:.3g} s, set by {owner}; that of the bulk is "
                 f"{self.bulk_limit:.3g} s",
                 time=self.state.time,
-                advice=", or ".join(ways[part] for part in ("contact", "shape") if part in ways),
+                advice=self._advice(owner),
             )
         return step
+
+    def _advice(self, owner: str) -> str:
+        """Return ways to lengthen the steps that a contact limits."""
+        for contact in getattr(self.contact, "contacts", (self.contact,)):
+            if contact is None or not owner.startswith(
+                (contact.name, getattr(contact, "law_name", contact.name))
+            ):
+                continue
+            softer = f" ({contact.softer_by})" if contact.softer_by else ""
+            mapped = contact.needs_surface and "map" in contact.Options.model_fields
+            other = f"another contact.{contact.name.split('+')[0]}.map, " if mapped else ""
+            return f"a softer contact{softer}, {other}or another shape function"
+        return "another shape function"
 
     def check(self, hook: Any) -> None:
         """Refuse a step past the first limit."""
