@@ -16,7 +16,7 @@ from mpmfw.contact.surfaces import Surfaces
 from mpmfw.errors import PluginError, ResultsWarning, SceneError
 from mpmfw.results.references import declared
 from mpmfw.runs.simulation import Simulation
-from mpmfw_contact.friction import Stribeck
+from mpmfw_contact.friction import MohrCoulomb
 from mpmfw_contact.impulse import Impulse
 
 CONTACTS = ("penalty", "bardenhagen(normal=master)", "surfaces+impulse")
@@ -93,14 +93,16 @@ def test_a_closed_form_of_coulomb_s_friction_is_none_of_another_law() -> None:
         declared(scene(friction_law="mohr_coulomb", mohr_coulomb={"cohesion": 10.0}))
 
 
+@pytest.mark.parametrize("array", ["friction", "cohesion"])
 @pytest.mark.parametrize("value", [math.nan, -0.1])
-def test_friction_that_is_none_ends_the_run_and_names_its_law(monkeypatch, value: float) -> None:
+def test_friction_that_is_none_ends_the_run_and_names_its_law(monkeypatch, value: float, array: str) -> None:
     def slip_limit(self: Any, rows: Any, friction: Any, dt: float) -> None:  # noqa: ARG001
-        rows.friction[: rows.count] = value
+        rows.friction[: rows.count] = 0.0
+        getattr(rows, array)[: rows.count] = value
 
-    monkeypatch.setattr(Stribeck, "slip_limit", slip_limit)
-    with pytest.raises(PluginError, match="friction law 'stribeck' gave friction that is NaN or below 0"):
-        slide("penalty", "stribeck", stribeck={"velocity": 0.1})
+    monkeypatch.setattr(MohrCoulomb, "slip_limit", slip_limit)
+    with pytest.raises(PluginError, match="law 'mohr_coulomb' gave friction that is NaN or below 0"):
+        slide("penalty", "mohr_coulomb", mohr_coulomb={"cohesion": 10.0})
 
 
 def test_an_option_that_a_law_needs_is_missed() -> None:

@@ -70,6 +70,16 @@ def test_compiled_code_finds_a_structure_behind_the_head_of_its_object():
     assert behind == ctypes.addressof(pair)
 
 
+def test_an_error_while_arrays_are_made_is_raised():
+    """Or compiled code would read at the address 0."""
+    pair = Pair(first=np.ones(1), second=np.zeros(1))
+    assert total(pair) == 1.0
+    pair._address = 0
+    del pair.kernel_arrays
+    with pytest.raises(AttributeError, match="kernel_arrays"):
+        total(pair)
+
+
 def test_threads_make_one_class():
     """numba knows a class by its address: of two the lesser used would be freed, and its address taken."""
     interval, barrier = sys.getswitchinterval(), Barrier(4)

@@ -230,7 +230,8 @@ class ContactLaw(ContactStrategy):
             self.measure(rows, grid, phi, particles)
             if len(rows.friction):
                 self.friction_law.slip_limit(rows, self.pair_friction, self.state.dt)
-                if not rows.friction[: rows.count].min() >= 0.0:  # nor NaN, with which places would stick
+                limits = np.append(rows.friction[: rows.count], rows.cohesion[: rows.count])
+                if not limits.min() >= 0.0:  # nor NaN, with which places would stick
                     text = f"friction law '{self.friction_law.name}' gave friction that is NaN or below 0"
                     raise PluginError(text, step=self.state.steps, time=self.state.time)
 

@@ -199,8 +199,8 @@ def _unbox(kind: StructType, value: Any, c: Any) -> Any:
     field = builder.load(builder.bitcast(head, word.as_pointer().as_pointer().as_pointer()))
     with builder.if_then(_cgutils.is_null(builder, builder.load(field)), likely=False):
         c.pyapi.decref(c.pyapi.object_getattr_string(value, "kernel_arrays"))
-    numbers = builder.load(field)
-    read = 0
+    numbers, read = builder.load(field), 0
+    failed = _cgutils.is_null(builder, numbers)  # an error, as of memory, or an interruption ended its making
 
     def number() -> Any:
         nonlocal read
@@ -208,17 +208,18 @@ def _unbox(kind: StructType, value: Any, c: Any) -> Any:
         return builder.load(builder.gep(numbers, [ir.Constant(word, read - 1)]))
 
     members = _cgutils.create_struct_proxy(kind)(c.context, builder)
-    for name, member_type in kind.members:
-        array = _arrayobj.make_array(member_type)(c.context, builder)
-        _arrayobj.populate_array(
-            array,
-            data=builder.inttoptr(number(), array.data.type),
-            shape=[number() for _ in range(member_type.ndim)],
-            strides=[number() for _ in range(member_type.ndim)],
-            itemsize=c.context.get_constant(
-                types.intp, c.context.get_abi_sizeof(c.context.get_data_type(member_type.dtype))
-            ),
-            meminfo=None,
-        )
-        setattr(members, name, array._getvalue())
-    return _extending.NativeValue(members._getvalue())
+    with builder.if_then(builder.not_(failed), likely=True):
+        for name, member_type in kind.members:
+            array = _arrayobj.make_array(member_type)(c.context, builder)
+            _arrayobj.populate_array(
+                array,
+                data=builder.inttoptr(number(), array.data.type),
+                shape=[number() for _ in range(member_type.ndim)],
+                strides=[number() for _ in range(member_type.ndim)],
+                itemsize=c.context.get_constant(
+                    types.intp, c.context.get_abi_sizeof(c.context.get_data_type(member_type.dtype))
+                ),
+                meminfo=None,
+            )
+            setattr(members, name, array._getvalue())
+    return _extending.NativeValue(members._getvalue(), is_error=failed)
