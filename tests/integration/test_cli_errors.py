@@ -82,6 +82,8 @@ for arguments, more in ((["--help"], ["pydantic"]), (["compare", "--help"], []))
     with suppress(SystemExit):
         main(arguments)
     loaded(*more)
+import mpmfw_testing.templates  # of mpmfw new
+print("#", [name for name in ("numba", "pytest") if name in sys.modules])
 """
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert [line for line in found.stdout.splitlines() if line.startswith("#")] == ["# []"] * 3
+    assert [line for line in found.stdout.splitlines() if line.startswith("#")] == ["# []"] * 4

@@ -345,7 +345,12 @@ def test_a_case_leaves_nothing_to_the_next_one(suite, tmp_path, monkeypatch):
     ]
 
 
+@pytest.mark.usefixtures("here")
 def test_a_folder_of_others_is_not_written_to(suite, tmp_path):
-    (tmp_path / "out").mkdir()
+    """Unlike that of a validation that was interrupted before its first case."""
+    (tmp_path / "out" / "runs").mkdir(parents=True)
     (tmp_path / "out" / "a.png").write_text("mine")
-    assert "has files of others" in validate(suite(a=GREEN), tmp_path, status=2)
+    folder = suite(a=GREEN)
+    assert "has files of others" in validate(folder, tmp_path, status=2)
+    (tmp_path / "out" / "a.png").unlink()
+    validate(folder, tmp_path)

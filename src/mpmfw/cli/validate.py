@@ -67,7 +67,7 @@ def _check_places(output: Path, document: Path | None, force: bool) -> None:
         raise SceneError(f"--output {output}: is a file; give the name of a folder")
     output.mkdir(parents=True, exist_ok=True)
     earlier = (output / "runs").is_dir() and bool(own_files(output / "runs"))
-    if any(output.iterdir()) and not (earlier or force):
+    if any(one.name != "runs" for one in output.iterdir()) and not (earlier or force):
         raise SceneError(f"--output {output}: has files of others; give another folder, or --force")
     if document is not None:
         marked = document.is_file() and BEGIN in document.read_text(encoding="utf-8")

@@ -128,6 +128,8 @@ def labelled(
             yield {"": stack.enter_context(opened_run(found))}
             return
         runs = list(results.values() if isinstance(results, Mapping) else results)
+        if not runs:
+            raise SceneError("no results to draw")
         trees = [stack.enter_context(opened_run(run)) for run in runs]
         labels = list(map(str, results)) if isinstance(results, Mapping) else _labels(runs, trees)
         yield dict(zip(labels, trees, strict=True))
