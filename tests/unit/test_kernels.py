@@ -20,19 +20,20 @@ def close(actual, expected):
     np.testing.assert_allclose(actual, expected, rtol=1e-12, atol=1e-12 * max(1.0, np.abs(expected).max()))
 
 
-@pytest.fixture(params=[2, 3], ids=["2D", "3D"])
+@pytest.fixture(params=[(2, 0), (3, 0), (2, 4), (3, 8)], ids=["2D", "3D", "2D, all of 4", "3D, all of 8"])
 def problem(request):
-    """Random fields and a table with rows of different lengths, one of them empty."""
-    dim = request.param
+    """Random fields and a table with rows of one length, or of different ones of which one is empty."""
+    dim, width = request.param
     rng = np.random.default_rng(dim)
-    lengths = rng.integers(4, 12, N_POINTS)
-    lengths[3] = 0
+    lengths = np.full(N_POINTS, width) if width else rng.integers(4, 12, N_POINTS)
+    lengths[3] = width
     row = np.concatenate([[0], np.cumsum(lengths)])
     table = Stencil(
         row,
         rng.integers(0, N_NODES, row[-1]).astype(np.int32),
         rng.random(row[-1]),
         rng.normal(size=(row[-1], dim)),
+        width,
     )
     tensor = (N_POINTS, dim, dim)
     points = as_points(
@@ -76,7 +77,7 @@ def test_gather(problem, flip, affine):
     velocity, position, field = p.velocity.copy(), p.position.copy(), np.zeros_like(x.affine)
     filled_in = None if affine == "none" else field
     factor = {"moment": 1.0, "known": 4.0}.get(affine, 0.0)
-    particle_grid.gather(p, filled_in, t, g, factor, flip, dt, x.spacing)
+    particle_grid.gather(p, filled_in, p.velocity_gradient, t, g, factor, flip, dt, x.spacing)
     new = twin.collect(t, t.weight[:, None] * g.velocity[t.nodes])
     start = twin.collect(t, t.weight[:, None] * g.start_velocity[t.nodes])
     close(p.velocity, flip * (velocity + new - start) + (1.0 - flip) * new)
@@ -89,6 +90,15 @@ def test_gather(problem, flip, affine):
         close(field[filled], moment[filled] @ np.linalg.inv(spread[filled]))
     else:
         close(field, factor * moment)
+
+
+def test_gather_leaves_out_what_a_second_projection_gives(problem):
+    x, p, g = problem, problem.points, problem.grid
+    rate = p.velocity_gradient.copy()
+    particle_grid.gather(p, None, None, x.table, g, 0.0, 1.0, 0.01, x.spacing)
+    np.testing.assert_array_equal(p.velocity_gradient, rate)
+    particle_grid.gather(p, None, x.affine, x.table, g, 0.0, 1.0, 0.01, x.spacing)
+    close(x.affine, twin.velocity_gradient(x.table, g.velocity))
 
 
 def test_a_singular_spread_takes_the_gradient_and_pic_fraction_blends():

@@ -79,7 +79,7 @@ def test_affine_field_of_products_is_that_of_their_table(name, dim):
     fields, place = np.zeros((2, particles.count, dim, dim)), particles.position.copy()
     for kernels, of, field in ((products, table.factors, fields[0]), (particle_grid, table, fields[1])):
         particles.position[:] = place
-        kernels.gather(particles, field, of, grid, 0.0, 0.0, 0.1, grid.spacing)
+        kernels.gather(particles, field, particles.velocity_gradient, of, grid, 0.0, 0.0, 0.1, grid.spacing)
     np.testing.assert_allclose(*fields, rtol=1e-10, atol=1e-10 / H)
 
 

@@ -42,7 +42,9 @@ def add_hoop_force(
         if own_nodes is not None and is_apart(table.row, table.nodes, p, own_nodes):
             continue
         hoop = points.volume[p] * thickness[p] * stress[p, 2, 2] / points.position[p, 0]
-        for k in own_entries(table.row, table.nodes, p, own_nodes):
+        first, count = own_entries(table, p, own_nodes)
+        for c in range(count):
+            k = first + np.uint64(c)
             grid.force[table.nodes[k], 0] -= table.weight[k] * hoop
 
 

@@ -35,11 +35,13 @@ _Type: Any = types.Type
 
 
 class StructType(_Type):  # type: ignore[misc]
-    """Names and types of the members: structs with the same are of one type, whatever their class."""
+    """Names and types of the members, and constants: structs with the same are of one type, whatever their
+    class."""
 
-    def __init__(self, members: tuple[tuple[str, Any], ...]) -> None:
-        self.members = members
-        super().__init__(f"Struct({', '.join(f'{name}: {kind}' for name, kind in members)})")
+    def __init__(self, members: tuple[tuple[str, Any], ...], constants: dict[str, int]) -> None:
+        self.members, self.constants = members, constants
+        of_members = ", ".join(f"{name}: {kind}" for name, kind in members)
+        super().__init__(f"Struct({of_members}{constants or ''})")
 
 
 #: Types of structs by the names of their members and what numba's type of an array depends on.
@@ -59,6 +61,8 @@ class Struct(ctypes.Structure):
 
     #: Names of the annotated attributes, in their order.
     member_names: ClassVar[tuple[str, ...]] = ()
+    #: Names of integers that compiled code has as constants, and which do not change.
+    constant_names: ClassVar[tuple[str, ...]] = ()
     _numba_type_: StructType
     kernel_arrays: tuple[Any, ...]  #: in the order of ``member_names``
 
@@ -76,7 +80,9 @@ class Struct(ctypes.Structure):
         arrays = [getattr(self, name) for name in self.member_names]
         sizes = [number for array in arrays for number in (array.ctypes.data, *array.shape, *array.strides)]
         numbers = np.array(sizes, dtype=np.int64)
-        kind = _struct_type(self.member_names, arrays)
+        kind = _struct_type(
+            self.member_names, arrays, {each: getattr(self, each) for each in self.constant_names}
+        )
         self.__dict__.update(kernel_arrays=tuple(arrays), _numba_type_=kind, _numbers=numbers)
         self._address = numbers.ctypes.data
         self.__class__ = _class_with(self._written, kind)
@@ -134,11 +140,11 @@ def _class_with(written: type[Struct], kind: StructType) -> type[Any]:
     return _classes[written, kind]
 
 
-def _struct_type(names: tuple[str, ...], arrays: list[Any]) -> StructType:
+def _struct_type(names: tuple[str, ...], arrays: list[Any], constants: dict[str, int]) -> StructType:
     """The type of a struct; numba takes 40 µs a member to work it out, so that it is kept."""
-    key = (names, *[(type(a), a.dtype, a.ndim, a.flags.num) for a in arrays])
+    key = (names, *constants.items(), *[(type(a), a.dtype, a.ndim, a.flags.num) for a in arrays])
     if key not in _struct_types:
-        _struct_types[key] = StructType(tuple(zip(names, map(_typeof, arrays), strict=True)))
+        _struct_types[key] = StructType(tuple(zip(names, map(_typeof, arrays), strict=True)), constants)
     return _struct_types[key]
 
 
@@ -179,12 +185,14 @@ class _Attributes(_Attribute):  # type: ignore[misc]
 
     def generic_resolve(self, kind: StructType, name: str) -> Any:
         """None where there is no such member."""
-        return dict(kind.members).get(name)
+        return types.int64 if name in kind.constants else dict(kind.members).get(name)
 
 
 @_imputils.lower_getattr_generic(StructType)  # type: ignore[untyped-decorator]
 def _member(context: Any, builder: Any, kind: StructType, value: Any, name: str) -> Any:
     """``struct.member``, without an owner whose references would be counted: a kernel must not return it."""
+    if name in kind.constants:
+        return context.get_constant(types.int64, kind.constants[name])
     members = _cgutils.create_struct_proxy(kind)(context, builder, value=value)
     array = _arrayobj.make_array(dict(kind.members)[name])(context, builder, value=getattr(members, name))
     array.meminfo = _cgutils.get_null_value(array.meminfo.type)

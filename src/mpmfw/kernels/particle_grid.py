@@ -5,6 +5,8 @@ Arguments are those of the table in :mod:`mpmfw.kernels`, where shapes and units
 
 from __future__ import annotations
 
+import numpy as np
+
 from mpmfw.kernels import lanes, scratch
 from mpmfw.kernels._jit import device, kernel
 from mpmfw.kernels.arithmetic import (
@@ -74,7 +76,9 @@ def _project(
         _velocity_at_origin(points, position, affine, p, v, columns, spacing)
         if force is not None:
             set_traction(points, thickness, p, traction, spacing)
-        for k in own_entries(table.row, table.nodes, p, own_nodes):
+        first, count = own_entries(table, p, own_nodes)
+        for c in range(count):
+            k = first + np.uint64(c)
             i = node_of(table.nodes, k)
             phi_m = table.weight[k] * m
             set_scaled_row(v_i, 0, 1.0, v, 0, spacing)
@@ -123,7 +127,9 @@ def add_internal_force(
         if own_nodes is not None and is_apart(table.row, table.nodes, p, own_nodes):
             continue
         set_traction(points, thickness, p, traction, spacing)
-        for k in own_entries(table.row, table.nodes, p, own_nodes):
+        first, count = own_entries(table, p, own_nodes)
+        for c in range(count):
+            k = first + np.uint64(c)
             _add_force(k, table, traction, grid.force, spacing)
 
 
@@ -186,15 +192,16 @@ def add_body_force(mass: Floats, acceleration: Floats, force: Floats, spacing: t
 
 @kernel
 def gather(
-    points: Points, affine: Floats | None, table: Table, grid: Nodes, inverse_spread: float, flip: float,
-    dt: float, spacing: tuple[float, ...],
+    points: Points, affine: Floats | None, rate: Floats | None, table: Table, grid: Nodes,
+    inverse_spread: float, flip: float, dt: float, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """Velocity, position, velocity gradient and affine field of every material point.
 
     v_p ← flip (v_p + Σ φ (v_i − v_i⁰)) + (1 − flip) Σ φ v_i,  x_p ← x_p + Δt Σ φ v_i,  L_p = Σ v_i ∇φᵀ. v_i⁰
     is the velocity as projected, so that forces, contact, inertia correction and boundary conditions all
     reach v_p. With q = x_i − x_p at the old position, B_p = Σ φ v_i qᵀ and D_p = Σ φ q qᵀ, the affine field
-    becomes B_p times ``inverse_spread``, or B_p D_p⁻¹ if that is 0; it is left out where ``affine`` is None.
+    becomes B_p times ``inverse_spread``, or B_p D_p⁻¹ if that is 0; it is left out where ``affine`` is None,
+    and L_p where ``rate`` is.
     """
     x, l = scratch.matrix((0.0,), spacing), scratch.matrix(spacing, spacing)
     phi_v, phi_q = scratch.matrix((0.0,), spacing), scratch.matrix((0.0,), spacing)
@@ -210,13 +217,16 @@ def gather(
             new[0, d] = start[0, d] = 0.0
             for e in range(len(spacing)):
                 l[d, e] = moment[d, e] = spread[d, e] = 0.0
-        for k in entries(table.row, p):
+        first, count = own_entries(table, p, None)
+        for c in range(count):
+            k = first + np.uint64(c)
             i = node_of(table.nodes, k)
             phi = table.weight[k]
             set_scaled_row(phi_v, 0, phi, grid.velocity, i, spacing)
             add_scaled_row(new, 0, 1.0, phi_v, 0, spacing)
             add_scaled_row(start, 0, phi, grid.start_velocity, i, spacing)
-            add_outer_product(l, grid.velocity, i, table.gradient, k, spacing)
+            if rate is not None:
+                add_outer_product(l, grid.velocity, i, table.gradient, k, spacing)
             if affine is not None:
                 set_scaled_row(q, 0, 1.0, grid.position, i, spacing)
                 add_scaled_row(q, 0, -1.0, x, 0, spacing)
@@ -231,7 +241,8 @@ def gather(
         add_scaled_row(v, 0, 1.0 - flip, new, 0, spacing)
         set_scaled_row(points.position, p, 1.0, x, 0, spacing)
         set_scaled_row(points.velocity, p, 1.0, v, 0, spacing)
-        copy_matrix(points.velocity_gradient, p, l, 0, spacing)
+        if rate is not None:
+            copy_matrix(rate, p, l, 0, spacing)
         if affine is not None:
             _store_affine(
                 p, len(points.mass), moment, spread, moments, spreads, inverse_spread, affine, spacing
@@ -270,6 +281,8 @@ def gather_velocity_gradient(points: Points, table: Table, grid: Nodes, spacing:
         for d in range(len(spacing)):
             for e in range(len(spacing)):
                 l[d, e] = 0.0
-        for k in entries(table.row, p):
+        first, count = own_entries(table, p, None)
+        for c in range(count):
+            k = first + np.uint64(c)
             add_outer_product(l, grid.velocity, table.nodes[k], table.gradient, k, spacing)
         copy_matrix(points.velocity_gradient, p, l, 0, spacing)

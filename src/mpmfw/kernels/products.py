@@ -234,8 +234,8 @@ def project_with_force(
 
 @kernel
 def gather(
-    points: Points, affine: Floats | None, factors: Table, grid: Nodes, inverse_spread: float, flip: float,
-    dt: float, spacing: tuple[float, ...],
+    points: Points, affine: Floats | None, rate: Floats | None, factors: Table, grid: Nodes,
+    inverse_spread: float, flip: float, dt: float, spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
     """As :func:`mpmfw.kernels.particle_grid.gather`.
 
@@ -245,7 +245,7 @@ def gather(
     slope, moment = scratch.matrix(_ONE, spacing), scratch.matrix(_ONE, spacing)
     along = scratch.matrix(NODES, NODES)
     mean, mean_start = scratch.matrix(_ONE, spacing), scratch.matrix(_ONE, spacing)
-    rate, first_moment = scratch.matrix(_ONE, spacing), scratch.matrix(_ONE, spacing)
+    change, first_moment = scratch.matrix(_ONE, spacing), scratch.matrix(_ONE, spacing)
     new, start = scratch.matrix(_ONE, spacing), scratch.matrix(_ONE, spacing)
     gradient, columns = scratch.matrix(spacing, spacing), scratch.matrix(spacing, spacing)  # L_pᵀ, B_pᵀ
     for p in range(len(points.mass)):
@@ -260,17 +260,17 @@ def gather(
                 if not in_plane and slope[0, last] == 0.0:
                     continue  # the domain does not reach the line; in the plane the branch costs more
                 for d in range(len(spacing)):
-                    mean[0, d] = mean_start[0, d] = rate[0, d] = first_moment[0, d] = 0.0
+                    mean[0, d] = mean_start[0, d] = change[0, d] = first_moment[0, d] = 0.0
                 for c in range(WIDTH):
                     k = i + np.uint64(c)
                     add_scaled_row(mean, 0, along[VALUE, c], grid.velocity, k, spacing)
                     add_scaled_row(mean_start, 0, along[VALUE, c], grid.start_velocity, k, spacing)
-                    add_scaled_row(rate, 0, along[SLOPE, c], grid.velocity, k, spacing)
+                    add_scaled_row(change, 0, along[SLOPE, c], grid.velocity, k, spacing)
                     if affine is not None:
                         add_scaled_row(first_moment, 0, along[MOMENT, c], grid.velocity, k, spacing)
                 add_scaled_row(new, 0, slope[0, last], mean, 0, spacing)
                 add_scaled_row(start, 0, slope[0, last], mean_start, 0, spacing)
-                add_scaled_row(gradient, last, slope[0, last], rate, 0, spacing)
+                add_scaled_row(gradient, last, slope[0, last], change, 0, spacing)
                 for d in range(last):
                     add_scaled_row(gradient, d, slope[0, d], mean, 0, spacing)
                     if affine is not None:
@@ -281,8 +281,9 @@ def gather(
         for d in range(len(spacing)):
             kept = points.velocity[p, d] + new[0, d] - start[0, d]
             points.velocity[p, d] = flip * kept + (1.0 - flip) * new[0, d]
-            for e in range(len(spacing)):
-                points.velocity_gradient[p, d, e] = gradient[e, d]
+            if rate is not None:
+                for e in range(len(spacing)):
+                    rate[p, d, e] = gradient[e, d]
         if affine is not None:
             for e in range(len(spacing)):
                 inverse = inverse_spread

@@ -253,12 +253,14 @@ class OutputSeries(NamedPlugIn):
 def empty_stencil(points: int, entries: int, dim: int, *, gradient: bool = True) -> Stencil:
     """Return an interpolation table of zeros for a number of ``points`` that touch ``entries`` nodes each.
 
-    Surface nodes need no ``gradient``, (n entries, dim) [1/m], and get an array of length 0."""
+    Surface nodes need no ``gradient``, (n entries, dim) [1/m], and get an array of length 0. Rows of others
+    must stay of that length."""
     return Stencil(
         row=np.arange(points + 1, dtype=np.int64) * entries,
         nodes=np.zeros(points * entries, dtype=np.int32),
         weight=np.zeros(points * entries),
         gradient=np.zeros((points * entries if gradient else 0, dim)),
+        width=entries if gradient else 0,
     )
 
 

@@ -26,25 +26,33 @@ class Stencil(Struct):
     ``row[p]:row[p + 1]``."""
 
     member_names = ("row", "nodes", "weight", "gradient")
+    constant_names = ("width",)
 
     row: IntArray  #: (n_points + 1,)
     nodes: IndexArray  #: (n_entries,) flat node index, the velocity field's offset included
     weight: FloatArray  #: (n_entries,) φ_ip
     gradient: FloatArray  #: (n_entries, dim) ∇φ_ip [1/m]; (0, dim) for surface nodes
+    width: int = 0  #: number of entries of every point, over which loops are unrolled; 0 if it differs
     factors: ClassVar[Factors | None] = None  #: of products, from which the step takes sums
 
-    def __init__(self, row: IntArray, nodes: IndexArray, weight: FloatArray, gradient: FloatArray) -> None:
-        super().__init__(row=row, nodes=nodes, weight=weight, gradient=gradient)
+    def __init__(
+        self, row: IntArray, nodes: IndexArray, weight: FloatArray, gradient: FloatArray, width: int = 0
+    ) -> None:
+        super().__init__(row=row, nodes=nodes, weight=weight, gradient=gradient, width=width)
         self.room = len(nodes)  #: number of entries that the arrays were made for
 
     def replace(self, **arrays: AnyArray) -> Stencil:
         """Return a table with other ``arrays``, by name."""
-        return Stencil(**{**{name: getattr(self, name) for name in self.member_names}, **arrays})
+        own: dict[str, Any] = {name: getattr(self, name) for name in self.member_names}
+        return Stencil(**{**own, "width": 0 if "row" in arrays else self.width, **arrays})
 
     def part(self, begin: int, end: int) -> Stencil:
-        """Return the table of the points ``begin:end``, with the same entries."""
-        row, *entries = self.kernel_arrays
-        return Stencil(row[begin : end + 1], *entries)
+        """Return the table of the points ``begin:end``, as views."""
+        row, nodes, weight, gradient = self.kernel_arrays
+        if self.width == 0:
+            return Stencil(row[begin : end + 1], nodes, weight, gradient)
+        own, row = slice(begin * self.width, end * self.width), row[: end - begin + 1]
+        return Stencil(row, nodes[own], weight[own], gradient[own], self.width)
 
 
 class Factors(Struct):

@@ -65,8 +65,8 @@ def musl(state: State, hook: Any, transfer: Transfer, clock: Clock, length: Leng
     add_forces(state, hook, phi, dt)  # 3, 4
 
     clock("gather")
-    old_position = p.position.copy()
-    gather(p, phi, g, transfer, dt)  # 5
+    old_position = p.position if p.affine is None else p.position.copy()
+    gather(p, phi, g, transfer, dt, strain=False)  # 5
     hook.advect(grid=g, dt=dt)
     hook.update_particle_domains(particles=p, grid=g, dt=dt)
 
@@ -251,14 +251,17 @@ def add_forces(state: State, hook: Any, phi: Stencil, dt: float) -> None:
     velocity_of_momentum(g.mass, g.momentum, g.velocity, g.spacing)
 
 
-def gather(p: Particles, phi: Stencil, g: Grid, transfer: Transfer, dt: float) -> None:
-    """v_p, x_p, L_p and the affine field, which is not transported yet."""
+def gather(
+    p: Particles, phi: Stencil, g: Grid, transfer: Transfer, dt: float, *, strain: bool = True
+) -> None:
+    """v_p, x_p, L_p of the ``strain`` and the affine field, which is not transported yet."""
     kind = transfer.affine
     affine = p.moment if kind == "moment" else p.affine if kind == "least_squares" else None
     factor = 1.0 if kind == "moment" else transfer.inverse_spread
+    rate = p.velocity_gradient if strain else p.affine if kind == "gradient" else None
     kernels, table = _kernels_of(phi)
-    _over_points(p, kernels.gather, affine, table, g, factor, transfer.flip, dt, g.spacing)
-    if kind == "gradient" and p.affine is not None:
+    _over_points(p, kernels.gather, affine, rate, table, g, factor, transfer.flip, dt, g.spacing)
+    if strain and kind == "gradient" and p.affine is not None:
         p.affine[...] = p.velocity_gradient
 
 
