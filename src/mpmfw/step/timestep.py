@@ -128,8 +128,10 @@ class TimeStep:
     def _choose(self, limits: list[tuple[float, str]]) -> tuple[float, str]:
         """Return the step [s], and the reason if it is past a stability limit."""
         step: float = self._safety * min(limits)[0] if self._fixed is None else self._fixed
+        if not self._checked:
+            return step, ""
         limit, owner = min(self._stable(*limit) for limit in limits)
-        if not self._checked or step <= limit * (1.0 + 1e-12):
+        if step <= limit * (1.0 + 1e-12):
             return step, ""
         return step, f"a step of {step:.4g} s is past the stability limit {limit:.4g} s of {owner}"
 
