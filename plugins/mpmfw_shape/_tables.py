@@ -82,7 +82,8 @@ class AtPoints(LinearSurface):
 
     @hookimpl
     def setup(self, setup: Setup) -> None:
-        self.table = empty_stencil(setup.state.particles.count, self.entries(setup.dim), setup.dim)
+        points, dim = setup.state.particles.count, setup.dim
+        self.table = empty_stencil(points, self.entries(dim), dim, uniform=True)
 
     @hookimpl
     def particle_reach(self, particles: Particles) -> FloatArray:
@@ -101,7 +102,7 @@ class FromProducts(AtPoints):
     def setup(self, setup: Setup) -> None:
         points, dim = setup.state.particles.count, setup.dim
         if setup.state.grid.axisymmetric:  # the table is read in every step
-            self.table = empty_stencil(points, WIDTH**dim, dim)
+            self.table = empty_stencil(points, WIDTH**dim, dim, uniform=True)
         else:
             self.table = Products(points, dim)
 

@@ -286,9 +286,7 @@ def gather(
                     rate[p, d, e] = gradient[e, d]
         if affine is not None:
             for e in range(len(spacing)):
-                inverse = inverse_spread
-                if inverse_spread == 0.0:
-                    moments = factors.along[p, e, MOMENT]
-                    inverse = 1.0 / (spacing[e] * (moments[1] + 2.0 * moments[2]))
+                moments = factors.along[p, e, MOMENT]
+                inverse = inverse_spread or 1.0 / (spacing[e] * (moments[1] + 2.0 * moments[2]))
                 for d in range(len(spacing)):
                     affine[p, d, e] = inverse * columns[e, d]
