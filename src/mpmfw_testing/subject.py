@@ -68,9 +68,8 @@ def subject_of(plugin: Any, kind: Kind, options: Mapping[str, Any] | None = None
     Parameters
     ----------
     plugin
-        A plug-in class, of a detection or a law as well; an object, of whose options fresh ones are made; the
-        name of an installed plug-in; or ``module:Class``; names may be followed by options, as in
-        ``penalty(kappa=2)``.
+        A plug-in class, also of a detection or a law; an object, whose options are taken for new ones; the
+        name of an installed plug-in; or ``module:Class``. Options may follow a name: ``penalty(kappa=2)``.
     kind
         One of those that there are checks for.
     options
@@ -79,8 +78,8 @@ def subject_of(plugin: Any, kind: Kind, options: Mapping[str, Any] | None = None
     Raises
     ------
     SceneError
-        There is no such plug-in, it is of another kind, it refuses the options, or cannot be made from them
-        alone, or it has no name, or hooks that would never be called.
+        There is no such plug-in. It is of another kind, refuses the options, cannot be made from them alone,
+        has no name, or has hooks that would never be called.
     """
     given = dict(options or {})
     if isinstance(plugin, str):
@@ -89,7 +88,7 @@ def subject_of(plugin: Any, kind: Kind, options: Mapping[str, Any] | None = None
             raise SceneError(
                 f"{plugin}: the option '{twice[0]}' is given beside it as well; leave one of them out"
             )
-        # bundled measures are registered, not announced
+        # bundled measures have no entry point
         plugin = type(measure_of(text.name)) if kind == "measure" else load(kind, text.name)
         given = {**text.options, **given}
     elif isinstance(plugin, tuple(ALL_BASES.values())):
@@ -159,7 +158,7 @@ def _joined(part: type[Any], kind: Kind, options: Mapping[str, Any]) -> type[Any
 
 
 def _try_to_make(plugin: type[Any], options: Mapping[str, Any]) -> None:
-    """Make one object; a stranger's constructor may raise anything."""
+    """Make one object; constructors of plug-ins may raise any exception."""
     try:
         plugin(**options)
     except SceneError:

@@ -116,7 +116,7 @@ class Store:
             self._path(key, ending).unlink(missing_ok=True)
 
     def prune(self, takes: Callable[[Mapping[str, str]], bool]) -> tuple[int, int, int]:
-        """Remove outcomes that ``takes`` rejects by their code, and files that killed processes left.
+        """Remove runs whose code ``takes`` rejects, and files that killed processes left.
 
         Return the numbers of removed and kept runs, and the bytes freed. A SceneError refuses folders without
         finished runs.

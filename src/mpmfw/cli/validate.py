@@ -32,8 +32,8 @@ def validate(
 ) -> None:
     """Run validation cases by pytest: closed forms and references for contact algorithms.
 
-    The exit status is 0 if all gates hold, except known red ones, else 1. Cases with results of the present
-    code in the output folder are not run again.
+    The exit status is 0 if all gates hold, except known red ones, else 1. Cases whose results in the output
+    folder are of the present code are not run again.
     """
     try:
         import xdist  # noqa: F401
@@ -59,7 +59,7 @@ def validate(
 
 
 def _check_places(output: Path, document: Path | None, force: bool) -> None:
-    """Refuse to write to a folder of others, and over a page without the marks."""
+    """Refuse a folder with other files, and a page without the marks."""
     from mpmfw.campaigns.store import own_files
     from mpmfw.validation.page import BEGIN
 
@@ -68,7 +68,7 @@ def _check_places(output: Path, document: Path | None, force: bool) -> None:
     output.mkdir(parents=True, exist_ok=True)
     earlier = (output / "runs").is_dir() and bool(own_files(output / "runs"))
     if any(one.name != "runs" for one in output.iterdir()) and not (earlier or force):
-        raise SceneError(f"--output {output}: has files of others; give another folder, or --force")
+        raise SceneError(f"--output {output}: contains other files; give another folder, or --force")
     if document is not None:
         marked = document.is_file() and BEGIN in document.read_text(encoding="utf-8")
         args.new_path(document, force or marked)

@@ -21,7 +21,7 @@ from mpmfw.plugin.setup import Setup
 from mpmfw.state.fields import AnyArray, Field, FloatArray
 from mpmfw.state.structs import Grid, Pair, Particles, State, Stencil
 
-#: Hooks that are those of all contacts, one after the other, and no more.
+#: Hooks that only call those of all contacts in turn.
 PASSED_ON = (
     "detect", "after_momentum_projection", "add_nodal_force", "after_second_projection", "advect",
 )  # fmt: skip

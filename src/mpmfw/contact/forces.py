@@ -58,7 +58,7 @@ class ForceLaw(ContactLaw):
     def setup(self, setup: Setup) -> None:
         super().setup(setup)
         self.bulk_frequency = setup.bulk_frequency
-        #: Of the rows of this step [1/s²]; before any was detected that of equal bodies.
+        #: ω² of this step's rows [1/s²]; before the first detection that of equal bodies.
         self.omega_squared = self.estimate_frequency(self.bulk_frequency)
         self.law_step = math.inf  #: that the law allows beside it [s]
 

@@ -231,7 +231,7 @@ class ContactLaw(ContactStrategy):
             if len(rows.friction):
                 self.friction_law.slip_limit(rows, self.pair_friction, self.state.dt)
                 limits = np.append(rows.friction[: rows.count], rows.cohesion[: rows.count])
-                if not limits.min() >= 0.0:  # nor NaN, with which places would stick
+                if not limits.min() >= 0.0:  # NaN fails this too, and bodies would stick
                     text = f"friction law '{self.friction_law.name}' gave friction that is NaN or below 0"
                     raise PluginError(text, step=self.state.steps, time=self.state.time)
 

@@ -197,7 +197,7 @@ class Nodes(AtNodes):
     name = "nodes"
     Options = NodesOptions
     options: NodesOptions
-    #: Bias of the normals; None where they are of one body alone, or given.
+    #: Bias of the normals; None if every normal belongs to one body, or is given.
     bias: Any = None
 
     def __init__(self, **options: Any) -> None:

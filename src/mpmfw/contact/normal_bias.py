@@ -1,4 +1,4 @@
-"""Bias of both bodies' normals to one side, which holds sliding back at shared nodes."""
+"""Bias of normals at shared nodes to one side, which slows sliding down."""
 
 from __future__ import annotations
 
@@ -32,15 +32,15 @@ def add_bias(
     rows: Rows, count: int, scale: float, gradient: Floats, pairs: NodePairs, sums: BiasSums,
     spacing: tuple[float, ...],
 ) -> None:  # fmt: skip
-    """Add J_n of every shared node, and J_n (n_a + n_b) / 2 along the pair's tangential force of the step,
-    which turns with the sliding. n_a and n_b are the two bodies' outward normals: their sum is 0 where faces
-    meet. Tangential is across Σ (g_b − g_a). The impulse on body a is ``scale`` times the row's force.
-    """
+    """Add J_n of every shared node, and J_n (n_a + n_b) / 2 along the pair's tangential force of the step.
+
+    n_a and n_b are the bodies' outward normals: their sum is 0 where faces meet. The tangential force is
+    perpendicular to Σ (g_b − g_a). The impulse on body a is ``scale`` times the row's force."""
     dim, c = len(spacing), 0
     face, force, lean = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
     while c < count:
         p = rows.pair[c]
-        both = pairs.weight_first[p] == pairs.weight_second[p]  # else the normal is that of one body alone
+        both = pairs.weight_first[p] == pairs.weight_second[p]  # else one body gives the normal
         face[:], force[:], lean[:] = 0.0, 0.0, 0.0
         while c < count and rows.pair[c] == p:
             i, j, normal_impulse, square_a, square_b = rows.dof[2 * c], rows.dof[2 * c + 1], 0.0, 0.0, 0.0
@@ -71,16 +71,16 @@ def add_bias(
 #: Declarations of the members of :class:`BiasSums`.
 _DECLARED = {
     "total": Field("normal_impulse", ("pair",), "N s m-1", "sum of the normal impulses' sizes", "contact"),
-    "lean": Field("lean", ("pair",), "N s m-1", "their lean along the tangential force", "contact"),
+    "lean": Field("lean", ("pair",), "N s m-1", "bias of the normals along the tangential force", "contact"),
 }
 
 
 class NormalBias:
     """Bias of the normals of a contact, called ``owner``, over a run.
 
-    At the edge of a contact the bodies' own normals disagree: the front corner of a sliding block points
-    ahead. The block's normal or a mean leans ahead there, sliding in counts as approach, and impulses brake
-    the body and throw it up. Normals that lean ahead and behind alike cancel.
+    At the edge of a contact the bodies' own normals disagree: at the front corner of a sliding block its
+    normal, and any mean with it, leans ahead. Sliding then counts as approach, and impulses brake the body and
+    throw it up. Normals that lean ahead and behind by the same amount cancel.
     """
 
     def __init__(self, setup: Setup, owner: str) -> None:
@@ -88,7 +88,7 @@ class NormalBias:
         self.sums = BiasSums(**{name: setup.allocate(owner, field) for name, field in _DECLARED.items()})
 
     def add_pairs(self, state: State) -> None:
-        """Begin with zero for bodies that have come near."""
+        """Add zeros for new pairs of bodies."""
         for name, field in _DECLARED.items():
             self.sums.set(**{name: state.lengthen(f"{self.owner}/{field.name}", len(state.pairs))})
 
@@ -96,7 +96,7 @@ class NormalBias:
         self, rows: Rows, count: int, scale: float, gradient: FloatArray, pairs: NodePairs,
         spacing: tuple[float, ...],
     ) -> None:  # fmt: skip
-        """Add what ``scale`` times the forces of ``count`` rows does, with the nodes' volume gradients."""
+        """Add the sums of ``count`` rows, with impulses of ``scale`` times their forces."""
         add_bias(rows, count, scale, gradient, pairs, self.sums, spacing)
 
     def restart(self) -> None:
@@ -104,7 +104,7 @@ class NormalBias:
             array.fill(0.0)
 
     def sideways(self) -> FloatArray:
-        """Return the bias along the tangential force over the normal impulses (pair,): a friction."""
+        """Return the bias (pair,) as a coefficient of friction: its sum over that of the normal impulses."""
         return np.asarray(np.abs(self.sums.lean) / np.where(self.sums.total > 0.0, self.sums.total, 1.0))
 
     def remarks(self, pairs: Sequence[Pair], advice: str) -> list[str]:

@@ -93,10 +93,10 @@ def longest_settling(asked: Settle, bodies: Iterable[Body]) -> float:
 
 
 class Settling:
-    """Steps a scene to rest under its loads, while sides that move stand still; time zero comes after it.
+    """Dynamic relaxation of a scene under its loads before time zero; moving sides stand still.
 
-    It is the damping, a plug-in until :meth:`finish` returns. Plug-ins of ``setup`` with a method
-    ``while_settling`` get the scene's table now, and None at the end."""
+    The object is a plug-in that damps until :meth:`finish` returns. It calls ``while_settling`` of other
+    plug-ins with the table ``[settle]`` at the start, and with None at the end."""
 
     name = "settling"
     history = ("ratios", "residual", "elapsed", "impulse", "_integrated")
@@ -105,12 +105,12 @@ class Settling:
         asked = setup.scene.settle
         assert asked is not None
         self.limit, self.tolerance = longest_settling(asked, setup.bodies), asked.tolerance
-        self.transfer = replace(setup.exchange, flip=min(setup.flip, FLIP_SHARE))  #: meanwhile
+        self.transfer = replace(setup.exchange, flip=min(setup.flip, FLIP_SHARE))  #: while settling
         self.others = [plugin for plugin in setup.plugins if hasattr(plugin, "while_settling")]
         for plugin in self.others:
             plugin.while_settling(asked)
         self.residual, self.elapsed = 1.0, 0.0
-        self.ratios = np.ones(STEPS_OF_MEAN)  #: of residual to internal forces, of the last steps
+        self.ratios = np.ones(STEPS_OF_MEAN)  #: residual over internal forces in the last steps
         self.impulse = 0.0  #: Σ |Δ(m v)_i| of the last step [N s/m]
         self.internal = 0.0  #: Σ |f_i| of the internal forces of the last step [N/m]
         self._integrated = False
@@ -127,7 +127,7 @@ class Settling:
 
     @hookimpl(trylast=True)
     def constrain_momentum(self, grid: Grid) -> None:
-        """Damp after the boundary conditions, so that reactions balance; once a step."""
+        """Damp once a step, after the boundary conditions, so that reactions balance."""
         if self._integrated:
             self._integrated = False
             self.impulse = damp_locally(DAMPING, grid, grid.spacing)

@@ -109,7 +109,7 @@ def _faces(lower: float, upper: float, size: float, offset: float, dim: int) -> 
     return np.concatenate([[lower], inner, [upper]])
 
 
-#: Cells from a piece to that which it joins: a joint piece of fewer holds the mass of its surface nodes.
+#: Largest distance in cells of joined pieces: farther surface nodes would lie on cells without mass.
 FARTHEST = 2
 
 #: Of equal faces that across x wins, then y, on every side alike: round-off cannot break a mirror symmetry
@@ -128,9 +128,9 @@ def merge_small_pieces(
 
     The pieces lie at lattice ``index`` (n, dim), with ``volume`` (n,) and ``centroid`` (n, dim); those
     numbered ``small`` (k,) are below ``least_volume``. ``shared`` (k, 2 dim) are the lengths or areas that
-    these share with the neighbours below and above along x, then y, then z. Returns volumes and centroids of
-    the joint pieces; a small piece stays as it is without a neighbour, or if the joint piece begins more than
-    two cells away, or a thin fin would leave its surface."""
+    these share with the neighbours below and above along x, then y, then z. Return volumes and centroids of
+    the joint pieces. A small piece stays if it has no neighbour, or if the joint piece would begin more than
+    two cells away: else the end of a thin fin would have no point."""
     dim = index.shape[1]
     preferred = shared * (1.0 - TIE_BREAK * np.repeat(np.arange(dim), 2))
     order = np.argsort(-preferred, axis=1, kind="stable")
@@ -167,7 +167,7 @@ def _neighbours(index: npt.NDArray[np.intp], small: npt.NDArray[np.intp]) -> npt
 def _most_shared(
     piece: int, beside: npt.NDArray[np.intp], owner: npt.NDArray[np.intp], index: npt.NDArray[np.intp]
 ) -> int:
-    """The near (joint) piece among the neighbours ``beside`` that shares most with ``piece``, or itself."""
+    """Return the near joint piece of the neighbours ``beside`` that shares most with ``piece``, or itself."""
     for other in beside.tolist():
         root = _root(owner, other) if other >= 0 else piece
         if root != piece and abs(index[root] - index[piece]).max() <= FARTHEST:

@@ -6,7 +6,7 @@ row of numbers, which compiled code reads at once: 0.1 µs, whatever their numbe
 
 numba's dispatch looks up the type of an argument by its class alone, in C, if it is a buffer; of another
 object it fails first, which takes longer than all else. A struct is therefore a structure of ctypes, and its
-class has one numba type. The structure holds the address of the row: to ask for an attribute takes 0.6 µs.
+class has one numba type. The structure holds the address of the row, since to read an attribute takes 0.6 µs.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class Struct(ctypes.Structure):
     """
 
     _fields_: ClassVar[list[Any]] = [("_address", ctypes.c_int64)]
-    _address: int  #: of the row of numbers; 0 until what is asked for ``kernel_arrays`` makes them
+    _address: int  #: of the row of numbers; 0 until ``kernel_arrays`` is first read
 
     #: Names of the annotated attributes, in their order.
     member_names: ClassVar[tuple[str, ...]] = ()
@@ -203,7 +203,7 @@ def _member(context: Any, builder: Any, kind: StructType, value: Any, name: str)
 def _unbox(kind: StructType, value: Any, c: Any) -> Any:
     """The arrays of a Python object, from the row of numbers that it keeps."""
     builder, word = c.builder, ir.IntType(64)
-    head = builder.gep(value, [word(object.__basicsize__)])  # behind it ctypes has the structure's address
+    head = builder.gep(value, [word(object.__basicsize__)])  # here ctypes keeps the structure's address
     field = builder.load(builder.bitcast(head, word.as_pointer().as_pointer().as_pointer()))
     with builder.if_then(_cgutils.is_null(builder, builder.load(field)), likely=False):
         c.pyapi.decref(c.pyapi.object_getattr_string(value, "kernel_arrays"))

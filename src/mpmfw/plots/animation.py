@@ -71,7 +71,7 @@ def animate(
     Raises
     ------
     SceneError
-        There is no such field, body or ending, or no ffmpeg.
+        There is no such field or body, the file's ending is unknown, or ffmpeg is missing.
     MpmfwError
         A file cannot be read or written.
     """

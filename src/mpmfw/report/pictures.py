@@ -172,9 +172,9 @@ def _scale(
 def _axes(
     shown: Mapping[str, Bodies], frames: Mapping[str, Sequence[int]]
 ) -> tuple[FloatArray, dict[str, dict[str, Any]]]:
-    """Return where axes begin to count (3,) [m], and the axes of all scenes and outputs.
+    """Return the origin of the drawn coordinates (3,) [m], and the axes of all scenes and outputs.
 
-    Browsers draw in single precision, which far from the origin would move points."""
+    Browsers draw in single precision, which would shift points far from the scene's origin."""
     boxes = np.array([runs.box(frames[label]) for label, runs in shown.items()])
     lower, upper = boxes.min(axis=(0, 1)), boxes.max(axis=(0, 1))
     size = float(np.ptp([lower, upper], axis=0).max())
@@ -189,7 +189,7 @@ def _axes(
 
 
 def _trace(runs: Bodies, body: str, field: str, frame: int, start: FloatArray) -> dict[str, Any]:
-    """Return a body at one output, from ``start`` [m]: a surface, else dots."""
+    """Return the trace of a body at one output, relative to ``start`` [m]: a surface, else dots."""
     places, facets = (runs.places(body, frame) - start).astype(np.float32), runs.facets(body)
     trace = dict(zip("xyz", places.T, strict=True), name=html.escape(body))
     colours: dict[str, Any] = {"color": "lightgrey"}

@@ -129,8 +129,7 @@ def check_bodies(scene: Scene, layouts: tuple[Layout, ...], bodies: tuple[Body, 
 
 
 def _check_overlap(bodies: tuple[Body, ...]) -> None:
-    """Refuse bodies whose surfaces overlap by more than rounding, 1e-6 of the smaller one; of two whose
-    motions are prescribed neither acts on the other.
+    """Refuse bodies that overlap by more than 1e-6 of the smaller one; two prescribed bodies may overlap.
 
     In space the overlap is the depth of nodes inside the other body."""
     if len(bodies) < 2 or any(not body.outlines for body in bodies):

@@ -25,7 +25,7 @@ from mpmfw.kernels.facets import at_rim, dot, length_of, project
 from mpmfw.kernels.types import Float, Floats
 from mpmfw.state.structs import Surface
 
-#: Allowance for rounding of distances: no equally close facet is lost, and none is nearer by rounding alone.
+#: Ratio of distances up to which facets count as equally close, whatever rounding makes of them.
 ROUNDING = 1.0 + 1e-12
 
 #: As many slots as a node has at most, unless every facet counts.
