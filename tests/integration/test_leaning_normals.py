@@ -102,15 +102,16 @@ def test_a_table_that_is_shaken_hides_no_lean(options):
     def lean():
         sim = Simulation(mapping)
         sim.run()
-        return sim.contact.detection.bias.sideways()[0], sim.concerns()
+        return sim.contact.detection.bias, sim.concerns()
 
-    found, concerns = lean()
+    bias, concerns = lean()
+    found = bias.sideways()[0]
     assert found > LARGEST
     assert concerns[0].startswith(f"table-block: normals lean to one side by {found:.2g} ")
     if options:  # a table that is stiffer gives its normal everywhere
         mapping["materials"]["table"] = dict(mapping["materials"]["ground"])
         mapping["materials"]["table"]["bulk_modulus"] *= 1.01
         mapping["bodies"]["table"]["material"] = "table"
-        found, concerns = lean()
-        assert found == 0.0
+        bias, concerns = lean()
+        assert bias is None
         assert not any("lean" in text for text in concerns)

@@ -79,8 +79,8 @@ class NormalBias:
     """Bias of the normals of a contact, called ``owner``, over a run.
 
     At the edge of a contact the bodies' own normals disagree: at the front corner of a sliding block its
-    normal, and any mean with it, leans ahead. Sliding then counts as approach, and impulses brake the body and
-    throw it up. Normals that lean ahead and behind by the same amount cancel.
+    normal, and any mean with it, leans ahead. Sliding then counts as approach, and impulses slow the body
+    down and throw it up. Normals that lean ahead and behind by the same amount cancel.
     """
 
     def __init__(self, setup: Setup, owner: str) -> None:
