@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from mpmfw.plots import scene
 from mpmfw.report import COLUMNS, shown, table, write_report
 from mpmfw.report.page import differences
 
@@ -106,6 +107,9 @@ def test_gaps_within_round_off_are_zero():
     for value in (gap, -gap, 0.0):
         assert shown(value, COLUMNS["gap"]) == shown(value, COLUMNS["penetration"]) == "0"
     assert shown(-1.1e-5, COLUMNS["gap"]) == "-1e-05"
+    drawn = scene.gap_history(dataset.sel(pair=["floor-block"]))
+    lines = [line.get_ydata() for axes in drawn.axes for line in axes.lines if len(line.get_xdata()) == 3]
+    assert min(np.min(line) for line in lines) == 0.0
     dataset["min_gap"][{"contact": 1}] = -1.1e-6
     found = {one.quantity: one for one in differences(dataset)}
     assert found["floor-block: largest penetration"].spread == pytest.approx(1.1e-5)

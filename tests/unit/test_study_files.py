@@ -95,6 +95,7 @@ def test_shipped_studies_are_valid_and_their_scenes_have_the_error_that_they_ask
     [
         ({"contact.friction": 0.9}, "the friction holds the block"),
         ({"bodies.block.velocity": [1.0, 0.0]}, "'block' moves at the start"),
+        ({"bodies.plane.geometry.angle": 0.1}, "expected one rectangle or box along the axes"),
         ({"loads.pull": {"model": "body_force", "bodies": ["block"], "force": [1, 0]}}, "'block' has loads"),
         ({"gravity": {"vector": [-1.0, -9.0]}}, r"expected gravity towards \+x and -y"),
         ({"gravity": {"table": [[0.0, 5.0, -8.0], [1.0, 5.0, -9.0]]}}, "expected constant gravity"),
