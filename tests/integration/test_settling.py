@@ -6,6 +6,7 @@ import pytest
 import mpmfw
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import DENSITY, disc, scene_of, solid, two_blocks
+from test_restart import stop_and_go_on
 
 HEIGHT, G = 0.5, 10.0
 
@@ -43,6 +44,12 @@ def test_gravity_of_settling_alone_acts_while_settling_alone():
     sim = Simulation(scene)
     sim.start()
     assert (sim.registry.plugins["gravity"].at(0.0) == 0.0).all()
+
+
+def test_a_run_that_goes_on_settles_by_its_tolerance_in_the_same_step(tmp_path):
+    """The residual is a mean over the last steps."""
+    scene = column(gravity={"vector": [0.0, -G]}, settle={"tolerance": 0.2})
+    stop_and_go_on(lambda: Simulation(scene), tmp_path / "saved", 30)
 
 
 def test_a_moving_side_rests_while_the_scene_settles():
