@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from test_restart import stop_and_go_on
 
 import mpmfw
 from mpmfw.runs.simulation import Simulation
 from scenes_for_tests import DENSITY, disc, scene_of, solid, two_blocks
-from test_restart import stop_and_go_on
 
 HEIGHT, G = 0.5, 10.0
 

@@ -113,12 +113,18 @@ def test_a_lattice_keeps_the_volume(name, size, offset):
 
 
 @pytest.mark.parametrize("size", [0.25, 0.5])
-def test_points_of_a_thin_fin_stay_near_its_end(size):
-    """Small pieces must not join the body one after the other: no point would carry the fin's end."""
-    fin = [[0, 0], [2, 0], [2, 0.04], [0.5, 0.04], [0.5, 2], [0, 2]]
+@pytest.mark.parametrize("thickness", [0.001, 0.01, 0.04])
+def test_points_of_a_thin_fin_stay_near_its_end(size, thickness):
+    """Small pieces must not join the body one after the other, nor the fin's last: no point would carry the
+    fin's end."""
+    fin = [[0, 0], [5, 0], [5, thickness], [0.5, thickness], [0.5, 2], [0, 2]]
     layout = discretise(Polygon(points=fin), Particles(size=size), None)
-    assert layout.volume.sum() == pytest.approx(0.5 * 2 + 1.5 * 0.04)
-    assert layout.position[:, 0].max() > 2.0 - (FARTHEST + 1) * size
+    assert layout.volume.sum() == pytest.approx(0.5 * 2 + 4.5 * thickness)
+    assert layout.position[:, 0].max() > 5.0 - (FARTHEST + 1) * size
+    for mirrored in ([-1, 1], [1, -1]):
+        points = (np.array(fin) * mirrored)[::-1].tolist()
+        position = discretise(Polygon(points=points), Particles(size=size), None).position * mirrored
+        np.testing.assert_allclose(np.sort(position, axis=0), np.sort(layout.position, axis=0), atol=1e-12)
 
 
 @pytest.mark.parametrize("name", [name for name in PLANE if name not in ("union", "difference")])

@@ -112,7 +112,7 @@ def _faces(lower: float, upper: float, size: float, offset: float, dim: int) -> 
 #: Largest distance in cells of joined pieces: farther surface nodes would lie on cells without mass.
 FARTHEST = 2
 
-#: Of equal faces that across x wins, then y, on every side alike: round-off cannot break a mirror symmetry
+#: Of equal faces that across x wins, then y, and inwards: round-off cannot break a mirror symmetry
 TIE_BREAK = 1e-9
 
 
@@ -129,20 +129,25 @@ def merge_small_pieces(
     The pieces lie at lattice ``index`` (n, dim), with ``volume`` (n,) and ``centroid`` (n, dim); those
     numbered ``small`` (k,) are below ``least_volume``. ``shared`` (k, 2 dim) are the lengths or areas that
     these share with the neighbours below and above along x, then y, then z. Return volumes and centroids of
-    the joint pieces. A small piece stays if it has no neighbour, or if the joint piece would begin more than
-    two cells away: else the end of a thin fin would have no point."""
+    the joint pieces. A small piece stays if it has no neighbour, or if one of its pieces would join another
+    more than two cells away: else the end of a thin fin would have no point."""
     dim = index.shape[1]
-    preferred = shared * (1.0 - TIE_BREAK * np.repeat(np.arange(dim), 2))
+    beyond = np.round(index[small] - volume @ index / volume.sum(), 6)  # the centre of mass
+    outward = np.stack([beyond < 0, beyond > 0], axis=2).reshape(len(small), 2 * dim)
+    preferred = shared * (1.0 - TIE_BREAK * (np.repeat(np.arange(dim), 2) + 0.5 * outward))
     order = np.argsort(-preferred, axis=1, kind="stable")
     beside = np.take_along_axis(np.where(shared > 0.0, _neighbours(index, small), -1), order, axis=1)
-    owner = np.arange(len(volume))
-    joint = volume.copy()
-    for k in np.argsort(volume[small], kind="stable"):
+    owner, joint = np.arange(len(volume)), volume.copy()
+    ends = np.stack([index, index])  # lower and upper, of every joint piece
+    # Equal ones from the middle outwards: a body and its mirror image have the same points
+    for k in np.lexsort((abs(beyond).sum(axis=1), np.round(volume[small] / least_volume, 9))):
         piece = int(small[k])
         # Pieces that joined this one may have made it large enough
         if joint[piece] < least_volume:
-            owner[piece] = _most_shared(piece, beside[k], owner, index)
-            joint[owner[piece]] += joint[piece]
+            root = owner[piece] = _most_shared(piece, beside[k], owner, index, ends[:, piece])
+            joint[root] += joint[piece]
+            ends[0, root] = np.minimum(*ends[0, [root, piece]])
+            ends[1, root] = np.maximum(*ends[1, [root, piece]])
     roots = owner.copy()
     for piece in small.tolist():
         roots[piece] = _root(owner, piece)
@@ -165,12 +170,14 @@ def _neighbours(index: npt.NDArray[np.intp], small: npt.NDArray[np.intp]) -> npt
 
 
 def _most_shared(
-    piece: int, beside: npt.NDArray[np.intp], owner: npt.NDArray[np.intp], index: npt.NDArray[np.intp]
-) -> int:
-    """Return the near joint piece of the neighbours ``beside`` that shares most with ``piece``, or itself."""
+    piece: int, beside: npt.NDArray[np.intp], owner: npt.NDArray[np.intp], index: npt.NDArray[np.intp],
+    ends: npt.NDArray[np.intp],
+) -> int:  # fmt: skip
+    """Return the (joint) piece among the neighbours ``beside`` that shares most with ``piece`` and is near its
+    ``ends``, or itself."""
     for other in beside.tolist():
         root = _root(owner, other) if other >= 0 else piece
-        if root != piece and abs(index[root] - index[piece]).max() <= FARTHEST:
+        if root != piece and abs(index[root] - ends).max() <= FARTHEST:
             return root
     return piece
 
