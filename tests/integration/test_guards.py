@@ -89,6 +89,9 @@ def test_a_step_past_the_limit_of_the_meeting_nodes_is_refused_when_it_shows():
             body["geometry"][corner][0] -= 0.02
     with pytest.raises(SimulationError, match="stability limit"):
         mpmfw.run(mapping)
+    mapping["time"]["step"] = 1.01 * limit  # past that of equal bodies, which is known before any meet
+    with pytest.raises(SceneError, match=r"penalty springs and bulk; expected a smaller time\.step"):
+        Simulation(mapping)
 
 
 def test_initial_overlap_is_refused_unless_allowed():

@@ -25,6 +25,7 @@ from mpmfw.geometry import (
 )
 from mpmfw.geometry.clipped_lattice import FARTHEST
 from mpmfw.geometry.combined import Difference, Union
+from mpmfw.geometry.gmsh_file import started_gmsh
 from mpmfw.geometry.surface_checks import check_surface
 from mpmfw.runs import bodies
 from mpmfw.scene import load_scene
@@ -240,6 +241,20 @@ def test_a_broken_pipe_is_an_error_after_gmsh_too():
     pytest.importorskip("gmsh")
     done = subprocess.run([sys.executable, "-c", BREAKING], capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (0, "told\n")
+
+
+def test_the_caller_s_model_of_gmsh_stays_the_current_one(tmp_path):
+    """What the caller draws next would go to another."""
+    gmsh = pytest.importorskip("gmsh")
+    path = write_mesh(tmp_path / "square.msh", SQUARE, {"quad": [(0, 1, 2, 3)]})
+    with started_gmsh("the test"):
+        for name in ("own", "another"):
+            gmsh.model.add(name)
+            gmsh.model.occ.addRectangle(0.0, 0.0, 0.0, 1.0, 1.0)
+            gmsh.model.occ.synchronize()
+        gmsh.model.setCurrent("own")
+        MeshFile(path=path)
+        assert gmsh.model.getCurrent() == "own"
 
 
 SQUARE = [(0, 0), (2, 0), (2, 2), (0, 2)]

@@ -51,6 +51,7 @@ def read_blocks(path: Path, kinds: Mapping[int, int]) -> tuple[FloatArray, dict[
             raise ValueError(f"{path} is not a gmsh mesh that can be read")
         if _largest_count(content) > len(content):  # gmsh would make arrays of that length first
             raise ValueError(f"{path} is not a gmsh mesh that can be read: it announces more than it holds")
+        before = gmsh.model.getCurrent() if gmsh.model.list() else None
         try:
             gmsh.open(str(path))
             found = [int(kind) for kind in gmsh.model.mesh.getElementTypes()]
@@ -61,6 +62,8 @@ def read_blocks(path: Path, kinds: Mapping[int, int]) -> tuple[FloatArray, dict[
         names = {k: gmsh.model.mesh.getElementProperties(k)[0] for k in (*others, *kinds)}
         if gmsh.model.list():
             gmsh.model.remove()
+        if before in gmsh.model.list():  # an empty one is gone
+            gmsh.model.setCurrent(before)
     if others:
         read = " and ".join(names[k] for k in kinds)
         raise ValueError(
