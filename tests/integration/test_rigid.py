@@ -241,6 +241,10 @@ def test_walls_of_a_box_may_overlap_and_nothing_else(dim):
     bodies["wall0"]["geometry"]["point"] = [0.1] * dim
     with pytest.raises(SceneError, match=r"bodies\.cube: overlaps body 'wall0'"):
         Simulation(scene)
+    bodies["free"] = {"geometry": bodies["cube"]["geometry"], "rigid": {"density": 1000.0}}
+    bodies["cube"]["geometry"] = {"type": kind, "lower": [0.5] * dim, "upper": [0.8] * dim}
+    with pytest.raises(SceneError, match="overlaps body 'free'"):
+        Simulation(scene)
 
 
 @pytest.mark.parametrize("method", ["penalty", "midplane", "bardenhagen"])

@@ -173,7 +173,7 @@ def _most_shared(
     piece: int, beside: npt.NDArray[np.intp], owner: npt.NDArray[np.intp], index: npt.NDArray[np.intp],
     ends: npt.NDArray[np.intp],
 ) -> int:  # fmt: skip
-    """Return the (joint) piece among the neighbours ``beside`` that shares most with ``piece`` and is near its
+    """Return the joint piece of the neighbours ``beside`` that shares most with ``piece`` and is near its
     ``ends``, or itself."""
     for other in beside.tolist():
         root = _root(owner, other) if other >= 0 else piece
