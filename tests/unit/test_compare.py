@@ -8,7 +8,7 @@ import xarray as xr
 
 import mpmfw
 from mpmfw.api import ContactStrategy, hookimpl
-from mpmfw.errors import SceneError
+from mpmfw.errors import Interrupted, SceneError
 from mpmfw.plots import figures_of
 from mpmfw.report import table
 from mpmfw.results.references import rings_table
@@ -128,3 +128,15 @@ def test_rings_measures_vanish_for_the_reference_itself():
     for name in ("impulse_curve_error", "energy_curve_error", "force_error_100us", "force_error_200us"):
         assert np.isnan(short[name])  # stopped before the end of what is compared
     assert short["impulse_error"] == pytest.approx(0.0, abs=1e-3)
+
+
+def test_a_comparison_that_is_interrupted_writes_all_runs_that_ended(tmp_path):
+    def stop(event):
+        if event.done == 3:
+            raise KeyboardInterrupt
+
+    path = tmp_path / "all.nc"
+    with pytest.raises(Interrupted, match="keeps 3 finished runs"):
+        compare(["none", "separate"], ["linear", "gimp"], output=path, progress=stop)
+    with xr.open_dataset(path) as data:
+        assert int(data["steps"].notnull().sum()) == 3

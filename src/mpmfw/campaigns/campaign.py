@@ -17,7 +17,7 @@ from mpmfw.campaigns.measures import exact_of, measure_of, names_of_measures
 from mpmfw.campaigns.running import Event, Execution, Running
 from mpmfw.campaigns.store import COSTS, store_of
 from mpmfw.codes.code import codes_of
-from mpmfw.errors import ResultsWarning, SceneError, is_complete, status_code
+from mpmfw.errors import Interrupted, ResultsWarning, SceneError, is_complete, status_code
 from mpmfw.plugin.discovery import Kind, object_of
 from mpmfw.plugin.measure import About
 from mpmfw.results.concatenation import concatenate_runs
@@ -79,24 +79,29 @@ def run_grid(
     reference: Mapping[str, Any] | None = None,
     *,
     threads: int = 1,
-    begun: Callable[[xr.Dataset], None] | None = None,
+    partial: Callable[[xr.Dataset], None] | None = None,
 ) -> xr.Dataset:
-    """Run and join all points of a grid, as :func:`campaign`; call ``begun`` with the dataset of the first
-    complete run."""
+    """Run and join all points of a grid, as :func:`campaign`; call ``partial`` with the dataset of the first
+    complete run, and of all that have ended where they are interrupted."""
     if not grid.runnable:
         raise SceneError(problems=next(iter(grid.combinations.values())).problems)
     judges = judge_all(grid, measures, reference)
-    runs, waits = GridRuns(grid, "campaign", execution, threads=threads), begun is not None
+    runs, waits = GridRuns(grid, "campaign", execution, threads=threads), True
 
     def tell(event: Event) -> None:
         nonlocal waits
-        if begun is not None and waits and is_complete(event.status):
-            begun(dataset_of(runs, fields=False))
+        if partial is not None and waits and is_complete(event.status):
+            partial(dataset_of(runs, fields=False))
             waits = False
         if execution.progress is not None:
             execution.progress(event)
 
-    runs.complete(progress=tell)
+    try:
+        runs.complete(progress=tell)
+    except Interrupted:
+        if partial is not None and not waits:
+            partial(dataset_of(runs, fields=False))
+        raise
     runs.warn()
     dataset = dataset_of(runs)
     if "fields" in dataset.attrs:
@@ -164,8 +169,8 @@ def compare(
         Other codes, each a label of the dimension ``contact``: names with or without options, or adapters. A
         bare name stands for a code's plainest and its best settings. A code runs once, whatever the shape.
     output
-        NetCDF file to write, with the first run as soon as that has ended. Finished runs are kept in the
-        folder ``<output>.runs``, from which an interrupted comparison continues.
+        NetCDF file to write, with the first run as soon as that has ended, and at an interruption. Finished
+        runs are kept in the folder ``<output>.runs``, from which an interrupted comparison continues.
     set
         Scene keys that all runs share. ``output.particles`` keeps fields if all runs have the same points.
     measures
@@ -205,7 +210,7 @@ def compare(
     said = first is not None and "particles" in first.output.model_fields_set
     particles = {} if said else {"output.particles": any(measure_of(name).particles for name in known)}
 
-    def begun(dataset: xr.Dataset) -> None:
+    def partial(dataset: xr.Dataset) -> None:
         if path is not None:
             _write(dataset, path)
 
@@ -213,7 +218,7 @@ def compare(
         running["store"] = store_of(path)
     grid = make_grid({"": scene}, {**methods, **varied}, {**particles, **(set or {})})
     threads = 1 if first is None else first.threads
-    dataset = run_grid(grid, Execution(**running), tuple(known), threads=threads, begun=begun)
+    dataset = run_grid(grid, Execution(**running), tuple(known), threads=threads, partial=partial)
     dataset.attrs["set"] = json.dumps(plain(set or {}), default=str)
     dataset.attrs["codes"] = json.dumps({one.label: one.title for one in codes})
     if path is not None:

@@ -18,7 +18,7 @@ from mpmfw.campaigns.keys import overrides_of
 from mpmfw.campaigns.measures import measure_of, outputs_for
 from mpmfw.campaigns.running import Execution, Running
 from mpmfw.codes.code import codes_of
-from mpmfw.errors import NoSuchFileError, SceneError, SceneProblem
+from mpmfw.errors import Interrupted, NoSuchFileError, SceneError, SceneProblem
 from mpmfw.results.replacing import check_replaceable, replace_dataset
 from mpmfw.scene import Scene, load_scene
 from mpmfw.scene.override import parse_value
@@ -87,7 +87,12 @@ def study(
     jobs = 1 if alone and running.get("jobs") is None else running.get("jobs")
     running["jobs"], running["repeats"] = jobs, loaded.tables.cost.repeats
     runs = GridRuns(grid, "study", Execution(**running), output=path, exclusive=exclusive)
-    runs.complete()
+    try:
+        runs.complete()
+    except Interrupted:
+        if path is not None:  # what is known so far; the next start goes on from there
+            replace_dataset(assemble(loaded, judge, runs), path)
+        raise
     runs.warn()
     dataset = assemble(loaded, judge, runs)
     if path is not None:
