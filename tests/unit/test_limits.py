@@ -48,6 +48,11 @@ def test_a_misplaced_power_of_ten_is_named(overrides, message):
         tracemalloc.stop()
 
 
+def test_nodes_that_32_bits_cannot_count_are_refused_whatever_the_memory(monkeypatch):
+    monkeypatch.setattr(limits, "_memory_limits", lambda: iter([1e18]))
+    assert "nodes round the bodies are more than 2147483647" in refusal(**{"grid.cell_size": 1e-5})
+
+
 @pytest.mark.parametrize("name", ["colliding-rings", "rolling-sphere-slip", "sliding-block"])
 def test_the_estimate_covers_what_is_allocated(name):
     scene = load_scene(name)

@@ -28,6 +28,9 @@ BYTES = {2: (2_000, 400, 1_000), 3: (6_000, 600, 2_000)}
 #: Extent of a body in cells below which nothing of it is left by the layouts.
 THINNEST = 1e-6
 
+#: Flat indices of nodes are integers of 32 bits, which would overflow in silence.
+MOST_NODES = 2**31 - 1
+
 #: Nodes that a window has beyond the body, on both sides together.
 _BEYOND = 10
 
@@ -58,7 +61,7 @@ def most_memory(scene: Scene) -> float:
 
 
 def check_memory(scene: Scene) -> None:
-    """Refuse too much memory, and bodies outside the grid or far thinner than a cell."""
+    """Refuse too much memory, too many nodes, and bodies outside the grid or far thinner than a cell."""
     cell, each, counts = scene.grid.cell_size, np.array(BYTES[scene.dim]), {}
     for name, body in scene.bodies.items():
         if not isinstance(body, RigidBody):
@@ -87,6 +90,12 @@ def check_memory(scene: Scene) -> None:
             f"up to {shown_bytes(needed)} of memory, and the limit is {shown_bytes(limit)}, the memory of "
             f"this machine; expected a larger {key}, or are lengths in millimetres?",
             key=key,
+        )
+    if (nodes := sum(count[1] for count in counts.values())) > MOST_NODES:
+        raise SceneError(
+            f"{nodes:.3g} nodes round the bodies are more than {MOST_NODES}, the most that can be counted; "
+            "expected a larger grid.cell_size",
+            key="grid.cell_size",
         )
 
 
