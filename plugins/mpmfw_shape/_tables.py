@@ -80,10 +80,13 @@ def fold_at_start(d: int, values: Floats, width: int) -> None:
 class AtPoints(LinearSurface):
     """Base of shape functions of points without extent: surfaces are mapped with the same ``functions``."""
 
+    #: Whether the length of rows is compiled in, which is faster, but compiles kernels for each length.
+    compiles_length: ClassVar[bool] = False
+
     @hookimpl
     def setup(self, setup: Setup) -> None:
         points, dim = setup.state.particles.count, setup.dim
-        self.table = empty_stencil(points, self.entries(dim), dim, uniform=True)
+        self.table = empty_stencil(points, self.entries(dim), dim, uniform=self.compiles_length)
 
     @hookimpl
     def particle_reach(self, particles: Particles) -> FloatArray:
@@ -102,7 +105,7 @@ class FromProducts(AtPoints):
     def setup(self, setup: Setup) -> None:
         points, dim = setup.state.particles.count, setup.dim
         if setup.state.grid.axisymmetric:  # the table is read in every step
-            self.table = empty_stencil(points, WIDTH**dim, dim, uniform=True)
+            self.table = empty_stencil(points, WIDTH**dim, dim)
         else:
             self.table = Products(points, dim)
 

@@ -17,3 +17,4 @@ class Linear(AtPoints):
     auto_scheme = "musl"
     auto_transfer = "flip"
     auto_rotation = "exact"
+    compiles_length = True

@@ -48,6 +48,13 @@ def test_a_misplaced_power_of_ten_is_named(overrides, message):
         tracemalloc.stop()
 
 
+def test_a_ball_without_volume_within_rounding_is_refused():
+    ball = {"material": "soft", "particles": {"size": 0.4}}
+    ball["geometry"] = {"type": "ball", "centre": [0.03, 0.04, 0.05], "radius": 6e-7}
+    with pytest.raises(SceneError, match=r"bodies\.a: its volume is within rounding of zero"):
+        Simulation(scene_of({"a": ball}, 0.5, [-2] * 3, [2] * 3, end=0.001, **TABLES))
+
+
 def test_nodes_that_32_bits_cannot_count_are_refused_whatever_the_memory(monkeypatch):
     monkeypatch.setattr(limits, "_memory_limits", lambda: iter([1e18]))
     assert "nodes round the bodies are more than 2147483647" in refusal(**{"grid.cell_size": 1e-5})

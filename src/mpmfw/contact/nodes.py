@@ -245,8 +245,10 @@ class Nodes(AtNodes):
         self.projects_gradient = self.measures_area
         self.projects_mean = self.by_position
         soft = setup.state.soft_bodies
-        alike = self.options.normal == "averaged" or len(np.unique(stiffness_ranks(soft))) < len(soft)
-        if self.measures_area and alike:
+        # Of two alike the master changes from node to node. Of more some may rest on each other, as tiles do,
+        # and normals that lean there slow nothing down
+        changes = len(soft) == 2 and self.measures_area and len(np.unique(stiffness_ranks(soft))) == 1
+        if self.options.normal == "averaged" or changes:
             from mpmfw.contact.normal_bias import NormalBias
 
             self.bias = NormalBias(setup, owner)
@@ -258,7 +260,7 @@ class Nodes(AtNodes):
 
     def note_forces(self, rows: ContactRows, scale: float) -> None:
         if self.bias and self.shared_rows:
-            self.bias.add(rows, self.shared_rows, scale, self.gradient, self.pairs, self.state.grid.spacing)
+            self.bias.add(rows, self.shared_rows, scale, self.gradient, self.state.grid.spacing)
 
     def restart(self) -> None:
         if self.bias:

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from mpmfw.contact.shared_nodes import NodePairs
 from mpmfw.kernels import Struct, kernel, scratch
 from mpmfw.kernels.contact import Rows
 from mpmfw.kernels.types import Floats
@@ -29,9 +28,8 @@ class BiasSums(Struct):
 
 @kernel
 def add_bias(
-    rows: Rows, count: int, scale: float, gradient: Floats, pairs: NodePairs, sums: BiasSums,
-    spacing: tuple[float, ...],
-) -> None:  # fmt: skip
+    rows: Rows, count: int, scale: float, gradient: Floats, sums: BiasSums, spacing: tuple[float, ...]
+) -> None:
     """Add J_n of every shared node, and J_n (n_a + n_b) / 2 along the pair's tangential force of the step.
 
     n_a and n_b are the bodies' outward normals: their sum is 0 where faces meet. The tangential force is
@@ -40,7 +38,6 @@ def add_bias(
     face, force, lean = scratch.vector(spacing), scratch.vector(spacing), scratch.vector(spacing)
     while c < count:
         p = rows.pair[c]
-        both = pairs.weight_first[p] == pairs.weight_second[p]  # else one body gives the normal
         face[:], force[:], lean[:] = 0.0, 0.0, 0.0
         while c < count and rows.pair[c] == p:
             i, j, normal_impulse, square_a, square_b = rows.dof[2 * c], rows.dof[2 * c + 1], 0.0, 0.0, 0.0
@@ -50,7 +47,7 @@ def add_bias(
                 face[d] += gradient[j, d] - gradient[i, d]
                 square_a += gradient[i, d] ** 2
                 square_b += gradient[j, d] ** 2
-            if both and normal_impulse > 0.0 and square_a > 0.0 and square_b > 0.0:
+            if normal_impulse > 0.0 and square_a > 0.0 and square_b > 0.0:
                 sums.total[p] += normal_impulse
                 for d in range(dim):
                     mean = gradient[i, d] / math.sqrt(square_a) + gradient[j, d] / math.sqrt(square_b)
@@ -93,11 +90,10 @@ class NormalBias:
             self.sums.set(**{name: state.lengthen(f"{self.owner}/{field.name}", len(state.pairs))})
 
     def add(
-        self, rows: Rows, count: int, scale: float, gradient: FloatArray, pairs: NodePairs,
-        spacing: tuple[float, ...],
-    ) -> None:  # fmt: skip
+        self, rows: Rows, count: int, scale: float, gradient: FloatArray, spacing: tuple[float, ...]
+    ) -> None:
         """Add the sums of ``count`` rows, with impulses of ``scale`` times their forces."""
-        add_bias(rows, count, scale, gradient, pairs, self.sums, spacing)
+        add_bias(rows, count, scale, gradient, self.sums, spacing)
 
     def restart(self) -> None:
         for array in self.sums.members().values():

@@ -132,6 +132,8 @@ def merge_small_pieces(
     the joint pieces. A small piece stays if it has no neighbour, or if one of its pieces would join another
     more than two cells away: else the end of a thin fin would have no point."""
     dim = index.shape[1]
+    if len(index) == 0:
+        raise ValueError("its volume is within rounding of zero; expected a larger body or smaller particles")
     beyond = np.round(index[small] - volume @ index / volume.sum(), 6)  # the centre of mass
     outward = np.stack([beyond < 0, beyond > 0], axis=2).reshape(len(small), 2 * dim)
     preferred = shared * (1.0 - TIE_BREAK * (np.repeat(np.arange(dim), 2) + 0.5 * outward))
