@@ -95,6 +95,8 @@ def test_a_field_is_drawn_at_its_time_on_the_domains(a):
         (lambda a: mpmfw.plots.history(a, "min_gap", pair="uper-floor"), "did you mean 'upper-floor'"),
         (mpmfw.table, "not results of a comparison"),
         (lambda _: mpmfw.plots.side_by_side({}, "von_mises"), "no results to draw"),
+        (lambda a: mpmfw.plots.history(a, []), "no series named"),
+        (lambda a: mpmfw.animate(a, "a.gif", fps=0), "fps 0: expected 1 or more"),
     ],
 )
 def test_wrong_names_get_one_message(a, call, message):

@@ -71,11 +71,13 @@ def animate(
     Raises
     ------
     SceneError
-        There is no such field or body, the file's ending is unknown, or ffmpeg is missing.
+        ``fps`` is below 1, a field, a body or the file's ending is unknown, or ffmpeg is missing.
     MpmfwError
         A file cannot be read or written.
     """
     target = Path(path)
+    if fps < 1:
+        raise SceneError(f"fps {fps}: expected 1 or more")
     ffmpeg = check_movie(target)
     with labelled(results) as trees, mpl.rc_context():
         first = next(iter(trees.values()))

@@ -209,6 +209,8 @@ def _curves(
     series: Sequence[xr.Dataset], names: str | Sequence[str], selection: Mapping[str, str | None]
 ) -> list[Curve]:
     names = [names] if isinstance(names, str) else names
+    if not names:
+        raise SceneError("no series named")
     known = {str(name): one for data in reversed(series) for name, one in data.data_vars.items()}
     known = {name: one for name, one in known.items() if "time" in one.dims}
     arrays = {name: known[checked_name("series", name, sorted(known))] for name in names}
